@@ -1,0 +1,77 @@
+"""Kinematics of wheeled rovers: one wheel equation, any layout, a Rust core.
+
+>>> import six_wheel as sw
+>>> rover = sw.Rover.preset("perseverance")
+>>> steering, speeds = rover.inverse((0.04, 0.0, 0.02))
+>>> twist = rover.forward(steering, speeds)
+
+Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seconds, radians.
+"""
+
+from importlib.util import find_spec
+from os import PathLike
+
+from six_wheel._core import (
+    Fit,
+    Rover,
+    Wheel,
+    __version__,
+    compose,
+    differentiate,
+    exp,
+    integrate,
+    log,
+    wrap_angle,
+)
+from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
+from six_wheel.geometry import Pose, Twist
+
+__all__ = [
+    "ArgumentTypeError",
+    "Fit",
+    "InfeasibleMotionError",
+    "Pose",
+    "Rover",
+    "Twist",
+    "UnderdeterminedError",
+    "Wheel",
+    "__version__",
+    "compose",
+    "differentiate",
+    "exp",
+    "integrate",
+    "load",
+    "log",
+    "wrap_angle",
+]
+
+
+def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
+    """Read a rover from a parameter file: a ROS 2 parameter file as teams have it, or plain keys.
+
+    Parameters
+    ----------
+    path : str or PathLike
+        A YAML file.
+    node : str, optional
+        Which node of the file describes the rover, where several do.
+
+    Returns
+    -------
+    Rover
+        With the file's joint names, so that `commands` come out in the file's order.
+
+    Raises
+    ------
+    six_wheel.config.ParameterFileError
+        A `ValueError` that lists every mistake in the file with its line, the rule and a remedy.
+    ModuleNotFoundError
+        If what reads parameter files is not installed; the message has the install line.
+    """
+    missing = [package for package in ("pydantic", "yaml") if find_spec(package) is None]
+    if missing:
+        message = f'parameter files need {" and ".join(missing)}: pip install "six-wheel[cli]"'
+        raise ModuleNotFoundError(message, name=missing[0])
+    from six_wheel import config
+
+    return config.load(path, node=node)

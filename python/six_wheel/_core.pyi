@@ -1,0 +1,153 @@
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "Fit",
+    "Rover",
+    "Wheel",
+    "__version__",
+    "compose",
+    "differentiate",
+    "exp",
+    "integrate",
+    "log",
+    "wrap_angle",
+]
+
+_Floats: TypeAlias = NDArray[np.float64]
+_Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
+_Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
+
+__version__: str
+
+@final
+class Wheel:
+    def __new__(
+        cls,
+        name: str,
+        x: float,
+        y: float,
+        *,
+        radius: float,
+        steered: bool = False,
+        heading: float = 0.0,
+        steering_limit: float | tuple[float, float] | None = None,
+        scrub: float = 0.0,
+        trail: float = 0.0,
+    ) -> Wheel: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def x(self) -> float: ...
+    @property
+    def y(self) -> float: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def steered(self) -> bool: ...
+    @property
+    def heading(self) -> float: ...
+    @property
+    def steering_range(self) -> tuple[float, float] | None: ...
+    @property
+    def scrub(self) -> float: ...
+    @property
+    def trail(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Fit:
+    @property
+    def twist(self) -> _Floats: ...  # (..., 3)
+    @property
+    def residual(self) -> _Floats: ...  # (..., wheels) [m/s], >= 0
+    @property
+    def rank(self) -> int | NDArray[np.int64]: ...
+    @property
+    def sigma_min(self) -> float | _Floats: ...
+    @property
+    def weights(self) -> _Floats: ...  # (..., wheels), 0 to 1
+    @property
+    def worst_wheel(self) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+
+@final
+class Rover:
+    def __new__(
+        cls,
+        wheels: Sequence[Wheel],
+        *,
+        traction_joints: Mapping[str, str] | None = None,
+        steering_joints: Mapping[str, str] | None = None,
+    ) -> Rover: ...
+    @staticmethod
+    def six_wheel(
+        d1: float,
+        d2: float,
+        d3: float,
+        d4: float,
+        wheel_radius: float,
+        steering_limit: float | tuple[float, float] | None = None,
+    ) -> Rover: ...
+    @staticmethod
+    def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
+    @staticmethod
+    def presets() -> dict[str, str]: ...
+    def inverse(
+        self,
+        twist: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        steering_rates: ArrayLike | None = None,
+        out: tuple[_Floats, _Floats] | None = None,
+    ) -> tuple[_Floats, _Floats]: ...
+    def forward(
+        self,
+        steering: ArrayLike,
+        speeds: ArrayLike,
+        *,
+        steering_rates: ArrayLike | None = None,
+        out: _Floats | None = None,
+    ) -> _Floats: ...
+    def fit(
+        self,
+        steering: ArrayLike,
+        speeds: ArrayLike,
+        *,
+        method: _Method = "least_squares",
+        steering_rates: ArrayLike | None = None,
+    ) -> Fit: ...
+    def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
+    def project(self, twist: ArrayLike, keep: _Keep = "curvature", *, out: _Floats | None = None) -> _Floats: ...
+    def icr(self, twist: ArrayLike) -> _Floats: ...
+    def commands(
+        self, twist: ArrayLike, *, previous: ArrayLike | None = None
+    ) -> dict[str, float] | dict[str, _Floats]: ...
+    @property
+    def wheels(self) -> tuple[Wheel, ...]: ...
+    @property
+    def wheel_names(self) -> tuple[str, ...]: ...
+    @property
+    def steered_names(self) -> tuple[str, ...]: ...
+    @property
+    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the caller's order
+    @property
+    def steering_joints(self) -> dict[str, str]: ...
+    @property
+    def min_radius(self) -> float: ...
+    @property
+    def spin_radius(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+def integrate(twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None) -> _Floats: ...
+def differentiate(poses: ArrayLike, dt: ArrayLike) -> _Floats: ...
+def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
+def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
+def compose(first: ArrayLike, second: ArrayLike) -> _Floats: ...
+def wrap_angle(angle: ArrayLike) -> float | _Floats: ...

@@ -1,0 +1,498 @@
+//! Where shapes, dtypes and memory order meet: Python objects in, slices of `f64` out, and back.
+
+use numpy::ndarray::IxDyn;
+use numpy::{
+    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyValueError;
+use pyo3::import_exception;
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
+use six_wheel_core::geometry::Steps;
+use six_wheel_core::{Error, ErrorKind};
+
+import_exception!(six_wheel.errors, ArgumentTypeError);
+import_exception!(six_wheel.errors, InfeasibleMotionError);
+import_exception!(six_wheel.errors, UnderdeterminedError);
+
+/// Rows from which a call lets other Python threads run meanwhile.
+pub const DETACH_ROWS: usize = 32;
+
+/// An array as Python sees it.
+pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
+
+/// The exception of a core error, its row written as the index into the leading axes.
+pub fn raise(error: Error, leading: &[usize]) -> PyErr {
+    let message = error.message(
+        &error
+            .row
+            .map_or_else(String::new, |row| index(row, leading)),
+    );
+    match error.kind {
+        ErrorKind::Value => PyValueError::new_err(message),
+        ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
+        ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
+    }
+}
+
+/// `[1, 3]`: a flat row number as an index.
+fn index(row: usize, leading: &[usize]) -> String {
+    if leading.is_empty() {
+        return String::new();
+    }
+    let mut rest = row;
+    let mut places: Vec<String> = Vec::new();
+    for length in leading.iter().rev() {
+        places.push((rest % length.max(&1)).to_string());
+        rest /= length.max(&1);
+    }
+    places.reverse();
+    format!("[{}]", places.join(", "))
+}
+
+/// "`argument` must `rule`, got `value`" for what only Python knows of.
+pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
+    PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
+}
+
+/// A shape as Python writes it.
+pub fn shape_text(shape: &[usize]) -> String {
+    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+    let comma = if shape.len() == 1 { "," } else { "" };
+    format!("({}{comma})", lengths.join(", "))
+}
+
+/// A number of a constructor.
+pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let refused = || {
+        let text = value
+            .repr()
+            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        ArgumentTypeError::new_err(format!("{argument} must be a number, got {text}"))
+    };
+    if value.is_instance_of::<PyBool>() {
+        return Err(refused());
+    }
+    value.extract::<f64>().map_err(|_| refused())
+}
+
+/// Rows of numbers: leading axes are samples, the last axis has meaning.
+pub struct Rows<'py> {
+    data: Data<'py>,
+    /// Lengths of the leading axes.
+    pub leading: Vec<usize>,
+    width: usize,
+    /// The caller's array, if it came as one.
+    source: Option<Bound<'py, PyUntypedArray>>,
+}
+
+enum Data<'py> {
+    Three([f64; 3]),
+    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+    Owned(Vec<f64>),
+}
+
+impl<'py> Rows<'py> {
+    /// Reads whatever `numpy.asarray` takes. Three floats in a tuple or list never become an array.
+    pub fn read(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        if width == 3
+            && let Some(three) = three_numbers(value)
+        {
+            return Ok(Self {
+                data: Data::Three(three),
+                leading: Vec::new(),
+                width,
+                source: None,
+            });
+        }
+        let array = read_array(argument, value)?;
+        let Some((last, leading)) = array.shape().split_last() else {
+            return Err(refuse(
+                argument,
+                &format!("have shape (..., {width})"),
+                "a number",
+            ));
+        };
+        if *last != width {
+            let got = format!("shape {}", shape_text(array.shape()));
+            return Err(refuse(
+                argument,
+                &format!("have shape (..., {width})"),
+                &got,
+            ));
+        }
+        let leading = leading.to_vec();
+        let source = value.cast::<PyUntypedArray>().ok().cloned();
+        Ok(Self {
+            data: Data::Borrowed(array),
+            leading,
+            width,
+            source,
+        })
+    }
+
+    /// Reads an optional argument that has one row per row of another one.
+    pub fn read_beside(
+        argument: &str,
+        value: Option<&Bound<'py, PyAny>>,
+        width: usize,
+        leading: &[usize],
+    ) -> PyResult<Option<Self>> {
+        let Some(value) = value else { return Ok(None) };
+        let rows = Self::read(argument, value, width)?;
+        rows.check_leading(argument, leading)?;
+        Ok(Some(rows))
+    }
+
+    /// Lengths of all axes.
+    pub fn shape(&self) -> Vec<usize> {
+        joined(&self.leading, self.width)
+    }
+
+    /// Fails unless every number is finite.
+    pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
+        check_finite(argument, self.flat(), self.width, &self.leading)
+    }
+
+    /// All numbers, row after row.
+    pub fn flat(&self) -> &[f64] {
+        match &self.data {
+            Data::Three(three) => three,
+            // Contiguity was established on reading: an empty slice cannot come of it.
+            Data::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Data::Owned(values) => values,
+        }
+    }
+
+    /// All numbers as triples.
+    pub fn triples(&self) -> &[[f64; 3]] {
+        self.flat().as_chunks().0
+    }
+
+    /// Fails unless it has these leading axes.
+    pub fn check_leading(&self, argument: &str, leading: &[usize]) -> PyResult<()> {
+        if self.leading == leading {
+            return Ok(());
+        }
+        let rule = format!("have shape {}", shape_text(&joined(leading, self.width)));
+        Err(refuse(
+            argument,
+            &rule,
+            &format!("shape {}", shape_text(&self.shape())),
+        ))
+    }
+
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        self.leading.iter().product()
+    }
+
+    /// Whether it is one row, not a batch.
+    pub fn is_single(&self) -> bool {
+        self.leading.is_empty()
+    }
+
+    /// Lets go of the caller's array by copying it, so that the array may also be written to.
+    pub fn release_if(&mut self, array: &Bound<'py, PyAny>) {
+        if self.source.as_ref().is_some_and(|source| source.is(array)) {
+            self.data = Data::Owned(self.flat().to_vec());
+            self.source = None;
+        }
+    }
+}
+
+/// One number, or one per row.
+pub struct Scalars<'py> {
+    one: f64,
+    each: Option<PyReadonlyArrayDyn<'py, f64>>,
+    /// The shape: empty for one number.
+    pub shape: Vec<usize>,
+}
+
+impl<'py> Scalars<'py> {
+    /// Reads a number or an array of numbers.
+    pub fn read(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(float) = value.cast::<PyFloat>() {
+            return Ok(Self {
+                one: float.value(),
+                each: None,
+                shape: Vec::new(),
+            });
+        }
+        let array = read_array(argument, value)?;
+        let shape = array.shape().to_vec();
+        let one = array
+            .as_slice()
+            .ok()
+            .and_then(<[f64]>::first)
+            .copied()
+            .unwrap_or_default();
+        let each = (!shape.is_empty()).then_some(array);
+        Ok(Self { one, each, shape })
+    }
+
+    /// The numbers as durations.
+    pub fn steps(&self) -> Steps<'_> {
+        match &self.each {
+            None => Steps::Constant(self.one),
+            Some(each) => Steps::Each(each.as_slice().unwrap_or_default()),
+        }
+    }
+
+    /// All numbers.
+    pub fn flat(&self) -> &[f64] {
+        match &self.each {
+            None => std::slice::from_ref(&self.one),
+            Some(each) => each.as_slice().unwrap_or_default(),
+        }
+    }
+
+    /// Fails unless every number is finite.
+    pub fn check_finite(&self, argument: &'static str) -> PyResult<()> {
+        check_finite(argument, self.flat(), 1, &self.shape)
+    }
+
+    /// Fails unless it is one number or has this shape.
+    pub fn fit(&self, argument: &str, shape: &[usize]) -> PyResult<()> {
+        if self.shape.is_empty() || self.shape == shape {
+            return Ok(());
+        }
+        let rule = format!("be one number or have shape {}", shape_text(shape));
+        Err(refuse(
+            argument,
+            &rule,
+            &format!("shape {}", shape_text(&self.shape)),
+        ))
+    }
+}
+
+/// Leading axes with a last one.
+fn joined(leading: &[usize], last: usize) -> Vec<usize> {
+    leading.iter().copied().chain([last]).collect()
+}
+
+fn check_finite(
+    argument: &'static str,
+    values: &[f64],
+    width: usize,
+    leading: &[usize],
+) -> PyResult<()> {
+    let Some(place) = values.iter().position(|value| !value.is_finite()) else {
+        return Ok(());
+    };
+    let value = values[place].to_string().to_lowercase();
+    Err(raise(
+        Error::value(argument, "be finite", value).at_row(place / width),
+        leading,
+    ))
+}
+
+/// Three floats or integers in a tuple or list.
+fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
+    let number = |item: &Bound<'_, PyAny>| {
+        if let Ok(float) = item.cast::<PyFloat>() {
+            Some(float.value())
+        } else if item.is_instance_of::<PyInt>() && !item.is_instance_of::<PyBool>() {
+            item.extract().ok()
+        } else {
+            None
+        }
+    };
+    let items: [Bound<'_, PyAny>; 3] = if let Ok(tuple) = value.cast::<PyTuple>() {
+        if tuple.len() != 3 {
+            return None;
+        }
+        [
+            tuple.get_item(0).ok()?,
+            tuple.get_item(1).ok()?,
+            tuple.get_item(2).ok()?,
+        ]
+    } else {
+        let list = value.cast::<PyList>().ok().filter(|list| list.len() == 3)?;
+        [
+            list.get_item(0).ok()?,
+            list.get_item(1).ok()?,
+            list.get_item(2).ok()?,
+        ]
+    };
+    Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
+}
+
+/// A C-contiguous, aligned array of native `f64`: the caller's own memory where it is that already.
+fn read_array<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
+        && array.is_c_contiguous()
+        && array.is_aligned()
+    {
+        return borrow(argument, array);
+    }
+    let numpy = numpy(value.py())?;
+    let array = numpy
+        .call_method1(intern!(value.py(), "asarray"), (value,))
+        .map_err(|_| {
+            let kind = value
+                .get_type()
+                .name()
+                .map_or_else(|_| "an object".into(), |n| n.to_string());
+            refuse(
+                argument,
+                "be numbers of one rectangular shape",
+                &format!("a ragged {kind}"),
+            )
+        })?;
+    let dtype = array.getattr(intern!(value.py(), "dtype"))?;
+    let kind: char = dtype.getattr(intern!(value.py(), "kind"))?.extract()?;
+    if !matches!(kind, 'f' | 'i' | 'u') && array.len().is_ok_and(|length| length > 0) {
+        let message = format!("{argument} must be real numbers, got dtype {dtype}");
+        return Err(ArgumentTypeError::new_err(message));
+    }
+    let array = numpy
+        .call_method1(intern!(value.py(), "require"), (array, "d", ["C", "A"]))
+        .and_then(|array| Ok(array.cast_into::<PyArrayDyn<f64>>()?))?;
+    borrow(argument, &array)
+}
+
+fn borrow<'py>(argument: &str, array: &Array<'py>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    let busy = |_| {
+        refuse(
+            argument,
+            "not be written to meanwhile",
+            "an array in use as out=",
+        )
+    };
+    array.try_readonly().map_err(busy)
+}
+
+/// A result on its way out: the caller's array, or a fresh one.
+pub struct Output<'py> {
+    array: Array<'py>,
+    buffer: PyReadwriteArrayDyn<'py, f64>,
+    copy: bool,
+}
+
+impl<'py> Output<'py> {
+    /// The caller's `out`, checked, or a fresh array of this shape.
+    pub fn new(
+        py: Python<'py>,
+        argument: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        shape: &[usize],
+        inputs: &[Option<&Rows<'py>>],
+    ) -> PyResult<Self> {
+        let fresh = || PyArrayDyn::<f64>::zeros(py, IxDyn(shape), false);
+        let Some(out) = out else {
+            let array = fresh();
+            let buffer = array.readwrite();
+            return Ok(Self {
+                array,
+                buffer,
+                copy: false,
+            });
+        };
+        let rule = format!(
+            "be a writeable float64 array of shape {}",
+            shape_text(shape)
+        );
+        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
+            let got = out.getattr("dtype").map_or_else(
+                |_| out.get_type().to_string(),
+                |dtype| format!("an array of dtype {dtype}"),
+            );
+            ArgumentTypeError::new_err(format!("{argument} must {rule}, got {got}"))
+        })?;
+        if array.shape() != shape {
+            return Err(refuse(
+                argument,
+                &rule,
+                &format!("shape {}", shape_text(array.shape())),
+            ));
+        }
+        for source in inputs
+            .iter()
+            .flatten()
+            .filter_map(|rows| rows.source.as_ref())
+        {
+            disjoint(argument, array.as_any(), source.as_any(), "the input")?;
+        }
+        let copy = !(array.is_c_contiguous() && array.is_aligned());
+        let target = if copy { fresh() } else { array.clone() };
+        let read_only = |_| refuse(argument, &rule, "a read-only array or one in use");
+        let buffer = target.try_readwrite().map_err(read_only)?;
+        if copy
+            && !out
+                .getattr("flags")?
+                .getattr("writeable")?
+                .extract::<bool>()?
+        {
+            return Err(refuse(argument, &rule, "a read-only array"));
+        }
+        Ok(Self {
+            array: array.clone(),
+            buffer,
+            copy,
+        })
+    }
+
+    /// Where to write, row after row.
+    pub fn flat(&mut self) -> &mut [f64] {
+        // Fresh or checked in `new`: contiguous either way.
+        self.buffer.as_slice_mut().unwrap_or_default()
+    }
+
+    /// Where to write, as triples.
+    pub fn triples(&mut self) -> &mut [[f64; 3]] {
+        self.flat().as_chunks_mut().0
+    }
+
+    /// The array to return.
+    pub fn finish(self) -> PyResult<Array<'py>> {
+        if self.copy {
+            self.buffer.copy_to(&self.array)?;
+        }
+        Ok(self.array)
+    }
+}
+
+/// Fails if two arrays share memory.
+pub fn disjoint(
+    argument: &str,
+    array: &Bound<'_, PyAny>,
+    other: &Bound<'_, PyAny>,
+    name: &str,
+) -> PyResult<()> {
+    let py = array.py();
+    let near = numpy(py)?.call_method1(intern!(py, "may_share_memory"), (array, other))?;
+    if near.extract::<bool>()?
+        && numpy(py)?
+            .call_method1(intern!(py, "shares_memory"), (array, other))?
+            .extract()?
+    {
+        return Err(refuse(
+            argument,
+            &format!("not overlap {name}"),
+            "shared memory",
+        ));
+    }
+    Ok(())
+}
+
+fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
+    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    let module = NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?;
+    Ok(module.bind(py))
+}
+
+/// Runs a kernel, letting other Python threads run meanwhile if it takes long enough to matter.
+pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T + Send) -> T {
+    if rows >= DETACH_ROWS {
+        py.detach(kernel)
+    } else {
+        kernel()
+    }
+}

@@ -1,0 +1,257 @@
+//! Twists and poses.
+
+use pyo3::prelude::*;
+use pyo3::types::PyFloat;
+use six_wheel_core::geometry as core;
+use six_wheel_core::{Pose, Twist};
+
+use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape_text};
+
+/// Poses along a log of twists, each held over its step.
+///
+/// Exact for a twist that is constant over each step, whatever the length of the step. The sums carry
+/// their rounding errors along, and the yaw keeps its full turns.
+///
+/// Parameters
+/// ----------
+/// twists : array_like, shape (..., n, 3)
+///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
+/// dt : float or array_like, shape (n,)
+///     Duration of the steps [s].
+/// start : array_like, shape (3,) or (..., 3)
+///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
+/// out : ndarray, shape (..., n + 1, 3), optional
+///     Where to write the poses.
+///
+/// Returns
+/// -------
+/// ndarray, shape (..., n + 1, 3)
+///     Rows ``[x, y, yaw]`` [m, m, rad], the first of which is `start`.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a value is not finite or a duration is not positive.
+///
+/// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
+#[pyfunction]
+#[pyo3(
+    signature = (twists, dt, start=None, *, out=None),
+    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None)"
+)]
+pub fn integrate<'py>(
+    py: Python<'py>,
+    twists: &Bound<'py, PyAny>,
+    dt: &Bound<'py, PyAny>,
+    start: Option<&Bound<'py, PyAny>>,
+    out: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Array<'py>> {
+    let twists = Rows::read("twists", twists, 3)?;
+    let Some((&count, logs)) = twists.leading.split_last() else {
+        return Err(refuse("twists", "have shape (..., n, 3)", "shape (3,)"));
+    };
+    let starts = start
+        .map(|start| Rows::read("start", start, 3))
+        .transpose()?;
+    if let Some(starts) = starts.as_ref().filter(|starts| !starts.is_single())
+        && starts.leading != logs
+    {
+        let got = format!("leading axes {}", shape_text(&starts.leading));
+        let rule = format!("be one pose or have leading axes {}", shape_text(logs));
+        return Err(refuse("start", &rule, &got));
+    }
+    let dt = Scalars::read("dt", dt)?;
+    dt.fit("dt", &[count])?;
+    let shape: Vec<usize> = logs.iter().copied().chain([count + 1, 3]).collect();
+    let mut poses = Output::new(py, "out", out, &shape, &[Some(&twists), starts.as_ref()])?;
+    let first = |log: usize| match &starts {
+        None => [0.0; 3],
+        Some(starts) if starts.is_single() => starts.triples()[0],
+        Some(starts) => starts.triples()[log],
+    };
+    let firsts: Vec<[f64; 3]> = (0..logs.iter().product()).map(first).collect();
+    let (rows, steps, target) = (twists.triples(), dt.steps(), poses.triples());
+    compute(py, rows.len(), || {
+        core::integrate(rows, count, steps, &firsts, target)
+    })
+    .map_err(|error| {
+        let leading = if error.argument == "dt" {
+            &[count][..]
+        } else {
+            &twists.leading
+        };
+        raise(error, leading)
+    })?;
+    poses.finish()
+}
+
+/// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.
+///
+/// Parameters
+/// ----------
+/// poses : array_like, shape (n + 1, 3)
+///     Rows ``[x, y, yaw]`` [m, m, rad].
+/// dt : float or array_like, shape (n,)
+///     Duration of the steps [s].
+///
+/// Returns
+/// -------
+/// ndarray, shape (n, 3)
+///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; each step turns the short way round.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If there is no pose, a value is not finite or a duration is not positive.
+#[pyfunction]
+pub fn differentiate<'py>(
+    py: Python<'py>,
+    poses: &Bound<'py, PyAny>,
+    dt: &Bound<'py, PyAny>,
+) -> PyResult<Array<'py>> {
+    let poses = Rows::read("poses", poses, 3)?;
+    let &[count] = poses.leading.as_slice() else {
+        let got = format!("leading axes {}", shape_text(&poses.leading));
+        return Err(refuse("poses", "have shape (n + 1, 3)", &got));
+    };
+    let Some(steps) = count.checked_sub(1) else {
+        return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
+    };
+    let dt = Scalars::read("dt", dt)?;
+    dt.fit("dt", &[steps])?;
+    let mut twists = Output::new(py, "out", None, &[steps, 3], &[])?;
+    let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
+    compute(py, count, || core::differentiate(rows, steps, target))
+        .map_err(|error| raise(error, &[count]))?;
+    twists.finish()
+}
+
+/// Where holding a twist takes the body frame: the exponential map of SE(2).
+///
+/// Parameters
+/// ----------
+/// twist : array_like, shape (..., 3)
+///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+/// dt : float or array_like, shape (...)
+///     For how long [s].
+///
+/// Returns
+/// -------
+/// ndarray, shape (..., 3)
+///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
+#[pyfunction]
+#[pyo3(signature = (twist, dt=None), text_signature = "(twist, dt=1.0)")]
+pub fn exp<'py>(
+    py: Python<'py>,
+    twist: &Bound<'py, PyAny>,
+    dt: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Array<'py>> {
+    over_time(py, "twist", twist, dt, |row, dt| {
+        Twist::from(row).exp(dt).into()
+    })
+}
+
+/// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
+///
+/// Parameters
+/// ----------
+/// pose : array_like, shape (..., 3)
+///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
+/// dt : float or array_like, shape (...)
+///     In how long [s].
+///
+/// Returns
+/// -------
+/// ndarray, shape (..., 3)
+///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+#[pyfunction]
+#[pyo3(signature = (pose, dt=None), text_signature = "(pose, dt=1.0)")]
+pub fn log<'py>(
+    py: Python<'py>,
+    pose: &Bound<'py, PyAny>,
+    dt: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Array<'py>> {
+    over_time(py, "pose", pose, dt, |row, dt| {
+        Pose::from(row).log(dt).into()
+    })
+}
+
+/// Applies a map of three numbers and a duration to every row.
+fn over_time<'py>(
+    py: Python<'py>,
+    argument: &'static str,
+    value: &Bound<'py, PyAny>,
+    dt: Option<&Bound<'py, PyAny>>,
+    map: impl Fn([f64; 3], f64) -> [f64; 3],
+) -> PyResult<Array<'py>> {
+    let rows = Rows::read(argument, value, 3)?;
+    let one = PyFloat::new(py, 1.0).into_any();
+    let dt = Scalars::read("dt", dt.unwrap_or(&one))?;
+    dt.fit("dt", &rows.leading)?;
+    dt.steps()
+        .check(rows.count())
+        .map_err(|error| raise(error, &rows.leading))?;
+    rows.check_finite(argument)?;
+    let mut result = Output::new(py, "out", None, &rows.shape(), &[])?;
+    for (k, (row, target)) in rows.triples().iter().zip(result.triples()).enumerate() {
+        *target = map(*row, dt.steps().get(k));
+    }
+    result.finish()
+}
+
+/// One pose after another: `second` is seen from the end of `first`; yaws add up.
+///
+/// Parameters
+/// ----------
+/// first, second : array_like, shape (..., 3)
+///     ``[x, y, yaw]`` [m, m, rad].
+///
+/// Returns
+/// -------
+/// ndarray, shape (..., 3)
+///     The end of `second` seen from the start of `first`.
+#[pyfunction]
+pub fn compose<'py>(
+    py: Python<'py>,
+    first: &Bound<'py, PyAny>,
+    second: &Bound<'py, PyAny>,
+) -> PyResult<Array<'py>> {
+    let first = Rows::read("first", first, 3)?;
+    first.check_finite("first")?;
+    let second = Rows::read("second", second, 3)?;
+    second.check_finite("second")?;
+    second.check_leading("second", &first.leading)?;
+    let mut result = Output::new(py, "out", None, &first.shape(), &[])?;
+    let pairs = first.triples().iter().zip(second.triples());
+    for ((first, second), target) in pairs.zip(result.triples()) {
+        *target = Pose::from(*first).compose(Pose::from(*second)).into();
+    }
+    result.finish()
+}
+
+/// Angles brought into (-pi, pi] by whole turns.
+///
+/// Parameters
+/// ----------
+/// angle : float or array_like
+///     Angles [rad].
+///
+/// Returns
+/// -------
+/// float or ndarray
+///     The same angles, wrapped [rad].
+#[pyfunction]
+pub fn wrap_angle<'py>(py: Python<'py>, angle: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let angles = Scalars::read("angle", angle)?;
+    angles.check_finite("angle")?;
+    if angles.shape.is_empty() {
+        return Ok(core::wrap_angle(angles.flat()[0])
+            .into_pyobject(py)?
+            .into_any());
+    }
+    let mut result = Output::new(py, "out", None, &angles.shape, &[])?;
+    for (angle, target) in angles.flat().iter().zip(result.flat()) {
+        *target = core::wrap_angle(*angle);
+    }
+    Ok(result.finish()?.into_any())
+}

@@ -1,0 +1,25 @@
+//! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
+
+mod convert;
+mod fit;
+mod geometry;
+mod rover;
+mod wheel;
+
+use pyo3::prelude::*;
+
+/// The compiled core of six_wheel.
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<wheel::Wheel>()?;
+    module.add_class::<rover::Rover>()?;
+    module.add_class::<fit::Fit>()?;
+    module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::log, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::compose, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::wrap_angle, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,86 @@
+//! Times of the plain core, one call and batch, without Python.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use six_wheel_core::batch::{self, Log, SteeringInputs};
+use six_wheel_core::estimate::Measured;
+use six_wheel_core::geometry::{Steps, integrate};
+use six_wheel_core::{Error, Rover, Twist, presets};
+
+const ROWS: usize = 100_000;
+
+/// Twists over all turning radii, a thousandth of the way round the (vx, omega) plane apart.
+fn twists() -> Vec<[f64; 3]> {
+    let angles = (0..ROWS).map(|k| k as f64 * 1e-3);
+    angles
+        .map(|angle| [0.5 * angle.cos(), 0.0, 0.5 * angle.sin()])
+        .collect()
+}
+
+fn rover() -> Result<Rover, Error> {
+    presets::preset("perseverance", None)
+}
+
+fn one_call(criterion: &mut Criterion) {
+    let Ok(rover) = rover() else { return };
+    let (mut steering, mut speeds) = ([0.0; 4], [0.0; 6]);
+    let twist = Twist::from([0.5, 0.0, 0.3]);
+    criterion.bench_function("inverse, one call", |bencher| {
+        bencher.iter(|| {
+            rover
+                .inverse(black_box(twist), None, None, &mut steering, &mut speeds)
+                .is_ok()
+        });
+    });
+    criterion.bench_function("forward, one call", |bencher| {
+        bencher.iter(|| {
+            let (steering, speeds) = (black_box(&steering), black_box(&speeds));
+            rover.forward(Measured {
+                steering,
+                speeds,
+                steering_rates: None,
+            })
+        });
+    });
+}
+
+fn batches(criterion: &mut Criterion) {
+    let Ok(rover) = rover() else { return };
+    let twists = twists();
+    let (mut steering, mut speeds) = (vec![0.0; 4 * ROWS], vec![0.0; 6 * ROWS]);
+    let (mut back, mut poses) = (vec![[0.0; 3]; ROWS], vec![[0.0; 3]; ROWS + 1]);
+    let mut group = criterion.benchmark_group("batch");
+    group.throughput(Throughput::Elements(ROWS as u64));
+    let inputs = SteeringInputs::default();
+    group.bench_function("inverse", |bencher| {
+        bencher.iter(|| batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds));
+    });
+    let log = Log {
+        steering: &steering,
+        speeds: &speeds,
+        steering_rates: None,
+    };
+    group.bench_function("forward", |bencher| {
+        bencher.iter(|| batch::forward(&rover, log, &mut back));
+    });
+    group.bench_function("integrate", |bencher| {
+        bencher.iter(|| {
+            integrate(
+                &twists,
+                ROWS,
+                Steps::Constant(0.01),
+                &[[0.0; 3]],
+                &mut poses,
+            )
+        });
+    });
+    group.finish();
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(30);
+    targets = one_call, batches
+}
+criterion_main!(benches);

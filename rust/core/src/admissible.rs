@@ -1,0 +1,372 @@
+//! Which twists a rover can make: no side slip, and every steering angle inside its range.
+//!
+//! In twist space the fixed wheels leave a subspace. Each steered wheel whose range is narrower than half
+//! a turn leaves a double wedge of it, between the two planes on which it rolls exactly at an end of its
+//! range. The admissible set is their intersection: a union of polyhedral cones.
+
+use std::str::FromStr;
+
+use nalgebra::{Cholesky, Matrix3, Vector3};
+
+use crate::error::{Error, ErrorKind, finite, number, numbers};
+use crate::geometry::Twist;
+use crate::rover::{Mount, Rover};
+use crate::wheels::Direction;
+
+/// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
+pub const SLIP_TOLERANCE: f64 = 1e-9;
+
+/// Intervals of turning radius narrower than this are two names of one limit [share of the size].
+const SAME_RADIUS: f64 = 1e-9;
+
+/// Share of a twist's size below which a component of its projection is rounding.
+const VANISHED: f64 = 1e-14;
+
+/// What [`Rover::project`] preserves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Forward speed and yaw rate, hence the turning radius; past the limits neither grows.
+    Curvature,
+    /// Forward speed.
+    Speed,
+    /// Yaw rate.
+    YawRate,
+    /// As much as possible: least root mean square change of the pivots' velocities.
+    Nearest,
+}
+
+impl FromStr for Keep {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "curvature" => Ok(Self::Curvature),
+            "speed" => Ok(Self::Speed),
+            "yaw_rate" => Ok(Self::YawRate),
+            "nearest" => Ok(Self::Nearest),
+            _ => {
+                let rule = "be 'curvature', 'speed', 'yaw_rate' or 'nearest'";
+                Err(Error::value("keep", rule, format!("{name:?}")))
+            }
+        }
+    }
+}
+
+/// A linear condition: the row times the twist is the value.
+type Condition = (Vector3<f64>, f64);
+
+impl Rover {
+    /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
+    pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
+        finite("twist", &<[f64; 3]>::from(twist))?;
+        let fastest = self.fastest(twist, steering_rates);
+        // Twice: the length of a velocity against its larger component.
+        if !self
+            .wheels()
+            .iter()
+            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
+        {
+            return Err(
+                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
+            );
+        }
+        let tolerance = SLIP_TOLERANCE * fastest;
+        let vector = Vector3::from(twist);
+        for bank in &self.banks {
+            let slip = bank.row.dot(&vector).abs();
+            if slip > tolerance {
+                let names: Vec<_> = bank
+                    .wheels
+                    .iter()
+                    .map(|&i| format!("{:?}", self.wheels()[i].name))
+                    .collect();
+                let rule = format!(
+                    "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
+                     project() finds a twist that does not)",
+                    names.join(", "),
+                    number(slip)
+                );
+                return Err(infeasible(rule, twist));
+            }
+        }
+        for (joint, &i) in self.steered().iter().enumerate() {
+            let rate = steering_rates.map_or(0.0, |rates| rates[joint]);
+            self.check_steering(i, twist, rate, tolerance)?;
+        }
+        Ok(())
+    }
+
+    /// Fails if the wheel cannot steer to where the twist wants it.
+    fn check_steering(
+        &self,
+        i: usize,
+        twist: Twist,
+        rate: f64,
+        tolerance: f64,
+    ) -> Result<(), Error> {
+        let wheel = &self.wheels()[i];
+        let Mount::Steered(range, heading) = self.mounts[i] else {
+            return Ok(());
+        };
+        if range.is_full() && wheel.trail == 0.0 {
+            return Ok(());
+        }
+        let angle = wheel.steer(range, heading, twist, rate, 0.0).angle;
+        let at_an_end = angle == range.lower || angle == range.upper;
+        if !at_an_end && wheel.trail == 0.0 {
+            return Ok(());
+        }
+        let slip = wheel.side_slip(angle, twist, rate).abs();
+        if slip <= tolerance {
+            return Ok(());
+        }
+        let rule = format!(
+            "let wheel {:?} steer within {range} rad (at {} rad it would slide at {} m/s; \
+             project() finds a twist that does not)",
+            wheel.name,
+            number(angle),
+            number(slip)
+        );
+        Err(infeasible(rule, twist))
+    }
+
+    /// Bound of the speed of every pivot and contact, to a factor of two [m/s].
+    fn fastest(&self, twist: Twist, steering_rates: Option<&[f64]>) -> f64 {
+        let mut fastest: f64 = 0.0;
+        for wheel in self.wheels() {
+            let u = twist.at(wheel.x, wheel.y);
+            let offset = wheel.scrub.abs() + wheel.trail.abs();
+            let rate = steering_rates
+                .unwrap_or_default()
+                .iter()
+                .fold(0.0, |a: f64, b| a.max(b.abs()));
+            // `max` would drop a NaN, the sum does not.
+            let speed = u.x.abs() + u.y.abs() + offset * (twist.omega.abs() + rate);
+            fastest = if speed > fastest || speed.is_nan() {
+                speed
+            } else {
+                fastest
+            };
+        }
+        fastest
+    }
+
+    /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
+    pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
+        match self.check(twist, None) {
+            Ok(()) => return Ok(twist),
+            Err(error) if error.kind == ErrorKind::Value => return Err(error),
+            Err(_) => {}
+        }
+        let speed = (Vector3::x(), twist.vx);
+        let yaw_rate = (Vector3::z(), twist.omega);
+        let nearest = |kept: &[Condition]| {
+            self.nearest(twist, kept).ok_or_else(|| {
+                let kept = if keep == Keep::Speed {
+                    "speed"
+                } else {
+                    "yaw rate"
+                };
+                infeasible(
+                    format!("have a possible twist of the same {kept} beside it"),
+                    twist,
+                )
+            })
+        };
+        match keep {
+            Keep::Speed => nearest(&[speed]).map(|found| Twist {
+                vx: twist.vx,
+                ..found
+            }),
+            Keep::YawRate => nearest(&[yaw_rate]).map(|found| Twist {
+                omega: twist.omega,
+                ..found
+            }),
+            Keep::Nearest => nearest(&[]),
+            Keep::Curvature => match self.nearest(twist, &[speed, yaw_rate]) {
+                Some(found) => Ok(Twist {
+                    vy: found.vy,
+                    ..twist
+                }),
+                None => nearest(&[]).map(|found| shrink(found, twist)),
+            },
+        }
+    }
+
+    /// The nearest point of the admissible set under linear conditions.
+    ///
+    /// It lies inside one of the set's faces, and is there the orthogonal projection onto the planes that
+    /// meet in that face: all of them are tried.
+    fn nearest(&self, wanted: Twist, kept: &[Condition]) -> Option<Twist> {
+        let mut conditions: Vec<Condition> = self
+            .banks
+            .iter()
+            .map(|bank| (bank.row, 0.0))
+            .chain(kept.iter().copied())
+            .collect();
+        let limits = self.limit_rows();
+        let mut best: Option<(f64, Twist)> = None;
+        let mut attempt = |conditions: &[Condition]| {
+            let Some(found) = self.closest(wanted, conditions) else {
+                return;
+            };
+            let change = Vector3::from(found) - Vector3::from(wanted);
+            let distance = change.dot(&(self.metric * change));
+            let better = best.is_none_or(|(least, _)| distance < least);
+            if better && self.check(found, None).is_ok() {
+                best = Some((distance, found));
+            }
+        };
+        attempt(&conditions);
+        for (k, &first) in limits.iter().enumerate() {
+            conditions.push((first, 0.0));
+            attempt(&conditions);
+            for &second in &limits[k + 1..] {
+                conditions.push((second, 0.0));
+                attempt(&conditions);
+                conditions.pop();
+            }
+            conditions.pop();
+        }
+        if kept.iter().all(|(_, value)| *value == 0.0) {
+            attempt(&[
+                (Vector3::x(), 0.0),
+                (Vector3::y(), 0.0),
+                (Vector3::z(), 0.0),
+            ]);
+        }
+        best.map(|(_, twist)| twist)
+    }
+
+    /// The planes on which a steered wheel rolls exactly at an end of its range.
+    fn limit_rows(&self) -> Vec<Vector3<f64>> {
+        let ends = |&i: &usize| {
+            let wheel = &self.wheels()[i];
+            let range = wheel
+                .steering
+                .filter(|range| !range.is_full() || wheel.trail != 0.0);
+            let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
+            range.map_or_else(Vec::new, |range| vec![row(range.lower), row(range.upper)])
+        };
+        self.steered().iter().flat_map(ends).collect()
+    }
+
+    /// The point nearest to a twist where all conditions hold, if they agree.
+    fn closest(&self, wanted: Twist, conditions: &[Condition]) -> Option<Twist> {
+        // With metric = L Lᵀ and t = t0 + L⁻ᵀ y, the distance is |y|.
+        let to_twist = Cholesky::new(self.metric)?.l().transpose().try_inverse()?;
+        let mut normal = Matrix3::zeros();
+        let mut gradient = Vector3::zeros();
+        let scaled: Vec<Condition> = conditions
+            .iter()
+            .map(|(row, value)| {
+                let row = to_twist.transpose() * row;
+                let length = row.norm();
+                (row / length, value / length)
+            })
+            .collect();
+        for (row, _) in &scaled {
+            normal += row * row.transpose();
+        }
+        let inverse = normal.pseudo_inverse(1e-12).ok()?;
+        let start = to_twist.try_inverse()? * Vector3::from(wanted);
+        let mut point = start;
+        // The second round removes the rounding of the first, which is of the size of the wanted twist.
+        for _ in 0..2 {
+            gradient.fill(0.0);
+            for (row, value) in &scaled {
+                gradient += row * (value - row.dot(&point));
+            }
+            point += inverse * gradient;
+        }
+        let size = start.amax();
+        let agree = scaled
+            .iter()
+            .all(|(row, value)| (row.dot(&point) - value).abs() <= 1e-9 * size);
+        // What is left of a component that vanishes is rounding, and rounding has no direction.
+        let snap = |value: f64, length: f64| {
+            if value.abs() * length <= VANISHED * size {
+                0.0
+            } else {
+                value
+            }
+        };
+        let point = to_twist * point;
+        let found = [
+            snap(point.x, 1.0),
+            snap(point.y, 1.0),
+            snap(point.z, self.size),
+        ];
+        agree.then(|| Twist::from(found))
+    }
+
+    /// Smallest radius from which on every turn is possible, and largest up to which every one is.
+    pub(crate) fn turning_limits(&self) -> (f64, f64) {
+        let line = match self.banks.as_slice() {
+            [] => Vector3::new(0.0, 1.0, 0.0),
+            [bank] => bank.row,
+            _ => return (f64::INFINITY, 0.0),
+        };
+        // Turning about P + R n, P = m e the foot of the origin: R times straight plus one turn about P.
+        let straight = Vector3::new(line.y, -line.x, 0.0);
+        let spin = Vector3::new(-line.z * line.x, -line.z * line.y, 1.0);
+        let possible = |twist: Vector3<f64>| self.check(Twist::from(twist), None).is_ok();
+        let mut ends: Vec<f64> = self
+            .limit_rows()
+            .iter()
+            .map(|row| -row.dot(&spin) / row.dot(&straight))
+            .filter(|radius| radius.is_finite())
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|b, a| (*b - *a).abs() <= SAME_RADIUS * self.size);
+        let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else {
+            let all = possible(straight) && possible(spin);
+            return if all {
+                (0.0, f64::INFINITY)
+            } else {
+                (f64::INFINITY, 0.0)
+            };
+        };
+        // The line of radii, cut at the limits, closes at infinity: one piece holds the straight line.
+        let beyond = first.abs().max(last.abs()) + self.size;
+        let straight_on = [-beyond, beyond].map(|radius| possible(spin + straight * radius));
+        let mut min_radius: f64 = 0.0;
+        let mut spin_radius = f64::INFINITY;
+        for pair in ends.windows(2) {
+            if !possible(spin + straight * f64::midpoint(pair[0], pair[1])) {
+                min_radius = min_radius.max(pair[0].abs()).max(pair[1].abs());
+                let holds_zero = pair[0] < 0.0 && pair[1] > 0.0;
+                let inner = if holds_zero {
+                    0.0
+                } else {
+                    pair[0].abs().min(pair[1].abs())
+                };
+                spin_radius = spin_radius.min(inner);
+            }
+        }
+        for (end, possible) in [(first, straight_on[0]), (-last, straight_on[1])] {
+            if !possible {
+                min_radius = f64::INFINITY;
+                spin_radius = spin_radius.min((-end).max(0.0));
+            }
+        }
+        (min_radius, spin_radius)
+    }
+}
+
+/// Scales a twist so that neither its forward speed nor its yaw rate exceeds the wanted one.
+fn shrink(found: Twist, wanted: Twist) -> Twist {
+    let share = |found: f64, wanted: f64| {
+        if found.abs() <= wanted.abs() {
+            1.0
+        } else {
+            wanted.abs() / found.abs()
+        }
+    };
+    let scale = share(found.vx, wanted.vx).min(share(found.omega, wanted.omega));
+    Twist::from(Vector3::from(found) * scale)
+}
+
+fn infeasible(rule: impl Into<String>, twist: Twist) -> Error {
+    Error::value("twist", rule, numbers(&<[f64; 3]>::from(twist))).of_kind(ErrorKind::Infeasible)
+}

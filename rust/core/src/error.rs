@@ -1,0 +1,115 @@
+//! What can be wrong with an argument, said so that the caller can mend it.
+
+use std::borrow::Cow;
+use std::fmt;
+
+/// The family of a failure: which Python exception it becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The value itself is wrong: not finite, negative, unknown, of the wrong length.
+    Value,
+    /// The motion is well formed, but this rover cannot make it without side slip.
+    Infeasible,
+    /// The readings do not determine the twist.
+    Underdetermined,
+}
+
+/// "`argument` must `rule`, got `value`": what every failure of this crate says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Error {
+    /// Which exception family.
+    pub kind: ErrorKind,
+    /// Name of the argument at fault.
+    pub argument: Cow<'static, str>,
+    /// Row of a batch, counted over the flattened leading axes.
+    pub row: Option<usize>,
+    /// What the argument must be or do.
+    pub rule: String,
+    /// What came instead.
+    pub value: String,
+}
+
+impl Error {
+    /// A wrong value.
+    pub fn value(
+        argument: impl Into<Cow<'static, str>>,
+        rule: impl Into<String>,
+        value: impl Into<String>,
+    ) -> Self {
+        Self {
+            kind: ErrorKind::Value,
+            argument: argument.into(),
+            row: None,
+            rule: rule.into(),
+            value: value.into(),
+        }
+    }
+
+    /// The same failure, of another kind.
+    #[must_use]
+    pub fn of_kind(mut self, kind: ErrorKind) -> Self {
+        self.kind = kind;
+        self
+    }
+
+    /// The same failure, found in this row of a batch.
+    #[must_use]
+    pub fn at_row(mut self, row: usize) -> Self {
+        self.row = Some(row);
+        self
+    }
+
+    /// The message, with the place in a batch written by the caller, who knows its shape.
+    pub fn message(&self, place: &str) -> String {
+        format!(
+            "{}{place} must {}, got {}",
+            self.argument, self.rule, self.value
+        )
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = self.row.map_or_else(String::new, |row| format!("[{row}]"));
+        f.write_str(&self.message(&place))
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// A number as Python writes it.
+pub(crate) fn number(value: f64) -> String {
+    if value.is_nan() {
+        "nan".into()
+    } else {
+        format!("{value:?}")
+    }
+}
+
+/// A tuple of numbers as Python writes it.
+pub(crate) fn numbers(values: &[f64]) -> String {
+    let inner: Vec<String> = values.iter().copied().map(number).collect();
+    format!("({})", inner.join(", "))
+}
+
+/// Fails unless every value is finite.
+pub(crate) fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
+    if values.iter().all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(Error::value(argument, "be finite", numbers(values)))
+    }
+}
+
+/// Fails unless the value is finite and positive.
+pub(crate) fn positive(argument: impl Into<Cow<'static, str>>, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::value(
+            argument,
+            "be finite and positive",
+            number(value),
+        ))
+    }
+}

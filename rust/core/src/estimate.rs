@@ -1,0 +1,373 @@
+//! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
+
+use std::str::FromStr;
+
+use nalgebra::{Cholesky, Matrix3, Matrix5x3, U3, Vector3};
+
+use crate::error::{Error, ErrorKind, finite, numbers};
+use crate::geometry::Twist;
+use crate::rover::{MAX_WHEELS, Mount, Rover};
+use crate::wheels::Direction;
+
+/// Singular values below this share of the largest are zero.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// Smallest pivot of the normal equations, as a share of their trace, that still determines a direction.
+const PIVOT_TOLERANCE: f64 = 1e-13;
+
+/// Slip that counts as noise in a robust fit: this share of the root mean square rim speed at least, and
+/// this many times the median residual.
+const NOISE: f64 = 0.01;
+const MEDIANS: f64 = 3.0;
+
+/// Change of the weights at which a robust fit has settled, and rounds after which it stops regardless.
+const SETTLED: f64 = 1e-12;
+const ROUNDS: usize = 100;
+
+/// How the wheels' readings are weighed against each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Every wheel alike.
+    LeastSquares,
+    /// The unsteered wheels alone.
+    MiddleWheels,
+    /// Iteratively re-weighted: a wheel that disagrees with the others loses its say.
+    Robust,
+}
+
+impl FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "least_squares" => Ok(Self::LeastSquares),
+            "middle_wheels" => Ok(Self::MiddleWheels),
+            "robust" => Ok(Self::Robust),
+            _ => {
+                let rule = "be 'least_squares', 'middle_wheels' or 'robust'";
+                Err(Error::value("method", rule, format!("{name:?}")))
+            }
+        }
+    }
+}
+
+/// Factorised normal equations.
+pub(crate) type Factor = Cholesky<f64, U3>;
+
+/// What a fit says beside the residuals and weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// The estimate.
+    pub twist: Twist,
+    /// Number of independent directions of the twist that the readings determine.
+    pub rank: usize,
+    /// Smallest singular value of the stacked, weighted rows.
+    pub sigma_min: f64,
+}
+
+/// Both rows of one wheel with their right-hand sides.
+#[derive(Clone, Copy)]
+struct Reading {
+    rolling: Vector3<f64>,
+    side_slip: Vector3<f64>,
+    rolled: f64,
+    slipped: f64,
+}
+
+impl Reading {
+    const NONE: Self = Self {
+        rolling: Vector3::new(0.0, 0.0, 0.0),
+        side_slip: Vector3::new(0.0, 0.0, 0.0),
+        rolled: 0.0,
+        slipped: 0.0,
+    };
+
+    /// Length of the two residuals: how fast the contact slides under this twist [m/s].
+    fn residual(&self, twist: &Vector3<f64>) -> f64 {
+        let along = self.rolling.dot(twist) - self.rolled;
+        let across = self.side_slip.dot(twist) - self.slipped;
+        along.hypot(across)
+    }
+}
+
+/// What the wheels report at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// Angles of the steered wheels [rad].
+    pub steering: &'a [f64],
+    /// Speeds of all wheels [rad/s].
+    pub speeds: &'a [f64],
+    /// Rates of the steered wheels [rad/s]; they matter to wheels with scrub or trail.
+    pub steering_rates: Option<&'a [f64]>,
+}
+
+impl Rover {
+    /// The twist that fits the readings of all wheels best, in the sense of least squares.
+    pub fn forward(&self, measured: Measured<'_>) -> Result<Twist, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        let factor = match &self.factor {
+            Some(factor) => *factor,
+            None => self.factor(self.normal(readings, |_| 1.0))?,
+        };
+        Ok(self.solve_for_twist(&factor, readings, |_| 1.0))
+    }
+
+    /// Fails unless every reading is finite and none is so large that the twist would not be.
+    pub(crate) fn check_readings(&self, measured: Measured<'_>) -> Result<(), Error> {
+        finite("steering", measured.steering)?;
+        finite("speeds", measured.speeds)?;
+        finite(
+            "steering_rates",
+            measured.steering_rates.unwrap_or_default(),
+        )?;
+        let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let bound = largest(measured.speeds) + largest(measured.steering_rates.unwrap_or_default());
+        if (bound * self.reading_bound).is_finite() {
+            Ok(())
+        } else {
+            let rule = "be small enough for a finite twist";
+            Err(Error::value("speeds", rule, numbers(measured.speeds)))
+        }
+    }
+
+    /// The factor of the normal equations, where it does not depend on the steering angles: a steered
+    /// wheel without scrub and trail measures its pivot's whole velocity, whichever way it points.
+    pub(crate) fn constant_factor(&self) -> Option<Factor> {
+        let centred = |&i: &usize| self.wheels()[i].is_centred();
+        if !self.steered().iter().all(centred) {
+            return None;
+        }
+        let (angles, speeds) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let at_rest = Measured {
+            steering: &angles,
+            speeds: &speeds,
+            steering_rates: None,
+        };
+        let readings = self.read(at_rest, &mut readings);
+        self.factor(self.normal(readings, |_| 1.0)).ok()
+    }
+
+    /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
+    pub fn fit(
+        &self,
+        measured: Measured<'_>,
+        method: Method,
+        residual: &mut [f64],
+        weights: &mut [f64],
+    ) -> Result<Fit, Error> {
+        self.check_readings(measured)?;
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = self.read(measured, &mut readings);
+        weights.fill(1.0);
+        if method == Method::MiddleWheels {
+            for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
+                *weight = if wheel.steering.is_some() { 0.0 } else { 1.0 };
+            }
+            if weights.iter().all(|weight| *weight == 0.0) {
+                let rule = "be another one for a rover without unsteered wheels";
+                return Err(Error::value("method", rule, "'middle_wheels'"));
+            }
+        }
+        let mut twist = self.weighted(readings, weights)?;
+        if method == Method::Robust {
+            twist = self.reweigh(readings, twist, weights)?;
+        }
+        for (reading, residual) in readings.iter().zip(residual) {
+            *residual = reading.residual(&twist.into());
+        }
+        let (rank, sigma_min) = self.singular_values(readings, weights);
+        Ok(Fit {
+            twist,
+            rank,
+            sigma_min,
+        })
+    }
+
+    /// Puts the readings into the wheel equation.
+    fn read<'r>(
+        &self,
+        measured: Measured<'_>,
+        readings: &'r mut [Reading; MAX_WHEELS],
+    ) -> &'r [Reading] {
+        let mut joint = 0;
+        let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
+        for (((wheel, mount), speed), reading) in wheels.zip(readings.iter_mut()) {
+            let mut rate = 0.0;
+            let rows = match *mount {
+                Mount::Fixed(rows) => rows,
+                Mount::Steered(..) => {
+                    rate = measured.steering_rates.map_or(0.0, |rates| rates[joint]);
+                    let angle = wheel.heading + measured.steering[joint];
+                    joint += 1;
+                    wheel.rows(Direction::from(angle))
+                }
+            };
+            *reading = Reading {
+                rolling: rows.rolling,
+                side_slip: rows.side_slip,
+                rolled: wheel.radius * speed + wheel.scrub * rate,
+                slipped: wheel.trail * rate,
+            };
+        }
+        &readings[..self.wheels().len()]
+    }
+
+    /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
+    /// are then close to a multiple of the identity and lose no digits.
+    fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
+        let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
+        Vector3::new(row.x, row.y, moment / self.size)
+    }
+
+    fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+        let mut normal = Matrix3::zeros();
+        for (i, reading) in readings.iter().enumerate() {
+            let (rolling, side_slip) = (
+                self.shifted(&reading.rolling),
+                self.shifted(&reading.side_slip),
+            );
+            normal +=
+                (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * weight(i);
+        }
+        normal
+    }
+
+    fn factor(&self, normal: Matrix3<f64>) -> Result<Factor, Error> {
+        let determined = |factor: &Factor| {
+            let diagonal = factor.l_dirty().diagonal();
+            diagonal
+                .iter()
+                .all(|pivot| pivot * pivot > PIVOT_TOLERANCE * normal.trace())
+        };
+        normal
+            .cholesky()
+            .filter(determined)
+            .ok_or_else(|| self.underdetermined(normal))
+    }
+
+    fn solve_for_twist(
+        &self,
+        factor: &Factor,
+        readings: &[Reading],
+        weight: impl Fn(usize) -> f64,
+    ) -> Twist {
+        let mut gradient = Vector3::zeros();
+        for (i, reading) in readings.iter().enumerate() {
+            let rolling = self.shifted(&reading.rolling) * reading.rolled;
+            let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
+            gradient += (rolling + side_slip) * weight(i);
+        }
+        let centred = factor.solve(&gradient);
+        let omega = centred.z / self.size;
+        Twist {
+            vx: centred.x + omega * self.centre.y,
+            vy: centred.y - omega * self.centre.x,
+            omega,
+        }
+    }
+
+    /// Weighted least squares.
+    fn weighted(&self, readings: &[Reading], weights: &[f64]) -> Result<Twist, Error> {
+        let factor = self.factor(self.normal(readings, |i| weights[i]))?;
+        Ok(self.solve_for_twist(&factor, readings, |i| weights[i]))
+    }
+
+    /// Names the motion that no reading sees.
+    fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
+        let svd = normal.svd(false, true);
+        let unseen = svd
+            .v_t
+            .map_or_else(Vector3::zeros, |v_t| v_t.row(2).transpose());
+        let omega = unseen.z / self.size;
+        let twist = [
+            unseen.x + omega * self.centre.y,
+            unseen.y - omega * self.centre.x,
+            omega,
+        ];
+        let rule = "determine the twist";
+        let value = format!(
+            "no reading of the motion (vx, vy, omega) = {}",
+            numbers(&twist)
+        );
+        Error::value("wheels", rule, value).of_kind(ErrorKind::Underdetermined)
+    }
+
+    /// Geman-McClure weights, their scale halved from the largest residual down to the noise: graduated
+    /// non-convexity (H. Yang et al., IEEE RA-L 5(2), 2020), so that no wheel is dropped at first sight.
+    fn reweigh(
+        &self,
+        readings: &[Reading],
+        start: Twist,
+        weights: &mut [f64],
+    ) -> Result<Twist, Error> {
+        let squares: f64 = readings
+            .iter()
+            .map(|reading| reading.rolled * reading.rolled)
+            .sum();
+        let least_noise = NOISE * (squares / readings.len() as f64).sqrt();
+        let mut residuals = [0.0; MAX_WHEELS];
+        let mut twist = start;
+        let mut scale = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            for (residual, reading) in residuals.iter_mut().zip(readings) {
+                *residual = reading.residual(&twist.into());
+            }
+            let mut sorted = residuals;
+            let sorted = &mut sorted[..readings.len()];
+            sorted.sort_unstable_by(f64::total_cmp);
+            let noise = (MEDIANS * median(sorted)).max(least_noise);
+            scale = if scale.is_finite() {
+                scale
+            } else {
+                sorted[sorted.len() - 1]
+            };
+            scale = scale.min(noise.max(scale / 2.0));
+            if scale == 0.0 {
+                break;
+            }
+            let mut change: f64 = 0.0;
+            for (weight, residual) in weights.iter_mut().zip(&residuals) {
+                let ratio = residual / scale;
+                let next = (1.0 + ratio * ratio).powi(-2);
+                change = change.max((next - *weight).abs());
+                *weight = next;
+            }
+            twist = self.weighted(readings, weights)?;
+            if change <= SETTLED {
+                break;
+            }
+        }
+        Ok(twist)
+    }
+
+    /// Rank and smallest singular value of the stacked rows, folded wheel by wheel into one triangle.
+    fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
+        let mut triangle = Matrix3::zeros();
+        for (reading, weight) in readings.iter().zip(weights) {
+            let mut stack = Matrix5x3::zeros();
+            stack.fixed_view_mut::<3, 3>(0, 0).copy_from(&triangle);
+            stack.set_row(3, &(reading.rolling * weight.sqrt()).transpose());
+            stack.set_row(4, &(reading.side_slip * weight.sqrt()).transpose());
+            triangle = stack.qr().r();
+        }
+        let values = triangle.singular_values();
+        let rank = values
+            .iter()
+            .filter(|value| **value > RANK_TOLERANCE * values.max())
+            .count();
+        (rank, values.min())
+    }
+}
+
+/// Median of sorted values.
+fn median(sorted: &[f64]) -> f64 {
+    let middle = sorted.len() / 2;
+    if sorted.len() % 2 == 1 {
+        sorted[middle]
+    } else {
+        f64::midpoint(sorted[middle - 1], sorted[middle])
+    }
+}

@@ -1,0 +1,347 @@
+//! Twists and poses in the plane: SE(2) exponential and logarithm, and their sums over time.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Rotation2, Vector2, Vector3};
+
+use crate::error::{Error, finite, number, numbers};
+
+/// Velocity of the body frame, in body axes [m/s, m/s, rad/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// Forward [m/s].
+    pub vx: f64,
+    /// To the left [m/s].
+    pub vy: f64,
+    /// Counter-clockwise [rad/s].
+    pub omega: f64,
+}
+
+/// `world_from_body`: position [m] and yaw [rad]. The yaw keeps its full turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// East or forward [m].
+    pub x: f64,
+    /// North or left [m].
+    pub y: f64,
+    /// Counter-clockwise [rad].
+    pub yaw: f64,
+}
+
+impl From<[f64; 3]> for Twist {
+    fn from([vx, vy, omega]: [f64; 3]) -> Self {
+        Self { vx, vy, omega }
+    }
+}
+
+impl From<Twist> for [f64; 3] {
+    fn from(twist: Twist) -> Self {
+        [twist.vx, twist.vy, twist.omega]
+    }
+}
+
+impl From<Twist> for Vector3<f64> {
+    fn from(twist: Twist) -> Self {
+        Vector3::new(twist.vx, twist.vy, twist.omega)
+    }
+}
+
+impl From<Vector3<f64>> for Twist {
+    fn from(vector: Vector3<f64>) -> Self {
+        Self::from([vector.x, vector.y, vector.z])
+    }
+}
+
+impl From<[f64; 3]> for Pose {
+    fn from([x, y, yaw]: [f64; 3]) -> Self {
+        Self { x, y, yaw }
+    }
+}
+
+impl From<Pose> for [f64; 3] {
+    fn from(pose: Pose) -> Self {
+        [pose.x, pose.y, pose.yaw]
+    }
+}
+
+/// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { x.sin() / x }
+}
+
+/// The angle brought into (-pi, pi] by whole turns.
+pub fn wrap_angle(angle: f64) -> f64 {
+    let rest = angle % TAU; // exact
+    if rest > PI {
+        rest - TAU
+    } else if rest <= -PI {
+        rest + TAU
+    } else {
+        rest
+    }
+}
+
+impl Twist {
+    /// No motion.
+    pub const ZERO: Self = Self {
+        vx: 0.0,
+        vy: 0.0,
+        omega: 0.0,
+    };
+
+    /// Linear part [m/s].
+    pub fn linear(self) -> Vector2<f64> {
+        Vector2::new(self.vx, self.vy)
+    }
+
+    /// Velocity of a point of the body [m/s].
+    pub fn at(self, x: f64, y: f64) -> Vector2<f64> {
+        Vector2::new(self.vx - self.omega * y, self.vy + self.omega * x)
+    }
+
+    /// `start_from_end`: where holding this twist for `dt` [s] takes the body frame.
+    pub fn exp(self, dt: f64) -> Pose {
+        let yaw = self.omega * dt;
+        // The chord leaves at half the turn. Nothing cancels as yaw → 0, unlike (1 − cos yaw)/yaw.
+        let chord = Rotation2::new(yaw / 2.0) * self.linear() * (sinc(yaw / 2.0) * dt);
+        Pose {
+            x: chord.x,
+            y: chord.y,
+            yaw,
+        }
+    }
+
+    /// Instantaneous centre of rotation [m] in body axes.
+    ///
+    /// Driving straight it lies at infinity: the component across the motion is infinite, a component
+    /// without motion across it is 0. At rest there is none: NaN.
+    pub fn icr(self) -> [f64; 2] {
+        let quotient = |numerator: f64| match (self.omega == 0.0, numerator == 0.0) {
+            (false, _) => numerator / self.omega,
+            (true, true) => 0.0,
+            (true, false) => f64::INFINITY.copysign(numerator),
+        };
+        if self == Self::ZERO {
+            [f64::NAN; 2]
+        } else {
+            [quotient(-self.vy) + 0.0, quotient(self.vx) + 0.0] // + 0.0: no minus zero
+        }
+    }
+}
+
+impl Pose {
+    /// The twist that reaches this pose in `dt` [s] along one arc, turning the short way round.
+    pub fn log(self, dt: f64) -> Twist {
+        let yaw = wrap_angle(self.yaw);
+        let chord = Vector2::new(self.x, self.y);
+        let linear = Rotation2::new(-yaw / 2.0) * chord / (sinc(yaw / 2.0) * dt);
+        Twist {
+            vx: linear.x,
+            vy: linear.y,
+            omega: yaw / dt,
+        }
+    }
+
+    /// `a_from_c = a_from_b * b_from_c`; yaws add up, turns included.
+    #[must_use]
+    pub fn compose(self, next: Self) -> Self {
+        let shift = Rotation2::new(self.yaw) * Vector2::new(next.x, next.y);
+        Self {
+            x: self.x + shift.x,
+            y: self.y + shift.y,
+            yaw: self.yaw + next.yaw,
+        }
+    }
+
+    /// `self_from_next`: the pose of `next` seen from this one.
+    #[must_use]
+    pub fn between(self, next: Self) -> Self {
+        let shift = Rotation2::new(-self.yaw) * Vector2::new(next.x - self.x, next.y - self.y);
+        Self {
+            x: shift.x,
+            y: shift.y,
+            yaw: next.yaw - self.yaw,
+        }
+    }
+}
+
+/// Durations of the steps of a log [s].
+#[derive(Clone, Copy, Debug)]
+pub enum Steps<'a> {
+    /// Every step takes the same time.
+    Constant(f64),
+    /// One duration per step.
+    Each(&'a [f64]),
+}
+
+impl Steps<'_> {
+    /// Duration of step `k`.
+    pub fn get(&self, k: usize) -> f64 {
+        match self {
+            Self::Constant(dt) => *dt,
+            Self::Each(dts) => dts[k],
+        }
+    }
+
+    /// Fails unless there are `count` finite, positive durations.
+    pub fn check(&self, count: usize) -> Result<(), Error> {
+        let wrong = |dt: f64| !(dt.is_finite() && dt > 0.0);
+        let rule = "be finite and positive";
+        match self {
+            Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule, number(*dt))),
+            Self::Constant(_) => Ok(()),
+            Self::Each(dts) if dts.len() != count => Err(Error::value(
+                "dt",
+                format!("be one number or have {count} of them, one per step"),
+                format!("{}", dts.len()),
+            )),
+            Self::Each(dts) => match dts.iter().position(|dt| wrong(*dt)) {
+                Some(row) => Err(Error::value("dt", rule, number(dts[row])).at_row(row)),
+                None => Ok(()),
+            },
+        }
+    }
+}
+
+/// A sum that carries its own rounding error along (Neumaier's variant of Kahan's sum).
+#[derive(Clone, Copy)]
+struct Sum {
+    sum: f64,
+    lost: f64,
+}
+
+impl Sum {
+    fn new(start: f64) -> Self {
+        Self {
+            sum: start,
+            lost: 0.0,
+        }
+    }
+
+    fn add(&mut self, term: f64) {
+        let total = self.sum + term;
+        let (large, small) = if self.sum.abs() >= term.abs() {
+            (self.sum, term)
+        } else {
+            (term, self.sum)
+        };
+        self.lost += (large - total) + small;
+        self.sum = total;
+    }
+
+    fn value(self) -> f64 {
+        self.sum + self.lost
+    }
+}
+
+/// Poses along logs of `count` twists each, every twist held over its step: exact, whatever its length.
+///
+/// There is one start per log; `poses` takes `count + 1` rows per log, the first of which is its start.
+/// Nothing is written on failure, and rows of errors count over all logs.
+pub fn integrate(
+    twists: &[[f64; 3]],
+    count: usize,
+    steps: Steps<'_>,
+    starts: &[[f64; 3]],
+    poses: &mut [[f64; 3]],
+) -> Result<(), Error> {
+    debug_assert_eq!(twists.len(), starts.len() * count);
+    debug_assert_eq!(poses.len(), starts.len() * (count + 1));
+    steps.check(count)?;
+    let log = |k: usize| &twists[k * count..(k + 1) * count];
+    for (k, start) in starts.iter().enumerate() {
+        check_log(log(k), steps, *start).map_err(|error| Error {
+            row: error.row.map(|row| k * count + row),
+            ..error
+        })?;
+    }
+    for ((k, start), poses) in starts
+        .iter()
+        .enumerate()
+        .zip(poses.chunks_exact_mut(count + 1))
+    {
+        integrate_log(log(k), steps, *start, poses);
+    }
+    Ok(())
+}
+
+fn integrate_log(twists: &[[f64; 3]], steps: Steps<'_>, start: [f64; 3], poses: &mut [[f64; 3]]) {
+    let [mut x, mut y, mut yaw] = start.map(Sum::new);
+    poses[0] = start;
+    for (k, (twist, pose)) in twists.iter().zip(&mut poses[1..]).enumerate() {
+        let step = Twist::from(*twist).exp(steps.get(k));
+        let shift = Rotation2::new(yaw.value()) * Vector2::new(step.x, step.y);
+        x.add(shift.x);
+        y.add(shift.y);
+        yaw.add(step.yaw);
+        *pose = [x.value(), y.value(), yaw.value()];
+    }
+}
+
+/// The total way and turn are finite, so that every pose on the way is.
+fn check_log(twists: &[[f64; 3]], steps: Steps<'_>, start: [f64; 3]) -> Result<(), Error> {
+    finite("start", &start)?;
+    let mut total = start.iter().map(|value| value.abs()).fold(0.0, f64::max);
+    for (k, twist) in twists.iter().enumerate() {
+        finite("twists", twist).map_err(|error| error.at_row(k))?;
+        total += twist.iter().map(|value| value.abs()).fold(0.0, f64::max) * steps.get(k) * 2.0;
+        if !total.is_finite() {
+            let rule = "keep the pose finite over its step";
+            return Err(Error::value("twists", rule, numbers(twist)).at_row(k));
+        }
+    }
+    Ok(())
+}
+
+/// The twists that, each held over its step, pass through the poses: the inverse of [`integrate`].
+pub fn differentiate(
+    poses: &[[f64; 3]],
+    steps: Steps<'_>,
+    twists: &mut [[f64; 3]],
+) -> Result<(), Error> {
+    debug_assert_eq!(poses.len(), twists.len() + 1);
+    steps.check(twists.len())?;
+    for (k, pose) in poses.iter().enumerate() {
+        finite("poses", pose).map_err(|error| error.at_row(k))?;
+    }
+    for (k, (pair, twist)) in poses.windows(2).zip(twists).enumerate() {
+        *twist = Pose::from(pair[0])
+            .between(Pose::from(pair[1]))
+            .log(steps.get(k))
+            .into();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_closed_circle_ends_where_it_began() -> Result<(), Error> {
+        let count = 1_000_000;
+        let twists = vec![[1.0, 0.0, TAU / (count as f64 * 1e-3)]; count];
+        let mut poses = vec![[0.0; 3]; count + 1];
+        integrate(
+            &twists,
+            count,
+            Steps::Constant(1e-3),
+            &[[0.0; 3]],
+            &mut poses,
+        )?;
+        let [x, y, yaw] = poses[count];
+        // 1 km of path; yaw carries the rounding of its own increments, 1e6 half ulps at worst.
+        assert!(x.hypot(y) < 1e-8, "{x} {y}");
+        assert!((yaw - TAU).abs() < 1e-12, "{yaw}");
+        Ok(())
+    }
+
+    #[test]
+    fn angles_wrap_into_the_half_open_turn() {
+        assert_eq!(wrap_angle(PI), PI);
+        assert_eq!(wrap_angle(-PI), PI);
+        assert_eq!(wrap_angle(0.5), 0.5);
+        assert!((wrap_angle(7.0) - (7.0 - TAU)).abs() < 1e-15);
+        assert!((wrap_angle(-1e6) + 1e6 - TAU * (1e6 / TAU).round()).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,30 @@
+//! Kinematics of wheeled rovers: one wheel equation, any layout.
+//!
+//! A rover is data: a list of [`Wheel`]s. [`Rover`] checks it once and then answers, without state and
+//! without allocation, what every wheel has to do for a wanted body twist ([`Rover::inverse`]), which
+//! twist the wheels report ([`Rover::forward`], [`Rover::fit`]), and which twists the layout can make at
+//! all ([`Rover::check`], [`Rover::project`]).
+//!
+//! Conventions (REP 103): x forward, y left, angles counter-clockwise in radians, SI units. A twist is
+//! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving
+//! straight, on the spot and sideways are ordinary values of the same expressions.
+//!
+//! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`rover`] (layouts,
+//! inverse), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`batch`] (whole arrays),
+//! [`presets`] (measured rovers).
+
+pub mod admissible;
+pub mod batch;
+pub mod error;
+pub mod estimate;
+pub mod geometry;
+pub mod presets;
+pub mod rover;
+pub mod wheels;
+
+pub use admissible::Keep;
+pub use error::{Error, ErrorKind};
+pub use estimate::{Fit, Method};
+pub use geometry::{Pose, Twist};
+pub use rover::Rover;
+pub use wheels::{SteeringRange, Wheel};
