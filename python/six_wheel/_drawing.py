@@ -1,0 +1,222 @@
+"""What every picture shares: colours, a quiet frame, a rover's sizes, and the rover itself from above."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import FancyBboxPatch, Polygon
+from matplotlib.transforms import Affine2D
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Rover
+
+Floats = NDArray[np.float64]
+
+INK, SOFT, FAINT = "#22303c", "#7d8a96", "#d5dbe0"
+BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"
+MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"
+
+FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
+WHEEL_WIDTH = 0.45  # of its diameter; a Rover does not know how wide its wheels are
+
+
+def draw_rover(
+    axes: Axes,
+    rover: Rover,
+    pose: ArrayLike = (0.0, 0.0, 0.0),
+    steering: ArrayLike | None = None,
+    *,
+    fade: float = 0.0,
+    scale: float = 1.0,
+    body_color: str = BODY,
+    wheel_color: str = WHEEL,
+    treads: bool = True,
+    zorder: float = 3.0,
+) -> None:
+    """Draw a rover from above at its true size.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw; its limits are left alone.
+    rover : Rover
+        Any layout of wheels.
+    pose : array_like, shape (3,)
+        x, y, yaw of the body in the axes' frame [m, m, rad].
+    steering : array_like, shape (steered wheels,), optional
+        Angles of the steered wheels from their headings [rad]; straight without it.
+    fade, scale, body_color, wheel_color, treads, zorder
+        How far the colours go towards white (0 to 1), enlargement, colours, lines across the wheels, and
+        height above other drawings.
+
+    Raises
+    ------
+    ValueError
+        If `steering` does not hold one angle per steered wheel.
+    """
+    x, y, yaw = (float(value) for value in np.asarray(pose, dtype=np.float64))
+    page_from_body = Affine2D().scale(scale).rotate(yaw).translate(x, y) + axes.transData
+    centre, half = body_box(rover)
+    angles = headings(rover, steering)
+    if angles.shape != (len(rover.wheels),):
+        raise ValueError(f"steering must be one row of angles, got {len(angles)} rows")
+    ink, soft, body_fill, wheel_fill = (_faded(color, fade) for color in (INK, SOFT, body_color, wheel_color))
+
+    body = FancyBboxPatch(
+        (centre[0] - half[0], centre[1] - half[1]),
+        2 * half[0],
+        2 * half[1],
+        boxstyle=f"round,pad=0,rounding_size={0.3 * half.min()}",
+        facecolor=body_fill,
+        edgecolor=ink,
+        linewidth=0.9,
+        zorder=zorder + 0.1,
+        transform=page_from_body,
+    )
+    tip, base, side = centre[0] + 0.82 * half[0], centre[0] + 0.5 * half[0], 0.3 * half[1]
+    nose = Polygon(
+        [(tip, centre[1]), (base, centre[1] + side), (base, centre[1] - side)],
+        facecolor=soft,
+        linewidth=0,
+        zorder=zorder + 0.2,
+        transform=page_from_body,
+    )
+    axes.add_patch(body)
+    axes.add_patch(nose)
+
+    for wheel, angle in zip(rover.wheels, angles.tolist(), strict=True):
+        length, width = 2 * wheel.radius, 2 * wheel.radius * WHEEL_WIDTH
+        page_from_wheel = Affine2D().rotate(angle).translate(wheel.x, wheel.y) + page_from_body
+        contact = np.array((-wheel.trail, wheel.scrub))
+        pivot = np.array((wheel.x, wheel.y))
+        for ends, frame in (
+            ((pivot, np.clip(pivot, centre - half, centre + half)), page_from_body),
+            ((np.zeros(2), contact), page_from_wheel),
+        ):
+            x_ends, y_ends = np.transpose(ends)
+            arm = Line2D(x_ends, y_ends, color=soft, linewidth=1.4, zorder=zorder, transform=frame)
+            axes.add_artist(arm)
+        tyre = FancyBboxPatch(
+            tuple(contact - (length / 2, width / 2)),
+            length,
+            width,
+            boxstyle=f"round,pad=0,rounding_size={0.3 * width}",
+            facecolor=wheel_fill,
+            edgecolor=ink,
+            linewidth=0.8,
+            zorder=zorder + 0.3,
+            transform=page_from_wheel,
+        )
+        axes.add_patch(tyre)
+        if treads:
+            lines = np.array(
+                [[(u, -0.3 * width), (u, 0.3 * width)] for u in length * np.linspace(-0.32, 0.32, 5)]
+            )
+            axes.add_collection(
+                LineCollection(
+                    list(lines + contact),
+                    colors="white",
+                    linewidths=0.7,
+                    alpha=0.45,
+                    zorder=zorder + 0.4,
+                    transform=page_from_wheel,
+                ),
+                autolim=False,
+            )
+
+
+def _faded(color: str, fade: float) -> tuple[float, float, float]:
+    """A colour on its way to white. Unlike transparency it still hides what lies underneath."""
+    red, green, blue = (1.0 - (1.0 - fade) * (1.0 - part) for part in to_rgb(color))
+    return red, green, blue
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """A white figure of this size [in], tied to no window."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
+    """The quiet frame every picture here shares."""
+    axes.grid(True, color=FAINT, linewidth=0.5, alpha=0.6, zorder=0)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=SOFT, labelsize=8, length=0)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    axes.set_xlabel(xlabel, fontsize=8, color=SOFT)
+    axes.set_ylabel(ylabel, fontsize=8, color=SOFT)
+
+
+def headings(rover: Rover, steering: ArrayLike | None = None) -> Floats:
+    """Heading of every wheel in the body [rad]: (..., steered wheels) -> (..., wheels); straight without."""
+    steered = [wheel.steered for wheel in rover.wheels]
+    angles = np.zeros(sum(steered)) if steering is None else np.asarray(steering, dtype=np.float64)
+    if angles.shape[-1:] != (sum(steered),):
+        raise ValueError(f"steering must have shape (..., {sum(steered)}), got {angles.shape}")
+    found = np.broadcast_to(
+        [wheel.heading for wheel in rover.wheels], (*angles.shape[:-1], len(steered))
+    ).copy()
+    found[..., steered] += angles
+    return found
+
+
+def contacts(rover: Rover, steering: ArrayLike | None = None) -> Floats:
+    """Where the wheels touch the ground, in the body [m]: (..., steered wheels) -> (..., wheels, 2)."""
+    x, y, trail, scrub = np.array([(wheel.x, wheel.y, wheel.trail, wheel.scrub) for wheel in rover.wheels]).T
+    cosine, sine = np.cos(headings(rover, steering)), np.sin(headings(rover, steering))
+    return np.stack((x - trail * cosine - scrub * sine, y - trail * sine + scrub * cosine), axis=-1)
+
+
+def in_world(poses: Floats, points: Floats) -> Floats:
+    """Points (k, 2) or (n, k, 2) of the body where poses (n, 3) put them: (n, k, 2)."""
+    cosine, sine = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    x = poses[:, :1] + cosine * points[..., 0] - sine * points[..., 1]
+    y = poses[:, 1:2] + sine * points[..., 0] + cosine * points[..., 1]
+    return np.stack((x, y), axis=-1)
+
+
+def body_box(rover: Rover) -> tuple[Floats, Floats]:
+    """Centre and half lengths, in body axes, of a body that fits between the wheels."""
+    points = contacts(rover)
+    radius = max(wheel.radius for wheel in rover.wheels)
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    reach = np.ptp(points, axis=0) / 2
+    beside = np.abs(points[:, 1] - centre[1])
+    clear = min((float(gap) for gap in beside if gap > 1e-9), default=0.0) - 1.3 * WHEEL_WIDTH * radius
+    half_width = max(min(0.62 * reach[1], clear), 0.5 * radius)
+    return centre, np.array((max(0.62 * reach[0], 1.2 * radius, 0.5 * half_width), half_width))
+
+
+def page(points: Floats) -> Floats:
+    """Body coordinates on the page, forward up: (x, y) stands at (-y, x)."""
+    return np.stack((-points[..., 1], points[..., 0]), axis=-1)
+
+
+def bounds(rover: Rover) -> tuple[Floats, Floats, float]:
+    """Lower and upper corner of the wheels on the page, forward up, and half the diagonal between them."""
+    points = page(contacts(rover))
+    radius = max(wheel.radius for wheel in rover.wheels)
+    low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
+    return low, high, float(np.hypot(*(high - low))) / 2
+
+
+def write_title(axes: Axes, title: str | None, below: str) -> None:
+    """A quiet line above the picture, and a bold title over it."""
+    axes.set_title(below, loc="left", fontsize=9, color=SOFT)
+    if title is not None:
+        axes.annotate(
+            title,
+            (0, 1),
+            (0, 24),
+            "axes fraction",
+            "offset points",
+            fontsize=13,
+            color=INK,
+            weight="bold",
+            va="bottom",
+        )
