@@ -128,7 +128,9 @@ def test_a_previous_angle_never_changes_the_motion(rover, twist, previous):
 
 @given(st.floats(-8.0, 8.0), st.floats(-8.0, 8.0), st.floats(0.5, 9.0))
 def test_the_nearest_equivalent_angle_is_taken(direction, previous, limit):
-    wheels = [Wheel(n, 0, y, radius=0.1, steered=True, steering_limit=limit) for n, y in (("a", 0.2), ("b", -0.2))]
+    wheels = [
+        Wheel(n, 0, y, radius=0.1, steered=True, steering_limit=limit) for n, y in (("a", 0.2), ("b", -0.2))
+    ]
     rover = sw.Rover(wheels)
     twist = (math.cos(direction), math.sin(direction), 0.0)
     turns = direction + math.pi * np.arange(-10, 11)
@@ -210,7 +212,9 @@ def test_crab_with_every_wheel_steered():
 
 def test_a_wheel_under_the_icr_holds_its_angle():
     # The ICR lies on the front left pivot.
-    rover = sw.Rover([Wheel("a", 0.3, 0.4, radius=0.1, steered=True), Wheel("b", 0, -1, radius=0.1, steered=True)])
+    rover = sw.Rover(
+        [Wheel("a", 0.3, 0.4, radius=0.1, steered=True), Wheel("b", 0, -1, radius=0.1, steered=True)]
+    )
     twist = (0.4, -0.3, 1.0)
     assert rover.inverse(twist)[0][0] == 0.0
     assert rover.inverse(twist, previous=(0.7, 0.0))[0][0] == 0.7
@@ -313,7 +317,7 @@ def test_presets_have_the_published_dimensions():
     assert sw.Rover.preset("rocky7").wheels[0].steering_range == pytest.approx((-math.pi / 3, math.pi / 3))
     limited = sw.Rover.preset("perseverance", steering_limit=1.0)
     assert limited.wheels[0].steering_range == (-1.0, 1.0)
-    with pytest.raises(ValueError, match="name must be one of perseverance, .* got \"spirit\""):
+    with pytest.raises(ValueError, match='name must be one of perseverance, .* got "spirit"'):
         sw.Rover.preset("spirit")
 
 
@@ -343,5 +347,7 @@ def test_commands_carry_joint_names_in_their_order():
     np.testing.assert_array_equal(batch["j_right"], [speeds[1]] * 3)
     assert eval(repr(rover)) == rover
     assert pickle.loads(pickle.dumps(rover)).traction_joints == rover.traction_joints
-    with pytest.raises(ValueError, match="traction_joints must name every wheel once, got no joint for \"left\""):
+    with pytest.raises(
+        ValueError, match='traction_joints must name every wheel once, got no joint for "left"'
+    ):
         sw.Rover(wheels, traction_joints={"a": "right", "b": "nose"})

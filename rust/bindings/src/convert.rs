@@ -11,6 +11,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
+use six_wheel_core::error::finite;
 use six_wheel_core::geometry::Steps;
 use six_wheel_core::{Error, ErrorKind};
 
@@ -280,14 +281,10 @@ fn check_finite(
     width: usize,
     leading: &[usize],
 ) -> PyResult<()> {
-    let Some(place) = values.iter().position(|value| !value.is_finite()) else {
-        return Ok(());
-    };
-    let value = values[place].to_string().to_lowercase();
-    Err(raise(
-        Error::value(argument, "be finite", value).at_row(place / width),
-        leading,
-    ))
+    for (row, values) in values.chunks_exact(width).enumerate() {
+        finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
+    }
+    Ok(())
 }
 
 /// Three floats or integers in a tuple or list.
@@ -348,7 +345,7 @@ fn read_array<'py>(
         })?;
     let dtype = array.getattr(intern!(value.py(), "dtype"))?;
     let kind: char = dtype.getattr(intern!(value.py(), "kind"))?.extract()?;
-    if !matches!(kind, 'f' | 'i' | 'u') && array.len().is_ok_and(|length| length > 0) {
+    if !matches!(kind, 'f' | 'i' | 'u') {
         let message = format!("{argument} must be real numbers, got dtype {dtype}");
         return Err(ArgumentTypeError::new_err(message));
     }

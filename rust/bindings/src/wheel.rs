@@ -45,14 +45,17 @@ pub struct Wheel(pub Core);
 pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<SteeringRange>> {
     let Some(limit) = limit else { return Ok(None) };
     let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
-        Ok([lower, upper]) => SteeringRange {
-            lower: number("steering_limit[0]", &lower)?,
-            upper: number("steering_limit[1]", &upper)?,
-        },
+        Ok([lower, upper]) => {
+            let (lower, upper) = (
+                number("steering_limit[0]", &lower)?,
+                number("steering_limit[1]", &upper)?,
+            );
+            let range = SteeringRange { lower, upper };
+            range.check().map(|()| range)
+        }
         Err(_) => SteeringRange::symmetric(number("steering_limit", limit)?),
     };
-    range.check().map_err(|error| raise(error, &[]))?;
-    Ok(Some(range))
+    range.map(Some).map_err(|error| raise(error, &[]))
 }
 
 /// The argument of [`steering_range`] that makes this range.

@@ -93,7 +93,7 @@ pub(crate) fn numbers(values: &[f64]) -> String {
 }
 
 /// Fails unless every value is finite.
-pub(crate) fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
+pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
     } else {

@@ -107,8 +107,9 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
     };
     let published = preset
         .steering_limit
-        .map_or_else(SteeringRange::default, SteeringRange::symmetric);
-    let range = steering.unwrap_or(published);
+        .map(SteeringRange::symmetric)
+        .transpose()?;
+    let range = steering.or(published).unwrap_or_default();
     let pairs = |name: &str, x: f64, y: f64, radius: f64| {
         ["left", "right"].map(|side| {
             let y = if side == "left" { y } else { -y };

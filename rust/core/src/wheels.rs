@@ -36,29 +36,30 @@ pub struct SteeringRange {
 impl Default for SteeringRange {
     /// A quarter turn to either side: enough to roll in every direction, backwards if need be.
     fn default() -> Self {
-        Self::symmetric(FRAC_PI_2)
+        Self {
+            lower: -FRAC_PI_2,
+            upper: FRAC_PI_2,
+        }
     }
 }
 
 impl SteeringRange {
-    /// From `-limit` to `limit`.
-    pub fn symmetric(limit: f64) -> Self {
-        Self {
+    /// From `-limit` to `limit`. Fails unless the limit is finite and positive.
+    pub fn symmetric(limit: f64) -> Result<Self, Error> {
+        positive("steering_limit", limit)?;
+        Ok(Self {
             lower: -limit,
             upper: limit,
-        }
+        })
     }
 
     /// Fails unless both ends are finite and in order.
     pub fn check(self) -> Result<(), Error> {
         if self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper {
-            Ok(())
-        } else if self.lower == -self.upper {
-            positive("steering_limit", self.upper)
-        } else {
-            let rule = "be finite, the lower angle below the upper";
-            Err(Error::value("steering_limit", rule, self.to_string()))
+            return Ok(());
         }
+        let rule = "be finite, the lower angle below the upper";
+        Err(Error::value("steering_limit", rule, self.to_string()))
     }
 
     /// Whether a wheel can roll in every direction, forwards or backwards.
@@ -337,7 +338,10 @@ mod tests {
 
     #[test]
     fn an_angle_past_the_range_by_rounding_is_clipped() {
-        let range = SteeringRange::symmetric(0.5);
+        let range = SteeringRange {
+            lower: -0.5,
+            upper: 0.5,
+        };
         let wheel = Wheel::new("w", 0.0, 0.0, 0.1).steered(range);
         let forward = Direction::from(0.0);
         for (angle, expected) in [(0.5 + 1e-10, 0.5), (0.5 - 1e-10, 0.5 - 1e-10), (-0.7, -0.5)] {
