@@ -229,7 +229,7 @@ pub fn compose<'py>(
     result.finish()
 }
 
-/// Angles brought into (-pi, pi] by whole turns.
+/// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
 ///
 /// Parameters
 /// ----------

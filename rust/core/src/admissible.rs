@@ -11,7 +11,7 @@ use nalgebra::{Cholesky, Matrix3, Vector3};
 use crate::error::{Error, ErrorKind, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::rover::{Mount, Rover};
-use crate::wheels::Direction;
+use crate::wheels::{Direction, Wheel};
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
 pub const SLIP_TOLERANCE: f64 = 1e-9;
@@ -315,8 +315,11 @@ impl Rover {
             .limit_rows()
             .iter()
             .map(|row| -row.dot(&spin) / row.dot(&straight))
-            .filter(|radius| radius.is_finite())
             .collect();
+        for wheel in self.steered().iter().map(|&i| &self.wheels()[i]) {
+            ends.extend(trail_radii(wheel, straight.into(), spin.into()));
+        }
+        ends.retain(|radius| radius.is_finite());
         ends.sort_by(f64::total_cmp);
         ends.dedup_by(|b, a| (*b - *a).abs() <= SAME_RADIUS * self.size);
         let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else {
@@ -352,6 +355,20 @@ impl Rover {
         }
         (min_radius, spin_radius)
     }
+}
+
+/// Radii at which the pivot of a wheel with trail moves just as fast as its contact swings about it: between
+/// them no steering angle stops the side slip.
+fn trail_radii(wheel: &Wheel, straight: Twist, spin: Twist) -> [f64; 2] {
+    if wheel.trail == 0.0 {
+        return [f64::NAN; 2];
+    }
+    // |spin + R straight| = trail at the pivot, and |straight| = 1.
+    let (along, about) = (straight.at(wheel.x, wheel.y), spin.at(wheel.x, wheel.y));
+    let middle = -along.dot(&about);
+    let distance = about - along * along.dot(&about);
+    let half_width = (wheel.trail * wheel.trail - distance.norm_squared()).sqrt();
+    [middle - half_width, middle + half_width]
 }
 
 /// Scales a twist so that neither its forward speed nor its yaw rate exceeds the wanted one.

@@ -107,11 +107,7 @@ impl Rover {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
-        let factor = match &self.factor {
-            Some(factor) => *factor,
-            None => self.factor(self.normal(readings, |_| 1.0))?,
-        };
-        Ok(self.solve_for_twist(&factor, readings, |_| 1.0))
+        self.least_squares(readings)
     }
 
     /// Fails unless every reading is finite and none is so large that the twist would not be.
@@ -171,10 +167,14 @@ impl Rover {
                 return Err(Error::value("method", rule, "'middle_wheels'"));
             }
         }
-        let mut twist = self.weighted(readings, weights)?;
-        if method == Method::Robust {
-            twist = self.reweigh(readings, twist, weights)?;
-        }
+        let twist = match method {
+            Method::LeastSquares => self.least_squares(readings)?,
+            Method::MiddleWheels => self.weighted(readings, weights)?,
+            Method::Robust => {
+                let start = self.least_squares(readings)?;
+                self.reweigh(readings, measured.speeds, start, weights)?
+            }
+        };
         for (reading, residual) in readings.iter().zip(residual) {
             *residual = reading.residual(&twist.into());
         }
@@ -269,6 +269,15 @@ impl Rover {
         }
     }
 
+    /// Least squares, every wheel alike.
+    fn least_squares(&self, readings: &[Reading]) -> Result<Twist, Error> {
+        let factor = match &self.factor {
+            Some(factor) => *factor,
+            None => self.factor(self.normal(readings, |_| 1.0))?,
+        };
+        Ok(self.solve_for_twist(&factor, readings, |_| 1.0))
+    }
+
     /// Weighted least squares.
     fn weighted(&self, readings: &[Reading], weights: &[f64]) -> Result<Twist, Error> {
         let factor = self.factor(self.normal(readings, |i| weights[i]))?;
@@ -300,13 +309,16 @@ impl Rover {
     fn reweigh(
         &self,
         readings: &[Reading],
+        speeds: &[f64],
         start: Twist,
         weights: &mut [f64],
     ) -> Result<Twist, Error> {
-        let squares: f64 = readings
+        let rim_speeds = self
+            .wheels()
             .iter()
-            .map(|reading| reading.rolled * reading.rolled)
-            .sum();
+            .zip(speeds)
+            .map(|(wheel, speed)| wheel.radius * speed);
+        let squares: f64 = rim_speeds.map(|speed| speed * speed).sum();
         let least_noise = NOISE * (squares / readings.len() as f64).sqrt();
         let mut residuals = [0.0; MAX_WHEELS];
         let mut twist = start;
@@ -319,11 +331,9 @@ impl Rover {
             let sorted = &mut sorted[..readings.len()];
             sorted.sort_unstable_by(f64::total_cmp);
             let noise = (MEDIANS * median(sorted)).max(least_noise);
-            scale = if scale.is_finite() {
-                scale
-            } else {
-                sorted[sorted.len() - 1]
-            };
+            if scale.is_infinite() {
+                scale = sorted[sorted.len() - 1].max(least_noise);
+            }
             scale = scale.min(noise.max(scale / 2.0));
             if scale == 0.0 {
                 break;

@@ -69,12 +69,12 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-/// The angle brought into (-pi, pi] by whole turns.
+/// The angle brought into [-pi, pi] by whole turns; unchanged if it is there already.
 pub fn wrap_angle(angle: f64) -> f64 {
     let rest = angle % TAU; // exact
     if rest > PI {
         rest - TAU
-    } else if rest <= -PI {
+    } else if rest < -PI {
         rest + TAU
     } else {
         rest
@@ -337,9 +337,9 @@ mod tests {
     }
 
     #[test]
-    fn angles_wrap_into_the_half_open_turn() {
+    fn angles_wrap_into_half_a_turn_to_either_side() {
         assert_eq!(wrap_angle(PI), PI);
-        assert_eq!(wrap_angle(-PI), PI);
+        assert_eq!(wrap_angle(-PI), -PI);
         assert_eq!(wrap_angle(0.5), 0.5);
         assert!((wrap_angle(7.0) - (7.0 - TAU)).abs() < 1e-15);
         assert!((wrap_angle(-1e6) + 1e6 - TAU * (1e6 / TAU).round()).abs() < 1e-9);
