@@ -13,6 +13,7 @@ from os import PathLike
 
 from six_wheel._core import (
     Fit,
+    Mobility,
     Rover,
     Wheel,
     __version__,
@@ -30,6 +31,7 @@ __all__ = [
     "ArgumentTypeError",
     "Fit",
     "InfeasibleMotionError",
+    "Mobility",
     "Pose",
     "Rover",
     "Twist",

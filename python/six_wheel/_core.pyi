@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "Fit",
+    "Mobility",
     "Rover",
     "Wheel",
     "__version__",
@@ -19,6 +20,7 @@ __all__ = [
 
 _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
+_Driven: TypeAlias = Literal["front", "rear", "all"]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -37,6 +39,9 @@ class Wheel:
         steering_limit: float | tuple[float, float] | None = None,
         scrub: float = 0.0,
         trail: float = 0.0,
+        roller_angle: float | None = None,
+        driven: bool | None = None,
+        castor: bool = False,
     ) -> Wheel: ...
     @property
     def name(self) -> str: ...
@@ -56,6 +61,12 @@ class Wheel:
     def scrub(self) -> float: ...
     @property
     def trail(self) -> float: ...
+    @property
+    def roller_angle(self) -> float | None: ...
+    @property
+    def driven(self) -> bool: ...
+    @property
+    def castor(self) -> bool: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -73,7 +84,26 @@ class Fit:
     @property
     def weights(self) -> _Floats: ...  # (..., wheels), 0 to 1
     @property
-    def worst_wheel(self) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+    def worst_wheel(
+        self,
+    ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+
+@final
+class Mobility:
+    @property
+    def degree_of_mobility(self) -> int: ...
+    @property
+    def degree_of_steerability(self) -> int: ...
+    @property
+    def degree_of_manoeuvrability(self) -> int: ...
+    @property
+    def rank(self) -> int: ...
+    @property
+    def margin(self) -> float: ...
+    @property
+    def singular_values(self) -> _Floats: ...  # (3,)
+    @property
+    def motion(self) -> _Floats: ...  # (degree_of_mobility, 3)
 
 @final
 class Rover:
@@ -94,6 +124,77 @@ class Rover:
         steering_limit: float | tuple[float, float] | None = None,
     ) -> Rover: ...
     @staticmethod
+    def swerve(
+        positions: ArrayLike,
+        wheel_radius: float,
+        *,
+        steering_limit: float | tuple[float, float] | None = None,
+        names: Sequence[str] | None = None,
+    ) -> Rover: ...
+    @staticmethod
+    def differential(
+        track_width: float,
+        wheel_radius: float | tuple[float, float],
+        *,
+        wheels_per_side: int = 1,
+        wheelbase: float | None = None,
+        icr_left: float | None = None,
+        icr_right: float | None = None,
+        icr_forward: float = 0.0,
+    ) -> Rover: ...
+    @staticmethod
+    def tracked(
+        track_width: float,
+        wheel_radius: float | tuple[float, float],
+        *,
+        icr_left: float | None = None,
+        icr_right: float | None = None,
+        icr_forward: float = 0.0,
+    ) -> Rover: ...
+    @staticmethod
+    def ackermann(
+        wheelbase: float,
+        track_width: float,
+        wheel_radius: float,
+        *,
+        steering_limit: float | tuple[float, float] | None = None,
+        driven: _Driven = "rear",
+    ) -> Rover: ...
+    @staticmethod
+    def tricycle(
+        wheelbase: float,
+        track_width: float,
+        wheel_radius: float,
+        *,
+        steering_limit: float | tuple[float, float] | None = None,
+        driven: _Driven = "front",
+    ) -> Rover: ...
+    @staticmethod
+    def bicycle(
+        wheelbase: float,
+        wheel_radius: float,
+        *,
+        steering_limit: float | tuple[float, float] | None = None,
+        driven: _Driven = "rear",
+    ) -> Rover: ...
+    @staticmethod
+    def mecanum(
+        half_wheelbase: float,
+        half_track: float,
+        wheel_radius: float,
+        *,
+        roller_angle: float = 0.7853981633974483,
+    ) -> Rover: ...
+    @staticmethod
+    def omni(
+        positions: ArrayLike,
+        headings: ArrayLike,
+        wheel_radius: float,
+        *,
+        roller_angle: float = 1.5707963267948966,
+        names: Sequence[str] | None = None,
+    ) -> Rover: ...
+    @staticmethod
     def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
@@ -103,6 +204,8 @@ class Rover:
         *,
         previous: ArrayLike | None = None,
         steering_rates: ArrayLike | None = None,
+        centre: ArrayLike | None = None,
+        previous_speeds: ArrayLike | None = None,
         out: tuple[_Floats, _Floats] | None = None,
     ) -> tuple[_Floats, _Floats]: ...
     def forward(
@@ -111,6 +214,7 @@ class Rover:
         speeds: ArrayLike,
         *,
         steering_rates: ArrayLike | None = None,
+        allow_underdetermined: bool = False,
         out: _Floats | None = None,
     ) -> _Floats: ...
     def fit(
@@ -120,9 +224,13 @@ class Rover:
         *,
         method: _Method = "least_squares",
         steering_rates: ArrayLike | None = None,
+        allow_underdetermined: bool = False,
     ) -> Fit: ...
+    def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
-    def project(self, twist: ArrayLike, keep: _Keep = "curvature", *, out: _Floats | None = None) -> _Floats: ...
+    def project(
+        self, twist: ArrayLike, keep: _Keep = "curvature", *, out: _Floats | None = None
+    ) -> _Floats: ...
     def icr(self, twist: ArrayLike) -> _Floats: ...
     def commands(
         self, twist: ArrayLike, *, previous: ArrayLike | None = None
@@ -145,7 +253,9 @@ class Rover:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
-def integrate(twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None) -> _Floats: ...
+def integrate(
+    twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None
+) -> _Floats: ...
 def differentiate(poses: ArrayLike, dt: ArrayLike) -> _Floats: ...
 def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
 def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...

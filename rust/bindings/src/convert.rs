@@ -2,8 +2,8 @@
 
 use numpy::ndarray::IxDyn;
 use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn, PyUntypedArray,
-    PyUntypedArrayMethods,
+    Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::import_exception;
@@ -135,6 +135,16 @@ impl<'py> Rows<'py> {
         })
     }
 
+    /// Reads a table: one leading axis.
+    pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        if rows.leading.len() == 1 {
+            return Ok(rows);
+        }
+        let got = format!("shape {}", shape_text(&rows.shape()));
+        Err(refuse(argument, &format!("have shape (n, {width})"), &got))
+    }
+
     /// Reads an optional argument that has one row per row of another one.
     pub fn read_beside(
         argument: &str,
@@ -184,6 +194,21 @@ impl<'py> Rows<'py> {
             &rule,
             &format!("shape {}", shape_text(&self.shape())),
         ))
+    }
+
+    /// All numbers as pairs.
+    pub fn pairs(&self) -> &[[f64; 2]] {
+        self.flat().as_chunks().0
+    }
+
+    /// Other triples in place of these.
+    pub fn mapped(self, map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Self {
+        let rows = self.triples().iter().enumerate();
+        let mapped = rows.flat_map(|(k, row)| map(k, *row)).collect();
+        Self {
+            data: Data::Owned(mapped),
+            ..self
+        }
     }
 
     /// Number of rows.
@@ -256,6 +281,19 @@ impl<'py> Scalars<'py> {
         check_finite(argument, self.flat(), 1, &self.shape)
     }
 
+    /// Fails unless it has this shape.
+    pub fn fit_exactly(&self, argument: &str, shape: &[usize]) -> PyResult<()> {
+        if self.shape == shape {
+            return Ok(());
+        }
+        let got = format!("shape {}", shape_text(&self.shape));
+        Err(refuse(
+            argument,
+            &format!("have shape {}", shape_text(shape)),
+            &got,
+        ))
+    }
+
     /// Fails unless it is one number or has this shape.
     pub fn fit(&self, argument: &str, shape: &[usize]) -> PyResult<()> {
         if self.shape.is_empty() || self.shape == shape {
@@ -271,7 +309,7 @@ impl<'py> Scalars<'py> {
 }
 
 /// Leading axes with a last one.
-fn joined(leading: &[usize], last: usize) -> Vec<usize> {
+pub fn joined(leading: &[usize], last: usize) -> Vec<usize> {
     leading.iter().copied().chain([last]).collect()
 }
 
@@ -492,4 +530,39 @@ pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T 
     } else {
         kernel()
     }
+}
+
+/// One value as a Python scalar, many as an array of this shape.
+pub fn scalar_or_array<T: Element>(
+    py: Python<'_>,
+    values: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Py<PyAny>> {
+    let array = PyArray1::from_vec(py, values).reshape(IxDyn(shape))?;
+    let result = if shape.is_empty() {
+        array.call_method0("item")?
+    } else {
+        array.into_any()
+    };
+    Ok(result.unbind())
+}
+
+/// Items in nested lists of this shape; the only item itself if the shape is empty.
+pub fn nested<'py>(
+    py: Python<'py>,
+    items: Vec<Bound<'py, PyAny>>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some((_, inner)) = shape.split_first() else {
+        return items
+            .into_iter()
+            .next()
+            .ok_or_else(|| refuse("fit", "have a row", "none"));
+    };
+    let size = inner.iter().product::<usize>().max(1);
+    let groups: Vec<_> = items
+        .chunks(size)
+        .map(|group| nested(py, group.to_vec(), inner))
+        .collect::<PyResult<_>>()?;
+    Ok(PyList::new(py, groups)?.into_any())
 }

@@ -1,6 +1,14 @@
-//! `six_wheel.Fit`: a twist with everything the wheels say about it.
+//! `six_wheel.Fit`, a twist with everything the wheels say about it, and `Rover.fit`.
+
+use std::str::FromStr;
 
 use pyo3::prelude::*;
+use pyo3::types::PyString;
+use six_wheel_core::{Fit as CoreFit, Method, Twist, batch};
+
+use crate::convert::{Output, compute, joined, nested, raise, scalar_or_array};
+use crate::kinematics::unseen;
+use crate::rover::Rover;
 
 /// Twist fitted to the readings of all wheels, with what speaks for and against it.
 #[pyclass(frozen, module = "six_wheel")]
@@ -38,5 +46,93 @@ impl Fit {
             text(&self.weights)?,
             text(&self.worst_wheel)?,
         ))
+    }
+}
+
+impl Rover {
+    fn wheel_name<'py>(&self, py: Python<'py>, residual: &[f64]) -> Bound<'py, PyAny> {
+        let worst = residual
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(b.1));
+        let name = worst.map_or("", |(i, _)| self.core.wheels()[i].name.as_str());
+        PyString::new(py, name).into_any()
+    }
+}
+
+#[pymethods]
+impl Rover {
+    /// The twist with residual and weight of every wheel: the slip, and the cheapest fault detector.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (..., steered wheels)
+    ///     Steering angles [rad]; None for a rover that does not steer.
+    /// speeds : array_like, shape (..., wheels)
+    ///     Wheel speeds [rad/s]; NaN where a passive wheel has no encoder.
+    /// method : {'least_squares', 'middle_wheels', 'robust'}
+    ///     All wheels alike; the unsteered wheels alone; or re-weighted so that a wheel that disagrees with
+    ///     the others loses its say (Geman-McClure weights, graduated).
+    /// steering_rates : array_like, shape (..., steered wheels), optional
+    ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
+    /// allow_underdetermined : bool
+    ///     Take a motion that no wheel sees to be zero instead of raising.
+    ///
+    /// Returns
+    /// -------
+    /// Fit
+    ///     `twist`, `residual` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels that count do not determine the twist.
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit or the method is unknown.
+    #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false))]
+    fn fit<'py>(
+        &self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        method: &str,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+        allow_underdetermined: bool,
+    ) -> PyResult<Fit> {
+        let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
+        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let leading = readings.speeds.leading.as_slice();
+        let output = |width| Output::new(py, "out", None, &joined(leading, width), &[]);
+        let (mut twist, mut residual) = (output(3)?, output(self.count())?);
+        let mut weights = output(self.count())?;
+        let none = CoreFit {
+            twist: Twist::ZERO,
+            rank: 0,
+            sigma_min: 0.0,
+        };
+        let mut fits = vec![none; readings.speeds.count()];
+        let unseen = unseen(allow_underdetermined);
+        let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
+        compute(py, fits.len(), || {
+            batch::fit(&self.core, log, method, unseen, &mut fits, slips, says)
+        })
+        .map_err(|error| raise(error, leading))?;
+        for (fit, target) in fits.iter().zip(twist.triples()) {
+            *target = fit.twist.into();
+        }
+        let worst: Vec<_> = slips
+            .chunks(self.count())
+            .map(|residual| self.wheel_name(py, residual))
+            .collect();
+        let ranks = fits.iter().map(|fit| fit.rank as i64);
+        let sigmas = fits.iter().map(|fit| fit.sigma_min);
+        Ok(Fit {
+            rank: scalar_or_array(py, ranks.collect(), leading)?,
+            sigma_min: scalar_or_array(py, sigmas.collect(), leading)?,
+            worst_wheel: nested(py, worst, leading)?.unbind(),
+            twist: twist.finish()?.into_any().unbind(),
+            residual: residual.finish()?.into_any().unbind(),
+            weights: weights.finish()?.into_any().unbind(),
+        })
     }
 }

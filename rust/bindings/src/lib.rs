@@ -1,8 +1,12 @@
 //! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
 
+mod admissible;
 mod convert;
 mod fit;
 mod geometry;
+mod kinematics;
+mod layouts;
+mod mobility;
 mod rover;
 mod wheel;
 
@@ -15,6 +19,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<mobility::Mobility>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;

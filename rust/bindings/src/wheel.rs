@@ -5,9 +5,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
-use six_wheel_core::{SteeringRange, Wheel as Core};
+use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
 
-use crate::convert::{number, raise};
+use crate::convert::{number, raise, refuse};
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
 ///
@@ -30,6 +30,13 @@ use crate::convert::{number, raise};
 ///     Contact to the left of the steering axis [m].
 /// trail : float
 ///     Contact behind the steering axis [m].
+/// roller_angle : float, optional
+///     Between the axes of its rollers and its own [rad]: a quarter turn for an omni wheel, an eighth for a
+///     mecanum wheel.
+/// driven : bool, optional
+///     Whether it has a motor; default True, False for a castor.
+/// castor : bool
+///     Whether it swivels freely behind its pivot, by its trail.
 ///
 /// Raises
 /// ------
@@ -70,7 +77,7 @@ pub fn steering_limit(range: SteeringRange) -> String {
 /// Hashes a wheel so that equal wheels, zeros of either sign included, hash alike.
 pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
     wheel.name.hash(state);
-    let range = wheel.steering.map(|range| [range.lower, range.upper]);
+    let range = wheel.steering().map(|range| [range.lower, range.upper]);
     let numbers = [
         wheel.x,
         wheel.y,
@@ -79,7 +86,9 @@ pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
         wheel.scrub,
         wheel.trail,
     ];
-    for value in numbers.into_iter().chain(range.into_iter().flatten()) {
+    (wheel.driven, wheel.pivot == Pivot::Castor).hash(state);
+    let optional = range.into_iter().flatten().chain(wheel.roller_angle);
+    for value in numbers.into_iter().chain(optional) {
         (value + 0.0).to_bits().hash(state);
     }
 }
@@ -88,8 +97,8 @@ pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
 impl Wheel {
     #[new]
     #[pyo3(
-        signature = (name, x, y, *, radius, steered=false, heading=None, steering_limit=None, scrub=None, trail=None),
-        text_signature = "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0)"
+        signature = (name, x, y, *, radius, steered=false, heading=None, steering_limit=None, scrub=None, trail=None, roller_angle=None, driven=None, castor=false),
+        text_signature = "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
@@ -102,6 +111,9 @@ impl Wheel {
         steering_limit: Option<&Bound<'_, PyAny>>,
         scrub: Option<&Bound<'_, PyAny>>,
         trail: Option<&Bound<'_, PyAny>>,
+        roller_angle: Option<&Bound<'_, PyAny>>,
+        driven: Option<bool>,
+        castor: bool,
     ) -> PyResult<Self> {
         let optional = |argument, value: Option<&Bound<'_, PyAny>>| {
             value.map_or(Ok(0.0), |value| number(argument, value))
@@ -109,21 +121,31 @@ impl Wheel {
         let range = steering_range(steering_limit)?;
         if range.is_some() && !steered {
             let text = steering_limit.map_or_else(String::new, ToString::to_string);
-            return Err(crate::convert::refuse(
-                "steering_limit",
-                "be left out for a wheel that is not steered",
-                &text,
-            ));
+            let rule = "be left out for a wheel that is not steered";
+            return Err(refuse("steering_limit", rule, &text));
         }
+        if castor && (steered || driven == Some(true)) {
+            let rule = "be neither steered nor driven";
+            return Err(refuse("castor", rule, "a wheel that is"));
+        }
+        let pivot = match (castor, steered) {
+            (true, _) => Pivot::Castor,
+            (_, true) => Pivot::Steered(range.unwrap_or_default()),
+            _ => Pivot::Fixed,
+        };
         let wheel = Core {
             name,
             x: number("x", x)?,
             y: number("y", y)?,
             radius: number("radius", radius)?,
             heading: optional("heading", heading)?,
-            steering: steered.then(|| range.unwrap_or_default()),
+            pivot,
             scrub: optional("scrub", scrub)?,
             trail: optional("trail", trail)?,
+            roller_angle: roller_angle
+                .map(|angle| number("roller_angle", angle))
+                .transpose()?,
+            driven: driven.unwrap_or(!castor),
         };
         wheel.check().map_err(|error| raise(error, &[]))?;
         Ok(Self(wheel))
@@ -156,7 +178,7 @@ impl Wheel {
     /// Whether it turns about a vertical axis at the pivot.
     #[getter]
     fn steered(&self) -> bool {
-        self.0.steering.is_some()
+        self.0.steering().is_some()
     }
 
     /// Direction in which it rolls at steering angle 0 [rad].
@@ -168,7 +190,7 @@ impl Wheel {
     /// Smallest and largest steering angle [rad]; None for a fixed wheel.
     #[getter]
     fn steering_range(&self) -> Option<(f64, f64)> {
-        self.0.steering.map(|range| (range.lower, range.upper))
+        self.0.steering().map(|range| (range.lower, range.upper))
     }
 
     /// Contact to the left of the steering axis [m].
@@ -183,6 +205,24 @@ impl Wheel {
         self.0.trail
     }
 
+    /// Between the axes of its rollers and its own [rad]; None without rollers.
+    #[getter]
+    fn roller_angle(&self) -> Option<f64> {
+        self.0.roller_angle
+    }
+
+    /// Whether it has a motor.
+    #[getter]
+    fn driven(&self) -> bool {
+        self.0.driven
+    }
+
+    /// Whether it swivels freely behind its pivot.
+    #[getter]
+    fn castor(&self) -> bool {
+        self.0.pivot == Pivot::Castor
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
         let name = PyString::new(py, &wheel.name).repr()?;
@@ -190,7 +230,7 @@ impl Wheel {
             "Wheel({name}, {:?}, {:?}, radius={:?}",
             wheel.x, wheel.y, wheel.radius
         );
-        if let Some(range) = wheel.steering {
+        if let Some(range) = wheel.steering() {
             text += ", steered=True";
             if range != SteeringRange::default() {
                 text += &format!(", steering_limit={}", steering_limit(range));
@@ -203,6 +243,14 @@ impl Wheel {
         ];
         for (argument, value) in rest.iter().filter(|(_, value)| *value != 0.0) {
             text += &format!(", {argument}={value:?}");
+        }
+        if let Some(angle) = wheel.roller_angle {
+            text += &format!(", roller_angle={angle:?}");
+        }
+        if wheel.pivot == Pivot::Castor {
+            text += ", castor=True";
+        } else if !wheel.driven {
+            text += ", driven=False";
         }
         Ok(text + ")")
     }
@@ -223,14 +271,17 @@ impl Wheel {
         let (py, wheel) = (slf.py(), &slf.get().0);
         let keywords = PyDict::new(py);
         keywords.set_item("radius", wheel.radius)?;
-        keywords.set_item("steered", wheel.steering.is_some())?;
+        keywords.set_item("steered", wheel.steering().is_some())?;
         keywords.set_item("heading", wheel.heading)?;
         keywords.set_item(
             "steering_limit",
-            wheel.steering.map(|range| (range.lower, range.upper)),
+            wheel.steering().map(|range| (range.lower, range.upper)),
         )?;
         keywords.set_item("scrub", wheel.scrub)?;
         keywords.set_item("trail", wheel.trail)?;
+        keywords.set_item("roller_angle", wheel.roller_angle)?;
+        keywords.set_item("driven", wheel.driven)?;
+        keywords.set_item("castor", wheel.pivot == Pivot::Castor)?;
         let arguments = (wheel.name.as_str(), wheel.x, wheel.y).into_pyobject(py)?;
         reduce(slf.as_any(), &arguments, &keywords)
     }

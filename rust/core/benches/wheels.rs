@@ -3,10 +3,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use six_wheel_core::batch::{self, Log, SteeringInputs};
+use six_wheel_core::batch::{self, Log};
 use six_wheel_core::estimate::Measured;
 use six_wheel_core::geometry::{Steps, integrate};
-use six_wheel_core::{Error, Rover, Twist, presets};
+use six_wheel_core::{Error, Inputs, Rover, Twist, Unseen, presets};
 
 const ROWS: usize = 100_000;
 
@@ -29,18 +29,25 @@ fn one_call(criterion: &mut Criterion) {
     criterion.bench_function("inverse, one call", |bencher| {
         bencher.iter(|| {
             rover
-                .inverse(black_box(twist), None, None, &mut steering, &mut speeds)
+                .inverse(
+                    black_box(twist),
+                    Inputs::default(),
+                    &mut steering,
+                    &mut speeds,
+                )
                 .is_ok()
         });
     });
     criterion.bench_function("forward, one call", |bencher| {
         bencher.iter(|| {
             let (steering, speeds) = (black_box(&steering), black_box(&speeds));
-            rover.forward(Measured {
+            let steering_rates = None;
+            let measured = Measured {
                 steering,
                 speeds,
-                steering_rates: None,
-            })
+                steering_rates,
+            };
+            rover.forward(measured, Unseen::Refuse)
         });
     });
 }
@@ -52,7 +59,7 @@ fn batches(criterion: &mut Criterion) {
     let (mut back, mut poses) = (vec![[0.0; 3]; ROWS], vec![[0.0; 3]; ROWS + 1]);
     let mut group = criterion.benchmark_group("batch");
     group.throughput(Throughput::Elements(ROWS as u64));
-    let inputs = SteeringInputs::default();
+    let inputs = Inputs::default();
     group.bench_function("inverse", |bencher| {
         bencher.iter(|| batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds));
     });
@@ -62,7 +69,7 @@ fn batches(criterion: &mut Criterion) {
         steering_rates: None,
     };
     group.bench_function("forward", |bencher| {
-        bencher.iter(|| batch::forward(&rover, log, &mut back));
+        bencher.iter(|| batch::forward(&rover, log, Unseen::Refuse, &mut back));
     });
     group.bench_function("integrate", |bencher| {
         bencher.iter(|| {

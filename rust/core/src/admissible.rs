@@ -111,7 +111,8 @@ impl Rover {
         if range.is_full() && wheel.trail == 0.0 {
             return Ok(());
         }
-        let angle = wheel.steer(range, heading, twist, rate, 0.0).angle;
+        let choice = wheel.choice(range, heading, twist, rate, 0.0);
+        let angle = choice.command(choice.nearest()).angle;
         let at_an_end = angle == range.lower || angle == range.upper;
         if !at_an_end && wheel.trail == 0.0 {
             return Ok(());
@@ -243,7 +244,7 @@ impl Rover {
         let ends = |&i: &usize| {
             let wheel = &self.wheels()[i];
             let range = wheel
-                .steering
+                .steering()
                 .filter(|range| !range.is_full() || wheel.trail != 0.0);
             let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
             range.map_or_else(Vec::new, |range| vec![row(range.lower), row(range.upper)])

@@ -2,23 +2,20 @@
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
-use crate::estimate::{Fit, Measured, Method};
+use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::Twist;
-use crate::rover::Rover;
+use crate::rover::{Inputs, Rover};
 
-/// Optional per-row inputs of [`inverse`], one row of steered wheels per twist.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct SteeringInputs<'a> {
-    /// Previous angles [rad].
-    pub previous: Option<&'a [f64]>,
-    /// Steering rates [rad/s].
-    pub steering_rates: Option<&'a [f64]>,
-}
-
-impl<'a> SteeringInputs<'a> {
-    fn row(&self, joints: usize, k: usize) -> (Option<&'a [f64]>, Option<&'a [f64]>) {
-        let at = |values: Option<&'a [f64]>| values.map(|values| row(values, joints, k));
-        (at(self.previous), at(self.steering_rates))
+impl<'a> Inputs<'a> {
+    /// The inputs of one row of a batch.
+    fn row(&self, rover: &Rover, k: usize) -> Self {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
+        Self {
+            previous: at(self.previous, joints),
+            previous_speeds: at(self.previous_speeds, wheels),
+            steering_rates: at(self.steering_rates, joints),
+        }
     }
 }
 
@@ -56,37 +53,46 @@ fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
 pub fn inverse(
     rover: &Rover,
     twists: &[[f64; 3]],
-    inputs: SteeringInputs<'_>,
+    inputs: Inputs<'_>,
     steering: &mut [f64],
     speeds: &mut [f64],
 ) -> Result<(), Error> {
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     for (k, twist) in twists.iter().enumerate() {
-        let (previous, rates) = inputs.row(joints, k);
-        rover
-            .check_inputs(previous, rates)
-            .and_then(|()| rover.check(Twist::from(*twist), rates))
+        let inputs = inputs.row(rover, k);
+        inputs
+            .check()
+            .and_then(|()| rover.check(Twist::from(*twist), inputs.steering_rates))
             .map_err(|error| error.at_row(k))?;
     }
     for (k, twist) in twists.iter().enumerate() {
-        let (previous, rates) = inputs.row(joints, k);
         let (steering, speeds) = (row_mut(steering, joints, k), row_mut(speeds, wheels, k));
-        rover.solve(Twist::from(*twist), previous, rates, steering, speeds);
+        rover.solve(Twist::from(*twist), inputs.row(rover, k), steering, speeds);
     }
     Ok(())
 }
 
 /// [`Rover::forward`] of every row of a log.
-pub fn forward(rover: &Rover, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
-    let solvable = |k: usize| match rover.factor {
-        Some(_) => rover.check_readings(log.row(rover, k)),
-        None => rover.forward(log.row(rover, k)).map(drop),
+pub fn forward(
+    rover: &Rover,
+    log: Log<'_>,
+    unseen: Unseen,
+    twists: &mut [[f64; 3]],
+) -> Result<(), Error> {
+    // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
+    let solvable = |k: usize| {
+        let measured = log.row(rover, k);
+        if rover.solution.is_some() && measured.is_complete() {
+            rover.check_readings(measured)
+        } else {
+            rover.forward(measured, unseen).map(drop)
+        }
     };
     for k in 0..twists.len() {
         solvable(k).map_err(|error| error.at_row(k))?;
     }
     for (k, twist) in twists.iter_mut().enumerate() {
-        *twist = rover.forward(log.row(rover, k))?.into();
+        *twist = rover.forward(log.row(rover, k), unseen)?.into();
     }
     Ok(())
 }
@@ -96,6 +102,7 @@ pub fn fit(
     rover: &Rover,
     log: Log<'_>,
     method: Method,
+    unseen: Unseen,
     fits: &mut [Fit],
     residual: &mut [f64],
     weights: &mut [f64],
@@ -104,7 +111,7 @@ pub fn fit(
     for (k, fit) in fits.iter_mut().enumerate() {
         let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));
         *fit = rover
-            .fit(log.row(rover, k), method, residual, weights)
+            .fit(log.row(rover, k), method, unseen, residual, weights)
             .map_err(|error| error.at_row(k))?;
     }
     Ok(())

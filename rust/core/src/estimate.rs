@@ -2,12 +2,13 @@
 
 use std::str::FromStr;
 
-use nalgebra::{Cholesky, Matrix3, Matrix5x3, U3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, ErrorKind, finite, numbers};
 use crate::geometry::Twist;
+use crate::mobility::triangle;
 use crate::rover::{MAX_WHEELS, Mount, Rover};
-use crate::wheels::Direction;
+use crate::wheels::{Direction, Pivot};
 
 /// Singular values below this share of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -51,8 +52,15 @@ impl FromStr for Method {
     }
 }
 
-/// Factorised normal equations.
-pub(crate) type Factor = Cholesky<f64, U3>;
+/// What becomes of a motion that no reading sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Unseen {
+    /// It is an error.
+    #[default]
+    Refuse,
+    /// It is taken to be zero, about the middle of the wheels.
+    Zero,
+}
 
 /// What a fit says beside the residuals and weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,31 +103,45 @@ impl Reading {
 pub struct Measured<'a> {
     /// Angles of the steered wheels [rad].
     pub steering: &'a [f64],
-    /// Speeds of all wheels [rad/s].
+    /// Speeds of all wheels [rad/s]. NaN where a passive wheel has no encoder.
     pub speeds: &'a [f64],
     /// Rates of the steered wheels [rad/s]; they matter to wheels with scrub or trail.
     pub steering_rates: Option<&'a [f64]>,
 }
 
+impl Measured<'_> {
+    /// Whether every wheel has a reading.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.speeds.iter().all(|speed| !speed.is_nan())
+    }
+}
+
 impl Rover {
     /// The twist that fits the readings of all wheels best, in the sense of least squares.
-    pub fn forward(&self, measured: Measured<'_>) -> Result<Twist, Error> {
+    pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
-        self.least_squares(readings)
+        self.least_squares(readings, measured, unseen)
     }
 
-    /// Fails unless every reading is finite and none is so large that the twist would not be.
+    /// Fails unless every reading is finite, passive wheels apart, and none is so large that the twist
+    /// would not be.
     pub(crate) fn check_readings(&self, measured: Measured<'_>) -> Result<(), Error> {
         finite("steering", measured.steering)?;
-        finite("speeds", measured.speeds)?;
-        finite(
-            "steering_rates",
-            measured.steering_rates.unwrap_or_default(),
-        )?;
+        let rates = measured.steering_rates.unwrap_or_default();
+        finite("steering_rates", rates)?;
+        for (wheel, speed) in self.wheels().iter().zip(measured.speeds) {
+            if !(speed.is_finite() || speed.is_nan() && !wheel.driven) {
+                return Err(Error::value(
+                    "speeds",
+                    "be finite",
+                    numbers(measured.speeds),
+                ));
+            }
+        }
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let bound = largest(measured.speeds) + largest(measured.steering_rates.unwrap_or_default());
+        let bound = largest(measured.speeds) + largest(rates);
         if (bound * self.reading_bound).is_finite() {
             Ok(())
         } else {
@@ -128,22 +150,23 @@ impl Rover {
         }
     }
 
-    /// The factor of the normal equations, where it does not depend on the steering angles: a steered
+    /// The solution of the normal equations, where it does not depend on the steering angles: a steered
     /// wheel without scrub and trail measures its pivot's whole velocity, whichever way it points.
-    pub(crate) fn constant_factor(&self) -> Option<Factor> {
+    pub(crate) fn constant_solution(&self) -> Option<Matrix3<f64>> {
         let centred = |&i: &usize| self.wheels()[i].is_centred();
         if !self.steered().iter().all(centred) {
             return None;
         }
-        let (angles, speeds) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
+        let zeros = [0.0; MAX_WHEELS];
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let at_rest = Measured {
-            steering: &angles,
-            speeds: &speeds,
+            steering: &zeros,
+            speeds: &zeros,
             steering_rates: None,
         };
         let readings = self.read(at_rest, &mut readings);
-        self.factor(self.normal(readings, |_| 1.0)).ok()
+        self.solution(self.normal(readings, |_| 1.0), Unseen::Refuse)
+            .ok()
     }
 
     /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
@@ -151,6 +174,7 @@ impl Rover {
         &self,
         measured: Measured<'_>,
         method: Method,
+        unseen: Unseen,
         residual: &mut [f64],
         weights: &mut [f64],
     ) -> Result<Fit, Error> {
@@ -158,21 +182,25 @@ impl Rover {
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
         weights.fill(1.0);
-        if method == Method::MiddleWheels {
-            for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
-                *weight = if wheel.steering.is_some() { 0.0 } else { 1.0 };
-            }
-            if weights.iter().all(|weight| *weight == 0.0) {
-                let rule = "be another one for a rover without unsteered wheels";
-                return Err(Error::value("method", rule, "'middle_wheels'"));
-            }
-        }
         let twist = match method {
-            Method::LeastSquares => self.least_squares(readings)?,
-            Method::MiddleWheels => self.weighted(readings, weights)?,
+            Method::LeastSquares => self.least_squares(readings, measured, unseen)?,
+            Method::MiddleWheels => {
+                for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
+                    *weight = if wheel.pivot == Pivot::Fixed {
+                        1.0
+                    } else {
+                        0.0
+                    };
+                }
+                if weights.iter().all(|weight| *weight == 0.0) {
+                    let rule = "be another one for a rover without unsteered wheels";
+                    return Err(Error::value("method", rule, "'middle_wheels'"));
+                }
+                self.weighted(readings, weights, unseen)?
+            }
             Method::Robust => {
-                let start = self.least_squares(readings)?;
-                self.reweigh(readings, measured.speeds, start, weights)?
+                let start = self.least_squares(readings, measured, unseen)?;
+                self.reweigh(readings, measured.speeds, start, weights, unseen)?
             }
         };
         for (reading, residual) in readings.iter().zip(residual) {
@@ -198,6 +226,7 @@ impl Rover {
             let mut rate = 0.0;
             let rows = match *mount {
                 Mount::Fixed(rows) => rows,
+                Mount::Castor(_) => continue,
                 Mount::Steered(..) => {
                     rate = measured.steering_rates.map_or(0.0, |rates| rates[joint]);
                     let angle = wheel.heading + measured.steering[joint];
@@ -205,12 +234,12 @@ impl Rover {
                     wheel.rows(Direction::from(angle))
                 }
             };
-            *reading = Reading {
-                rolling: rows.rolling,
-                side_slip: rows.side_slip,
-                rolled: wheel.radius * speed + wheel.scrub * rate,
-                slipped: wheel.trail * rate,
-            };
+            reading.side_slip = rows.side_slip;
+            reading.slipped = wheel.trail * rate;
+            if speed.is_finite() {
+                reading.rolling = rows.rolling;
+                reading.rolled = wheel.radius * speed + wheel.scrub * rate;
+            }
         }
         &readings[..self.wheels().len()]
     }
@@ -235,22 +264,26 @@ impl Rover {
         normal
     }
 
-    fn factor(&self, normal: Matrix3<f64>) -> Result<Factor, Error> {
-        let determined = |factor: &Factor| {
+    /// What turns the right-hand side of the normal equations into their solution.
+    fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+        let least = PIVOT_TOLERANCE * normal.trace();
+        let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
-            diagonal
-                .iter()
-                .all(|pivot| pivot * pivot > PIVOT_TOLERANCE * normal.trace())
-        };
-        normal
-            .cholesky()
-            .filter(determined)
-            .ok_or_else(|| self.underdetermined(normal))
+            diagonal.iter().all(|pivot| pivot * pivot > least)
+        });
+        match (determined, unseen) {
+            (Some(factor), _) => Ok(factor.inverse()),
+            (None, Unseen::Zero) => {
+                let inverse = normal.pseudo_inverse(least);
+                inverse.map_err(|_| self.underdetermined(normal))
+            }
+            (None, Unseen::Refuse) => Err(self.underdetermined(normal)),
+        }
     }
 
     fn solve_for_twist(
         &self,
-        factor: &Factor,
+        solution: &Matrix3<f64>,
         readings: &[Reading],
         weight: impl Fn(usize) -> f64,
     ) -> Twist {
@@ -260,7 +293,7 @@ impl Rover {
             let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
             gradient += (rolling + side_slip) * weight(i);
         }
-        let centred = factor.solve(&gradient);
+        let centred = solution * gradient;
         let omega = centred.z / self.size;
         Twist {
             vx: centred.x + omega * self.centre.y,
@@ -270,18 +303,28 @@ impl Rover {
     }
 
     /// Least squares, every wheel alike.
-    fn least_squares(&self, readings: &[Reading]) -> Result<Twist, Error> {
-        let factor = match &self.factor {
-            Some(factor) => *factor,
-            None => self.factor(self.normal(readings, |_| 1.0))?,
+    fn least_squares(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        unseen: Unseen,
+    ) -> Result<Twist, Error> {
+        let solution = match self.solution.filter(|_| measured.is_complete()) {
+            Some(solution) => solution,
+            None => self.solution(self.normal(readings, |_| 1.0), unseen)?,
         };
-        Ok(self.solve_for_twist(&factor, readings, |_| 1.0))
+        Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
     }
 
     /// Weighted least squares.
-    fn weighted(&self, readings: &[Reading], weights: &[f64]) -> Result<Twist, Error> {
-        let factor = self.factor(self.normal(readings, |i| weights[i]))?;
-        Ok(self.solve_for_twist(&factor, readings, |i| weights[i]))
+    fn weighted(
+        &self,
+        readings: &[Reading],
+        weights: &[f64],
+        unseen: Unseen,
+    ) -> Result<Twist, Error> {
+        let solution = self.solution(self.normal(readings, |i| weights[i]), unseen)?;
+        Ok(self.solve_for_twist(&solution, readings, |i| weights[i]))
     }
 
     /// Names the motion that no reading sees.
@@ -312,11 +355,13 @@ impl Rover {
         speeds: &[f64],
         start: Twist,
         weights: &mut [f64],
+        unseen: Unseen,
     ) -> Result<Twist, Error> {
         let rim_speeds = self
             .wheels()
             .iter()
             .zip(speeds)
+            .filter(|(_, speed)| speed.is_finite())
             .map(|(wheel, speed)| wheel.radius * speed);
         let squares: f64 = rim_speeds.map(|speed| speed * speed).sum();
         let least_noise = NOISE * (squares / readings.len() as f64).sqrt();
@@ -345,7 +390,7 @@ impl Rover {
                 change = change.max((next - *weight).abs());
                 *weight = next;
             }
-            twist = self.weighted(readings, weights)?;
+            twist = self.weighted(readings, weights, unseen)?;
             if change <= SETTLED {
                 break;
             }
@@ -353,17 +398,13 @@ impl Rover {
         Ok(twist)
     }
 
-    /// Rank and smallest singular value of the stacked rows, folded wheel by wheel into one triangle.
+    /// Rank and smallest singular value of the stacked rows.
     fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
-        let mut triangle = Matrix3::zeros();
-        for (reading, weight) in readings.iter().zip(weights) {
-            let mut stack = Matrix5x3::zeros();
-            stack.fixed_view_mut::<3, 3>(0, 0).copy_from(&triangle);
-            stack.set_row(3, &(reading.rolling * weight.sqrt()).transpose());
-            stack.set_row(4, &(reading.side_slip * weight.sqrt()).transpose());
-            triangle = stack.qr().r();
-        }
-        let values = triangle.singular_values();
+        let rows = readings.iter().zip(weights).flat_map(|(reading, weight)| {
+            let root = weight.sqrt();
+            [reading.rolling * root, reading.side_slip * root]
+        });
+        let values = triangle(rows).singular_values();
         let rank = values
             .iter()
             .filter(|value| **value > RANK_TOLERANCE * values.max())

@@ -99,6 +99,17 @@ impl Twist {
         Vector2::new(self.vx - self.omega * y, self.vy + self.omega * x)
     }
 
+    /// The same motion of the body, given as the velocity of this point instead of the origin's.
+    #[must_use]
+    pub fn about(self, [x, y]: [f64; 2]) -> Self {
+        let at_origin = self.at(-x, -y);
+        Self {
+            vx: at_origin.x,
+            vy: at_origin.y,
+            omega: self.omega,
+        }
+    }
+
     /// `start_from_end`: where holding this twist for `dt` [s] takes the body frame.
     pub fn exp(self, dt: f64) -> Pose {
         let yaw = self.omega * dt;

@@ -9,7 +9,8 @@
 //! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving
 //! straight, on the spot and sideways are ordinary values of the same expressions.
 //!
-//! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`rover`] (layouts,
+//! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation),
+//! [`steering`] (which angle a wheel takes), [`rover`] (layouts,
 //! inverse), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`batch`] (whole arrays),
 //! [`presets`] (measured rovers).
 
@@ -18,13 +19,19 @@ pub mod batch;
 pub mod error;
 pub mod estimate;
 pub mod geometry;
+pub mod layouts;
+pub mod mobility;
 pub mod presets;
 pub mod rover;
+pub mod steering;
 pub mod wheels;
 
 pub use admissible::Keep;
 pub use error::{Error, ErrorKind};
-pub use estimate::{Fit, Method};
+pub use estimate::{Fit, Method, Unseen};
 pub use geometry::{Pose, Twist};
-pub use rover::Rover;
-pub use wheels::{SteeringRange, Wheel};
+pub use layouts::{Drive, SkidCentres};
+pub use mobility::Mobility;
+pub use rover::{Inputs, Rover};
+pub use steering::SteeringRange;
+pub use wheels::{Pivot, Wheel};

@@ -2,7 +2,8 @@
 
 use crate::error::Error;
 use crate::rover::Rover;
-use crate::wheels::{SteeringRange, Wheel};
+use crate::steering::SteeringRange;
+use crate::wheels::Wheel;
 
 /// A published rover.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::error::{Error, finite, number, positive};
-use crate::estimate::Factor;
+use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
-use crate::wheels::{Direction, Rows, SteeringRange, Wheel};
+use crate::steering::{Choice, SteeringRange, Way};
+use crate::wheels::{Direction, Pivot, Rows, Wheel};
 
 /// Largest number of wheels of one rover.
 pub const MAX_WHEELS: usize = 64;
@@ -30,6 +30,8 @@ pub(crate) enum Mount {
     Fixed(Rows),
     /// Steered; the direction is that of steering angle 0.
     Steered(SteeringRange, Direction),
+    /// Free to swivel.
+    Castor(Direction),
 }
 
 /// A wheeled vehicle: its wheels, and what follows from them once and for all.
@@ -47,8 +49,8 @@ pub struct Rover {
     pub(crate) size: f64,
     /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist.
     pub(crate) metric: Matrix3<f64>,
-    /// Normal equations of the forward kinematics, where they do not depend on the steering angles.
-    pub(crate) factor: Option<Factor>,
+    /// Solution of the normal equations of the forward kinematics, where it does not depend on the steering angles.
+    pub(crate) solution: Option<Matrix3<f64>>,
     /// Readings times this must be finite.
     pub(crate) reading_bound: f64,
     min_radius: f64,
@@ -80,7 +82,7 @@ impl Rover {
             }
         }
         let steered = (0..wheels.len())
-            .filter(|&i| wheels[i].steering.is_some())
+            .filter(|&i| wheels[i].steering().is_some())
             .collect();
         let banks = banks(&wheels);
         let mounts = mounts(&wheels, &banks);
@@ -118,54 +120,14 @@ impl Rover {
             centre,
             size,
             metric,
-            factor: None,
+            solution: None,
             reading_bound,
             min_radius: 0.0,
             spin_radius: f64::INFINITY,
         };
-        rover.factor = rover.constant_factor();
+        rover.solution = rover.constant_solution();
         (rover.min_radius, rover.spin_radius) = rover.turning_limits();
         Ok(rover)
-    }
-
-    /// The six-wheel rover with four steered corners: the unsteered middle wheels at x = 0.
-    ///
-    /// `d1` half track of the corners, `d2` centre to rear axle, `d3` centre to front axle, `d4` half track
-    /// of the middle wheels [m].
-    pub fn six_wheel(
-        [d1, d2, d3, d4]: [f64; 4],
-        wheel_radius: f64,
-        steering: SteeringRange,
-    ) -> Result<Self, Error> {
-        positive("d1", d1)?;
-        positive("d2", d2)?;
-        positive("d3", d3)?;
-        if !(d4.is_finite() && d4 >= 0.0) {
-            return Err(Error::value("d4", "be finite and not negative", number(d4)));
-        }
-        positive("wheel_radius", wheel_radius)?;
-        steering.check()?;
-        let corner = |name: &str, x, y| Wheel::new(name, x, y, wheel_radius).steered(steering);
-        let middle = |name: &str, y| Wheel::new(name, 0.0, y, wheel_radius);
-        Self::new(vec![
-            corner("front_left", d3, d1),
-            corner("front_right", d3, -d1),
-            middle("middle_left", d4),
-            middle("middle_right", -d4),
-            corner("rear_left", -d2, d1),
-            corner("rear_right", -d2, -d1),
-        ])
-    }
-
-    /// The arguments of [`Self::six_wheel`] that make this very rover, if any do.
-    pub fn as_six_wheel(&self) -> Option<([f64; 4], f64, SteeringRange)> {
-        let [front, _, middle, _, rear, _] = self.wheels.as_slice() else {
-            return None;
-        };
-        let dimensions = [front.y, -rear.x, front.x, middle.y];
-        let range = front.steering?;
-        let rebuilt = Self::six_wheel(dimensions, front.radius, range).ok()?;
-        (rebuilt == *self).then_some((dimensions, front.radius, range))
     }
 
     /// The wheels, in the order of every array.
@@ -198,51 +160,42 @@ impl Rover {
 
     /// The wheel equation solved for the wheels: steering angles [rad] and wheel speeds [rad/s].
     ///
-    /// `previous` angles say what a wheel at rest holds and which of its equivalent angles is nearer
-    /// (default 0); `steering_rates` [rad/s] matter to wheels with scrub or trail (default 0). Nothing is
-    /// written unless [`Self::check`] passes.
+    /// Nothing is written unless [`Self::check`] passes.
     pub fn inverse(
         &self,
         twist: Twist,
-        previous: Option<&[f64]>,
-        steering_rates: Option<&[f64]>,
+        inputs: Inputs<'_>,
         steering: &mut [f64],
         speeds: &mut [f64],
     ) -> Result<(), Error> {
-        self.check_inputs(previous, steering_rates)?;
-        self.check(twist, steering_rates)?;
-        self.solve(twist, previous, steering_rates, steering, speeds);
+        inputs.check()?;
+        self.check(twist, inputs.steering_rates)?;
+        self.solve(twist, inputs, steering, speeds);
         Ok(())
-    }
-
-    /// Fails unless the optional inputs of [`Self::inverse`] are finite.
-    pub(crate) fn check_inputs(
-        &self,
-        previous: Option<&[f64]>,
-        steering_rates: Option<&[f64]>,
-    ) -> Result<(), Error> {
-        finite("previous", previous.unwrap_or_default())?;
-        finite("steering_rates", steering_rates.unwrap_or_default())
     }
 
     /// [`Self::inverse`] of a twist that has been checked.
     pub(crate) fn solve(
         &self,
         twist: Twist,
-        previous: Option<&[f64]>,
-        steering_rates: Option<&[f64]>,
+        inputs: Inputs<'_>,
         steering: &mut [f64],
         speeds: &mut [f64],
     ) {
         let vector = Vector3::from(twist);
+        let mut undecided = Undecided::default();
         let mut joint = 0;
-        for ((wheel, mount), speed) in self.wheels.iter().zip(&self.mounts).zip(speeds) {
+        let wheels = self.wheels.iter().zip(&self.mounts);
+        for (i, ((wheel, mount), speed)) in wheels.zip(speeds.iter_mut()).enumerate() {
             let rim_speed = match *mount {
                 Mount::Fixed(rows) => rows.rolling.dot(&vector),
+                Mount::Castor(heading) => wheel.castor(heading, twist).rim_speed,
                 Mount::Steered(range, heading) => {
-                    let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[joint]);
-                    let command =
-                        wheel.steer(range, heading, twist, at(steering_rates), at(previous));
+                    let (previous, rate) = inputs.of_joint(joint);
+                    let choice = wheel.choice(range, heading, twist, rate, previous);
+                    let way = choice.nearest();
+                    undecided.note(&choice, way, inputs.of_wheel(i));
+                    let command = choice.command(way);
                     steering[joint] = command.angle;
                     joint += 1;
                     command.rim_speed
@@ -250,6 +203,104 @@ impl Rover {
             };
             *speed = rim_speed / wheel.radius;
         }
+        if let Some(way) = undecided.common_way() {
+            self.agree(twist, inputs, way, steering, speeds);
+        }
+    }
+
+    /// Has every undecided wheel go the same way.
+    fn agree(
+        &self,
+        twist: Twist,
+        inputs: Inputs<'_>,
+        way: Way,
+        steering: &mut [f64],
+        speeds: &mut [f64],
+    ) {
+        for (joint, &i) in self.steered.iter().enumerate() {
+            let Mount::Steered(range, heading) = self.mounts[i] else {
+                continue;
+            };
+            let (previous, rate) = inputs.of_joint(joint);
+            let choice = self.wheels[i].choice(range, heading, twist, rate, previous);
+            if choice.undecided().is_some() {
+                let command = choice.command(way);
+                steering[joint] = command.angle;
+                speeds[i] = command.rim_speed / self.wheels[i].radius;
+            }
+        }
+    }
+}
+
+/// What the inverse may be told beside the twist, one value per steered wheel or per wheel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inputs<'a> {
+    /// Present steering angles [rad]: what a wheel at rest holds, and which equivalent angle is nearer.
+    /// Default 0.
+    pub previous: Option<&'a [f64]>,
+    /// Present wheel speeds [rad/s]: which way round undecided wheels roll already.
+    pub previous_speeds: Option<&'a [f64]>,
+    /// Rates of the steering angles [rad/s]; they matter to wheels with scrub or trail. Default 0.
+    pub steering_rates: Option<&'a [f64]>,
+}
+
+impl Inputs<'_> {
+    /// Fails unless every value is finite.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        finite("previous", self.previous.unwrap_or_default())?;
+        finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;
+        finite("steering_rates", self.steering_rates.unwrap_or_default())
+    }
+
+    /// Previous angle and rate of a steering joint.
+    fn of_joint(&self, joint: usize) -> (f64, f64) {
+        let at = |values: Option<&[f64]>| values.map_or(0.0, |values| values[joint]);
+        (at(self.previous), at(self.steering_rates))
+    }
+
+    /// Previous speed of a wheel.
+    fn of_wheel(&self, i: usize) -> f64 {
+        self.previous_speeds.map_or(0.0, |speeds| speeds[i])
+    }
+}
+
+/// The wheels for which rolling forwards and backwards are about equally near.
+#[derive(Clone, Copy, Debug, Default)]
+struct Undecided {
+    /// How many of them would go forwards and backwards on their own.
+    votes: [usize; 2],
+    /// How much shorter the way backwards is for all of them together [rad].
+    lead: f64,
+    /// Which way they roll already [rad/s].
+    rolling: f64,
+}
+
+impl Undecided {
+    fn note(&mut self, choice: &Choice, way: Way, speed: f64) {
+        if let Some(lead) = choice.undecided() {
+            self.votes[way as usize] += 1;
+            self.lead += lead;
+            self.rolling += speed;
+        }
+    }
+
+    /// The way for all of them, unless they agree on their own: as they roll already, otherwise the way
+    /// that is shorter for all together.
+    fn common_way(&self) -> Option<Way> {
+        let [forwards, backwards] = self.votes;
+        if forwards + backwards == 0 || (self.rolling == 0.0 && forwards * backwards == 0) {
+            return None;
+        }
+        let backwards = if self.rolling == 0.0 {
+            self.lead > 0.0
+        } else {
+            self.rolling < 0.0
+        };
+        Some(if backwards {
+            Way::Backwards
+        } else {
+            Way::Forwards
+        })
     }
 }
 
@@ -259,7 +310,7 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
     let fixed = wheels
         .iter()
         .enumerate()
-        .filter(|(_, wheel)| wheel.steering.is_none());
+        .filter(|(_, wheel)| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none());
     for (i, wheel) in fixed {
         let row = wheel.rows(Direction::from(wheel.heading)).side_slip;
         let parallel =
@@ -285,14 +336,16 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
 fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
     let mount = |(i, wheel): (usize, &Wheel)| {
         let direction = Direction::from(wheel.heading);
-        if let Some(range) = wheel.steering {
-            return Mount::Steered(range, direction);
+        let own = wheel.rows(direction);
+        let bank = banks.iter().find(|bank| bank.wheels.contains(&i));
+        match wheel.pivot {
+            Pivot::Steered(range) => Mount::Steered(range, direction),
+            Pivot::Castor => Mount::Castor(direction),
+            Pivot::Fixed => Mount::Fixed(Rows {
+                side_slip: bank.map_or(own.side_slip, |bank| bank.row),
+                ..own
+            }),
         }
-        let mut rows = wheel.rows(direction);
-        for bank in banks.iter().filter(|bank| bank.wheels.contains(&i)) {
-            rows.side_slip = bank.row;
-        }
-        Mount::Fixed(rows)
     };
     wheels.iter().enumerate().map(mount).collect()
 }

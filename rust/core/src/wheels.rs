@@ -11,68 +11,19 @@
 //!
 //! (R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.)
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
 use crate::error::{Error, number, positive};
 use crate::geometry::Twist;
+use crate::steering::{Choice, SteeringRange, Way};
 
-/// Overshoot of a steering angle that is rounding, not a request [rad].
-const ANGLE_TOLERANCE: f64 = 1e-9;
+/// Sine of a roller angle that is none: the drive would have to be this much stronger than the push.
+const FLAT_ROLLERS: f64 = 1e-6;
 
 /// Share of the summed speeds at a pivot below which their sum is nothing but rounding.
 const REST: f64 = 4.0 * f64::EPSILON;
-
-/// Angles a steered wheel can take, counted from its heading [rad].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SteeringRange {
-    /// Smallest angle [rad].
-    pub lower: f64,
-    /// Largest angle [rad].
-    pub upper: f64,
-}
-
-impl Default for SteeringRange {
-    /// A quarter turn to either side: enough to roll in every direction, backwards if need be.
-    fn default() -> Self {
-        Self {
-            lower: -FRAC_PI_2,
-            upper: FRAC_PI_2,
-        }
-    }
-}
-
-impl SteeringRange {
-    /// From `-limit` to `limit`. Fails unless the limit is finite and positive.
-    pub fn symmetric(limit: f64) -> Result<Self, Error> {
-        positive("steering_limit", limit)?;
-        Ok(Self {
-            lower: -limit,
-            upper: limit,
-        })
-    }
-
-    /// Fails unless both ends are finite and in order.
-    pub fn check(self) -> Result<(), Error> {
-        if self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper {
-            return Ok(());
-        }
-        let rule = "be finite, the lower angle below the upper";
-        Err(Error::value("steering_limit", rule, self.to_string()))
-    }
-
-    /// Whether a wheel can roll in every direction, forwards or backwards.
-    pub fn is_full(self) -> bool {
-        self.upper - self.lower >= PI
-    }
-}
-
-impl std::fmt::Display for SteeringRange {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "({}, {})", number(self.lower), number(self.upper))
-    }
-}
 
 /// One wheel of a rover, as data.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,12 +38,28 @@ pub struct Wheel {
     pub radius: f64,
     /// Direction in which the wheel rolls at steering angle 0 [rad].
     pub heading: f64,
-    /// Where it can steer; `None` for a fixed wheel.
-    pub steering: Option<SteeringRange>,
+    /// What decides the wheel's direction.
+    pub pivot: Pivot,
     /// Contact to the left of the steering axis [m].
     pub scrub: f64,
     /// Contact behind the steering axis [m].
     pub trail: f64,
+    /// Angle of the rollers' axes to the axle [rad]: a quarter turn for an omni wheel, an eighth for a
+    /// mecanum wheel; `None` without rollers.
+    pub roller_angle: Option<f64>,
+    /// Whether a motor turns it; one that rolls along need not have an encoder.
+    pub driven: bool,
+}
+
+/// What decides the direction of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pivot {
+    /// It is mounted that way.
+    Fixed,
+    /// A steering joint within its range.
+    Steered(SteeringRange),
+    /// Nothing: it swivels freely behind its pivot and constrains no motion.
+    Castor,
 }
 
 /// Sine and cosine of one angle.
@@ -139,17 +106,34 @@ impl Wheel {
             y,
             radius,
             heading: 0.0,
-            steering: None,
+            pivot: Pivot::Fixed,
             scrub: 0.0,
             trail: 0.0,
+            roller_angle: None,
+            driven: true,
         }
     }
 
     /// The same wheel on a steering axis.
     #[must_use]
     pub fn steered(mut self, range: SteeringRange) -> Self {
-        self.steering = Some(range);
+        self.pivot = Pivot::Steered(range);
         self
+    }
+
+    /// The same wheel without a motor.
+    #[must_use]
+    pub fn passive(mut self) -> Self {
+        self.driven = false;
+        self
+    }
+
+    /// Where it can steer, if it can.
+    pub fn steering(&self) -> Option<SteeringRange> {
+        match self.pivot {
+            Pivot::Steered(range) => Some(range),
+            Pivot::Fixed | Pivot::Castor => None,
+        }
     }
 
     /// Fails unless every number makes sense.
@@ -170,7 +154,27 @@ impl Wheel {
                 return Err(Error::value(argument, "be finite", number(value)));
             }
         }
-        self.steering.map_or(Ok(()), SteeringRange::check)
+        if let Some(angle) = self.roller_angle {
+            self.check_rollers(angle)?;
+        }
+        if self.pivot == Pivot::Castor && self.trail == 0.0 {
+            let rule = "not be 0 for a castor: the contact has to follow the pivot";
+            return Err(Error::value("trail", rule, number(self.trail)));
+        }
+        self.steering().map_or(Ok(()), SteeringRange::check)
+    }
+
+    fn check_rollers(&self, angle: f64) -> Result<(), Error> {
+        if !angle.is_finite() || angle.sin().abs() < FLAT_ROLLERS {
+            let rule =
+                "be finite and no multiple of pi: rollers along the axle leave nothing to drive";
+            return Err(Error::value("roller_angle", rule, number(angle)));
+        }
+        if self.pivot != Pivot::Fixed {
+            let rule = "be left out for a wheel that turns about a pivot";
+            return Err(Error::value("roller_angle", rule, number(angle)));
+        }
+        Ok(())
     }
 
     /// Whether a steering angle is a fixed offset of the contact: neither scrub nor trail.
@@ -179,34 +183,42 @@ impl Wheel {
     }
 
     /// The wheel equation with the wheel rolling in `direction` (body axes).
+    ///
+    /// Rollers give way across their axes: what is left of both rows is the one along them.
     pub fn rows(&self, direction: Direction) -> Rows {
         let Direction { sin, cos } = direction;
-        Rows {
-            rolling: Vector3::new(cos, sin, self.x * sin - self.y * cos - self.scrub),
-            side_slip: Vector3::new(-sin, cos, self.x * cos + self.y * sin - self.trail),
+        let rolling = Vector3::new(cos, sin, self.x * sin - self.y * cos - self.scrub);
+        let side_slip = Vector3::new(-sin, cos, self.x * cos + self.y * sin - self.trail);
+        match self.roller_angle {
+            None => Rows { rolling, side_slip },
+            Some(angle) => Rows {
+                rolling: rolling + side_slip * (angle.cos() / angle.sin()),
+                side_slip: Vector3::zeros(),
+            },
         }
     }
 
-    /// The wheel equation solved for angle and rim speed of a steered wheel.
+    /// The wheel equation solved for angle and rim speed of a wheel that turns about its pivot, forwards
+    /// and backwards.
     ///
-    /// Of the angles that do it inside the range, the nearest to `previous`, and of two equally near ones
-    /// the one that rolls forwards. A pivot at rest holds `previous`. Where the range does not allow the
-    /// motion the nearest end is returned: whether the motion is possible is for [`Self::side_slip`] to say.
-    pub fn steer(
+    /// A pivot at rest holds `previous`. Where the range does not allow the motion its nearest end is
+    /// returned: whether the motion is possible is for [`Self::side_slip`] to say.
+    pub(crate) fn choice(
         &self,
         range: SteeringRange,
         heading: Direction,
         twist: Twist,
         steering_rate: f64,
         previous: f64,
-    ) -> WheelCommand {
-        let previous = previous.clamp(range.lower, range.upper);
+    ) -> Choice {
+        let previous = range.clip(previous);
         let turning = twist.omega + steering_rate;
+        let command = |angle: f64, along: f64| WheelCommand {
+            angle,
+            rim_speed: along - self.scrub * turning,
+        };
         let Some(u) = self.pivot_velocity(heading, twist) else {
-            return WheelCommand {
-                angle: previous,
-                rim_speed: -self.scrub * turning,
-            };
+            return Choice::stay(command(previous, 0.0));
         };
         // Work in the half plane where the pivot moves forwards: the small angles lose no digits.
         let sign = if u.x < 0.0 { -1.0 } else { 1.0 };
@@ -220,32 +232,16 @@ impl Wheel {
             (speed - across).max(0.0).sqrt() * (speed + across).max(0.0).sqrt()
         };
         let lean = (sign * across).atan2(along);
-        let candidates = [
-            (half - lean, sign * along),
-            (half + lean + PI, -sign * along),
-        ];
-        let [first, second] = candidates.map(|(angle, along)| {
-            let angle = nearest_turn(angle, previous, range);
-            let clipped = angle.clamp(range.lower, range.upper);
-            let overshoot = ((angle - clipped).abs() - ANGLE_TOLERANCE).max(0.0);
-            (
-                overshoot,
-                (clipped - previous).abs(),
-                along < 0.0,
-                clipped,
-                along,
-            )
-        });
-        let key = |c: &(f64, f64, bool, f64, f64)| (c.0, c.1, c.2);
-        let (.., angle, along) = if key(&second) < key(&first) {
-            second
-        } else {
-            first
-        };
-        WheelCommand {
-            angle,
-            rim_speed: along - self.scrub * turning,
-        }
+        let near = command(half - lean, sign * along);
+        let far = command(half + lean + PI, -sign * along);
+        let ways = if sign > 0.0 { [near, far] } else { [far, near] };
+        Choice::new(range, previous, ways)
+    }
+
+    /// How a castor rolls once it has swung in behind its pivot.
+    pub(crate) fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
+        let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
+        choice.command(Way::Forwards)
     }
 
     /// Speed at which the contact slides sideways at this angle [m/s].
@@ -265,53 +261,9 @@ impl Wheel {
     }
 }
 
-/// `angle` plus the whole turns that bring it nearest to `previous`, but into the range if any do.
-fn nearest_turn(angle: f64, previous: f64, range: SteeringRange) -> f64 {
-    let near = angle + TAU * ((previous - angle) / TAU).round_ties_even();
-    let above = near - range.upper;
-    let below = range.lower - near;
-    if above > ANGLE_TOLERANCE {
-        let turned = near - TAU * (above / TAU).ceil();
-        // A range narrower than a turn may hold neither: then the nearer end decides.
-        if range.lower - turned <= ANGLE_TOLERANCE.max(above) {
-            turned
-        } else {
-            near
-        }
-    } else if below > ANGLE_TOLERANCE {
-        let turned = near + TAU * (below / TAU).ceil();
-        if turned - range.upper <= ANGLE_TOLERANCE.max(below) {
-            turned
-        } else {
-            near
-        }
-    } else {
-        near
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const RANGE: SteeringRange = SteeringRange {
-        lower: -1.0,
-        upper: 8.0,
-    };
-
-    #[test]
-    fn whole_turns_bring_an_angle_into_its_range() {
-        for (angle, previous, expected) in [
-            (0.5, 0.0, 0.5),
-            (0.5, 7.0, 0.5 + TAU),
-            (-2.0, 0.0, -2.0 + TAU),
-            (3.0, -40.0, 3.0),
-            (0.5, 40.0, 0.5 + TAU),
-        ] {
-            let got = nearest_turn(angle, previous, RANGE);
-            assert!((got - expected).abs() < 1e-12, "{angle} {previous}: {got}");
-        }
-    }
 
     #[test]
     fn a_pivot_rests_up_to_rounding_and_no_further() {
@@ -347,7 +299,8 @@ mod tests {
         for (angle, expected) in [(0.5 + 1e-10, 0.5), (0.5 - 1e-10, 0.5 - 1e-10), (-0.7, -0.5)] {
             let (vy, vx) = f64::sin_cos(angle);
             let twist = Twist { vx, vy, omega: 0.0 };
-            let command = wheel.steer(range, forward, twist, 0.0, 0.0);
+            let choice = wheel.choice(range, forward, twist, 0.0, 0.0);
+            let command = choice.command(choice.nearest());
             assert!(
                 (command.angle - expected).abs() < 1e-15,
                 "{angle}: {command:?}"

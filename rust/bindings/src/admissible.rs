@@ -1,0 +1,111 @@
+//! `Rover.admissible`, `Rover.project` and `Rover.icr`.
+
+use std::str::FromStr;
+
+use pyo3::prelude::*;
+use six_wheel_core::{Keep, Twist, batch};
+
+use crate::convert::{Array, Output, Rows, compute, joined, raise, scalar_or_array};
+use crate::rover::Rover;
+
+#[pymethods]
+impl Rover {
+    /// Whether the rover can make a twist: no side slip, every wheel inside its steering range.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// bool or ndarray of bool, shape (...)
+    ///     Side slip up to 1e-9 of the fastest wheel's speed counts as rounding.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite.
+    fn admissible<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+        let twists = Rows::read("twist", twist, 3)?;
+        let rows = twists.triples();
+        let answers = compute(py, rows.len(), || batch::admissible(&self.core, rows))
+            .map_err(|error| raise(error, &twists.leading))?;
+        scalar_or_array(py, answers, &twists.leading)
+    }
+
+    /// The nearest twist the rover can make; one it can make already is returned unchanged.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// keep : {'curvature', 'speed', 'yaw_rate', 'nearest'}
+    ///     What is preserved. ``'curvature'``: `vx` and `omega`, and with them the turning radius; if that turn
+    ///     is too tight, the nearest possible twist, scaled so that neither grows (a spin the rover cannot
+    ///     make becomes rest). ``'speed'``: `vx`. ``'yaw_rate'``: `omega`. ``'nearest'``: as much as possible,
+    ///     by the root mean square change of the wheel pivots' velocities.
+    /// out : ndarray, shape (..., 3), optional
+    ///     Where to write the result.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     An admissible twist.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If no admissible twist keeps what was asked for.
+    /// ValueError
+    ///     If a value is not finite.
+    #[pyo3(signature = (twist, keep="curvature", *, out=None))]
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        keep: &str,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Array<'py>> {
+        let keep = Keep::from_str(keep).map_err(|error| raise(error, &[]))?;
+        let twists = Rows::read("twist", twist, 3)?;
+        let mut projected = Output::new(py, "out", out, &twists.shape(), &[Some(&twists)])?;
+        let (rows, target) = (twists.triples(), projected.triples());
+        compute(py, rows.len(), || {
+            batch::project(&self.core, rows, keep, target)
+        })
+        .map_err(|error| raise(error, &twists.leading))?;
+        projected.finish()
+    }
+
+    /// Instantaneous centre of rotation of a twist: the point of the body that stands still.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 2)
+    ///     ``[x, y]`` in body axes [m]. Straight ahead it is at infinity, ``[0, inf]`` forwards and
+    ///     ``[0, -inf]`` backwards; at rest there is none, ``[nan, nan]``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite.
+    fn icr<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
+        let twists = Rows::read("twist", twist, 3)?;
+        twists.check_finite("twist")?;
+        let mut centres = Output::new(py, "out", None, &joined(&twists.leading, 2), &[])?;
+        for (twist, centre) in twists
+            .triples()
+            .iter()
+            .zip(centres.flat().as_chunks_mut().0)
+        {
+            *centre = Twist::from(*twist).icr();
+        }
+        centres.finish()
+    }
+}
