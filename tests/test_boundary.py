@@ -88,12 +88,12 @@ def arrays(draw: st.DrawFn) -> np.ndarray:
             npst.array_shapes(min_dims=0, max_dims=2, min_side=0, max_side=4).map(lambda s: (*s, 3)),
         )
     )
-    array = draw(npst.arrays(dtype, shape)) if dtype != object else np.full(shape, None)
+    array = draw(npst.arrays(dtype, shape)) if dtype.kind != "O" else np.full(shape, None)
     if array.ndim and draw(st.booleans()):
         array = np.asfortranarray(array)
     if array.ndim and draw(st.booleans()):
         array = array[:: draw(st.sampled_from([-2, -1, 2]))]
-    if array.size and array.dtype != object and draw(st.booleans()):
+    if array.size and array.dtype.kind != "O" and draw(st.booleans()):
         array = unaligned(np.ascontiguousarray(array)) if array.dtype.alignment > 1 else array
     if draw(st.booleans()):
         array = read_only(array)

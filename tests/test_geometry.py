@@ -33,7 +33,7 @@ def test_the_icr_stands_still(twist, dt):
     if np.isfinite(icr).all():
         x, y, yaw = sw.exp(twist, dt)
         turned = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]]) @ icr
-        np.testing.assert_allclose(turned + (x, y), icr, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(turned + np.array([x, y]), icr, rtol=1e-12, atol=1e-12)
 
 
 @given(st.lists(any_twists(), min_size=1, max_size=30), st.floats(0.01, 0.9), POSES)

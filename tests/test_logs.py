@@ -367,3 +367,27 @@ def test_a_header_with_commas_in_quotes(tmp_path: Path) -> None:
     time, twists = read(path)
     assert time == [0]
     np.testing.assert_array_equal(twists, [[1, 0, 0]])
+
+
+def test_an_endless_line_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "c.csv", "time,vx,omega\n" + "0,1,0\n1,1,0\n2,1,0" + "0" * 300_000)
+    assert error(path, 10) == "row 3 (line 4): a line must be shorter than 65536 bytes"
+
+
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_blocks_of_a_long_table_meet_without_a_seam(tmp_path: Path, ending: str) -> None:
+    numbers = np.cumsum(
+        np.random.default_rng(2).uniform(0.1, 9.0, (20_000, 3)), axis=0
+    )  # lines of many lengths
+    lines = ["time,vx,omega", *(",".join(map(repr, row)) for row in numbers.tolist())]
+    path = write(tmp_path / "c.csv", ending.join(lines))
+    positions = []
+    with CommandTable(path) as table:
+        for chunk in table.chunks(500):
+            np.testing.assert_array_equal(chunk.time, numbers[chunk.first_row - 1 :, 0][: len(chunk.time)])
+            positions.append(table.position)
+    assert positions == sorted(positions)
+    assert positions[0] < table.size / 10  # progress says what has been driven, not what has been read ahead
+    time, twists = read(path, 500)
+    np.testing.assert_array_equal(time, numbers[:, 0])
+    np.testing.assert_array_equal(twists[:, [0, 2]], numbers[:, 1:])

@@ -8,7 +8,6 @@
 Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seconds, radians.
 """
 
-from importlib.util import find_spec
 from os import PathLike
 
 from six_wheel._core import (
@@ -70,10 +69,9 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
     ModuleNotFoundError
         If what reads parameter files is not installed; the message has the install line.
     """
-    missing = [package for package in ("pydantic", "yaml") if find_spec(package) is None]
-    if missing:
-        message = f'parameter files need {" and ".join(missing)}: pip install "six-wheel[cli]"'
-        raise ModuleNotFoundError(message, name=missing[0])
-    from six_wheel import config
-
+    try:
+        from six_wheel import config
+    except ModuleNotFoundError as error:
+        message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
+        raise ModuleNotFoundError(message, name=error.name) from None
     return config.load(path, node=node)

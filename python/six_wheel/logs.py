@@ -1,0 +1,473 @@
+"""Command tables, CSV or Parquet, read in chunks and checked row by row.
+
+A command table has one row per command: a time, `vx`, `vy` (optional, 0 without it) and `omega`. Its columns
+are found by their headers, in the spellings of `QUANTITIES`, and a header may state its unit: ``time_ns``,
+``vx [mm/s]``, ``yaw_rate_deg_s``. Rows are counted from 1, lines as an editor counts them. Needs pyarrow.
+"""
+
+import contextlib
+import csv
+import difflib
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+Format = Literal["csv", "parquet"]
+FORMATS: Mapping[str, Format] = {".csv": "csv", ".parquet": "parquet"}
+
+# A bare "time" is in seconds. Larger than this (the year 5138) it is a count of something shorter.
+LATEST_SECOND = 1e11
+LONGEST_LINE, LARGEST_BLOCK = 1 << 16, 1 << 24  # [byte]
+
+
+class TableError(ValueError):
+    """A table that cannot be used. Its text is one line that names the file and what is wrong with it."""
+
+
+class RowError(ValueError):
+    """A row that cannot be used: `row` (counted from 1) and what is wrong with it."""
+
+    def __init__(self, row: int, message: str) -> None:
+        super().__init__(f"row {row}: {message}")
+        self.row = row
+        self.message = message
+
+
+# --- headers ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: its symbol, what one of it is in SI, and how headers spell it."""
+
+    symbol: str
+    scale: float
+    spellings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a table holds: its name, the headers that mean it, and the units they may state (SI first)."""
+
+    name: str
+    spellings: tuple[str, ...]
+    units: tuple[Unit, ...]
+    required: bool = True
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that holds a quantity in `unit`; `stated` if the file says so, or else it is the default."""
+
+    index: int
+    header: str
+    unit: Unit
+    stated: bool
+
+
+def _unit(symbol: str, scale: float, spellings: str) -> Unit:
+    return Unit(symbol, scale, tuple(spellings.split()))
+
+
+_TIME = (
+    _unit("s", 1.0, "s sec secs second seconds"),
+    _unit("ms", 1e-3, "ms msec millis millisecond milliseconds"),
+    _unit("us", 1e-6, "us usec micros microsecond microseconds"),
+    _unit("ns", 1e-9, "ns nsec nanos nanosec nanosecs nanosecond nanoseconds"),
+)
+_SPEED = (
+    _unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
+    _unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
+    _unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
+    _unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
+)
+_TURN = (
+    _unit("rad/s", 1.0, "rad_s radps rads rad_per_s rad_s_1 radians_per_second"),
+    _unit("deg/s", math.pi / 180, "deg_s degps degs dps deg_per_s deg_s_1 degrees_per_second"),
+    _unit("rpm", math.pi / 30, "rpm"),
+)
+_LINEAR = "v_{0} linear_{0} lin_{0} velocity_{0} vel_{0} linear_velocity_{0}"
+_ANGULAR = "wz w_z omega_z yaw_rate yawrate angular_z ang_z angular_velocity_z angular_velocity turn_rate"
+
+QUANTITIES = (
+    Quantity("time", ("time", "t", "stamp", "timestamp"), _TIME),
+    Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), _SPEED),
+    Quantity("vy", ("vy", *_LINEAR.format("y").split()), _SPEED, required=False),
+    Quantity("omega", ("omega", "w", *_ANGULAR.split()), _TURN),
+)
+
+# What ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
+_PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
+_BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
+
+
+def _words(text: str) -> str:
+    """`text` in lower case, whatever is between its words written as one underscore."""
+    return re.sub(
+        r"[^a-z0-9]+", "_", text.lower().replace("°", "deg").replace("µ", "u").replace("μ", "u")
+    ).strip("_")
+
+
+def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
+    """The unit of a column and whether the header states it; None if the header does not mean `quantity`."""
+    if bracketed := _BRACKETS.match(header):
+        unit = next((unit for unit in quantity.units if _words(bracketed[2]) in unit.spellings), None)
+        return (unit, True) if unit and _interpret(bracketed[1], quantity) else None
+    name = _words(header)
+    for form in (name, _PREFIX.sub("", name)):
+        if form in quantity.spellings:
+            return quantity.units[0], False
+        for unit in quantity.units:
+            if quantity.name == "time" and form in unit.spellings:  # "sec" says by itself what it measures
+                return unit, True
+            if any(form == f"{stem}_{ending}" for ending in unit.spellings for stem in quantity.spellings):
+                return unit, True
+    return None
+
+
+def find_columns(headers: Sequence[str]) -> dict[str, Column]:
+    """Which column holds which quantity; ``"vy"`` may be absent.
+
+    Raises
+    ------
+    TableError
+        If a quantity has no column or more than one, or a unit is not known.
+    """
+    found: dict[str, Column] = {}
+    for quantity in QUANTITIES:
+        meanings = [(index, header, _interpret(header, quantity)) for index, header in enumerate(headers)]
+        matches = [Column(index, header, *meaning) for index, header, meaning in meanings if meaning]
+        if len(matches) > 1:
+            both = " and ".join(f'"{column.header}"' for column in matches)
+            raise TableError(f"{quantity.name} must be in one column, got {both}; rename or drop all but one")
+        if matches:
+            found[quantity.name] = matches[0]
+        elif quantity.required:
+            raise TableError(_missing(quantity, headers, found))
+    return found
+
+
+def _missing(quantity: Quantity, headers: Sequence[str], found: Mapping[str, Column]) -> str:
+    if headers and all(_is_number(header) for header in headers):
+        return f'the first line must name the columns, such as "time,vx,vy,omega", got "{",".join(headers)}"'
+    for header in headers:
+        bracketed = _BRACKETS.match(header)
+        if bracketed and _interpret(bracketed[1], quantity):
+            known = ", ".join(unit.symbol for unit in quantity.units)
+            return f'the unit of column "{header}" must be one of {known}, got "{bracketed[2]}"'
+    free = [header for header in headers if header not in (column.header for column in found.values())]
+    alike = {difflib.SequenceMatcher(None, _words(h), s).ratio(): h for h in free for s in quantity.spellings}
+    best = max(alike, default=0.0)
+    hint = f'did you mean "{alike[best]}"? ' if best > 0.6 else ""
+    columns = ", ".join(f'"{header}"' for header in headers) or "none"
+    return f"no column for {quantity.name} among {columns}; {hint}known: {', '.join(quantity.spellings)}"
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell  # Python's own spelling, which no table has
+
+
+# --- rows ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Consecutive rows: `time` (n,) as the file has it, float64 or int64; `twists` (n, 3), SI."""
+
+    first_row: int
+    time: NDArray[Any]
+    twists: NDArray[np.float64]
+
+
+def table_format(path: Path) -> Format:
+    """The format that the ending of a file stands for.
+
+    Raises
+    ------
+    TableError
+        If it is none of `FORMATS`.
+    """
+    try:
+        return FORMATS[path.suffix.lower()]
+    except KeyError:
+        raise TableError(f'{path}: the ending must be {" or ".join(FORMATS)}, got "{path.suffix}"') from None
+
+
+class CommandTable:
+    """A command table on disk. Opening it reads the headers; `chunks` reads the rows, never all at once.
+
+    Parameters
+    ----------
+    path : Path
+        A .csv file (comma, semicolon or tab between cells; one header line) or a .parquet file.
+
+    Attributes
+    ----------
+    time_unit : Unit
+        Unit of the time column.
+    size : int
+        Bytes of a CSV file, rows of a Parquet file: what `position` counts up to.
+    warnings : list of str
+        What looks wrong, but can be read.
+
+    Raises
+    ------
+    TableError
+        If the file is no such table.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.format = table_format(path)
+        self.warnings: list[str] = []
+        self._handle: BinaryIO | None = None
+        self._rows_read = 0
+        if not path.is_file():
+            raise TableError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
+        try:
+            if self.format == "csv":
+                self._open_csv()
+            else:
+                self._open_parquet()
+        except BaseException as error:
+            self.close()
+            if isinstance(error, TableError):
+                raise TableError(f"{path}: {error}") from None
+            raise
+        self.time_unit = self._columns["time"].unit
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._handle is not None:
+            self._handle.close()
+
+    @property
+    def position(self) -> int:
+        """How far reading has come, in the unit of `size`."""
+        if self.format == "parquet" or self._handle is None or self._handle.closed:
+            return self._rows_read
+        return self._handle.tell()
+
+    def error(self, row: int, message: str) -> TableError:
+        """The error for a row, with the file, the row and, in a CSV file, the line."""
+        line = "" if self.format == "parquet" else f" (line {self._line_of(row)})"
+        return TableError(f"{self.path}: row {row}{line}: {message}")
+
+    def chunks(self, chunk_rows: int) -> Iterator[Chunk]:
+        """The rows in order, at most `chunk_rows` at a time; every number finite and time increasing.
+
+        Raises
+        ------
+        TableError
+            If a row is not like that, or the table has no rows.
+        """
+        import pyarrow as pa
+
+        batches = self._csv_batches(chunk_rows) if self.format == "csv" else self._parquet_batches(chunk_rows)
+        row, last = 1, None
+        while True:
+            try:
+                batch = next(batches, None)
+            except pa.ArrowException as error:
+                raise self._unreadable(error) from None
+            except RowError as error:
+                raise self.error(error.row, error.message) from None
+            if batch is None:
+                break
+            for start in range(0, batch.num_rows, chunk_rows):
+                try:
+                    chunk = self._check(batch.slice(start, chunk_rows), row, last)
+                except RowError as error:
+                    raise self.error(error.row, error.message) from None
+                row += len(chunk.time)
+                last = chunk.time[-1]
+                self._rows_read = row - 1
+                yield chunk
+        if row == 1:
+            raise TableError(f"{self.path}: the table must have at least one row under its header, got none")
+
+    def _check(self, batch: "pa.RecordBatch", row: int, last: Any) -> Chunk:
+        values: dict[str, NDArray[Any]] = {}
+        bad: list[tuple[int, str]] = []
+        for (name, column), cells in zip(self._columns.items(), batch.columns, strict=True):
+            if cells.null_count:
+                k = int(np.flatnonzero(cells.is_null().to_numpy(zero_copy_only=False))[0])
+                bad.append((k, f'{name} must be a number, got an empty cell in column "{column.header}"'))
+            values[name] = cells.to_numpy(zero_copy_only=False)
+            wrong = ~np.isfinite(values[name])
+            if not cells.null_count and wrong.any():
+                k = int(wrong.argmax())
+                bad.append((k, f'{name} must be finite, got {values[name][k]} in column "{column.header}"'))
+        if bad:
+            k, message = min(bad)
+            raise RowError(row + k, message)
+        time = values["time"]
+        # Row k of `late` against the row before it; the first row of all has none.
+        late = np.concatenate([[last is not None and time[0] <= last], time[1:] <= time[:-1]])
+        if late.any():
+            k = int(late.argmax())
+            raise RowError(row + k, f"time must increase, got {time[k]} after {time[k - 1] if k else last}")
+        if last is None and not self._columns["time"].stated and abs(time[0]) > LATEST_SECOND:
+            header = self._columns["time"].header
+            rule = f'time must be in seconds unless its header states a unit, such as "{header}_ns"'
+            raise RowError(row, f'{rule}, got {time[0]} in column "{header}"')
+        twists = np.zeros((len(time), 3))
+        for axis, name in enumerate(("vx", "vy", "omega")):
+            if name in values:
+                np.multiply(values[name], self._columns[name].unit.scale, out=twists[:, axis])
+        return Chunk(row, time, twists)
+
+    # CSV
+
+    def _open_csv(self) -> None:
+        self.size = self.path.stat().st_size
+        if self.size == 0:
+            raise TableError("the table must have a header line, got an empty file")
+        self._handle = handle = open(self.path, "rb")  # noqa: SIM115
+        self._skip_lines = self._header_bytes = 0
+        lines: list[bytes] = []
+        while len(lines) < 2 and (line := handle.readline(LONGEST_LINE)):
+            self._skip_lines += not lines
+            if line.strip():
+                lines.append(line)
+                self._header_bytes = self._header_bytes or handle.tell()
+        self._line_bytes = max(map(len, lines), default=1)
+        handle.seek(-1, os.SEEK_END)
+        if handle.read(1) not in b"\r\n":
+            self.warnings.append(f"{self.path}: the last line has no line end: is the file complete?")
+        try:
+            first = [line.decode("utf-8-sig") for line in lines]
+        except UnicodeDecodeError as error:
+            byte = error.object[error.start]
+            raise TableError(f"the header must be UTF-8 text, got byte 0x{byte:02x}") from None
+        if not first or "\0" in first[0]:
+            raise TableError("the header must be a line of text, got none")
+        self._delimiter = max((",", ";", "\t"), key=first[0].count)
+        # numpy.savetxt puts "# " before its header, rostopic "%".
+        self._headers = [cell.strip().lstrip("#% ") for cell in self._cells(first[0])]
+        self._columns = find_columns(self._headers)
+        self._types = dict.fromkeys(self._columns, "float64")
+        # Only nanoseconds since 1970 are too long for a double; written as 1.7e18 they are lost already.
+        time = self._columns["time"]
+        cell = self._cells(first[1])[time.index : time.index + 1] if len(first) == 2 else []
+        if time.unit.symbol == "ns" and cell and re.fullmatch(r"-?\d+", cell[0].strip()):
+            self._types["time"] = "int64"
+
+    def _cells(self, line: str) -> list[str]:
+        return next(csv.reader([line], delimiter=self._delimiter))
+
+    def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
+        import pyarrow as pa
+        import pyarrow.csv
+
+        # By position, so that headers may repeat where nobody reads them.
+        names = [f"c{index}" for index in range(len(self._headers))]
+        wanted = {names[column.index]: self._types[name] for name, column in self._columns.items()}
+        types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
+        convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
+        parse = pa.csv.ParseOptions(delimiter=self._delimiter)
+        for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):
+            read = pa.csv.ReadOptions(column_names=names, block_size=len(lines) + 1)
+            yield from pa.csv.read_csv(pa.BufferReader(lines), read, parse, convert).to_batches()
+
+    def _blocks(self, size: int) -> Iterator[bytes]:
+        """Lines after the header, some `size` bytes at a time; Arrow's own stream reads 32 blocks ahead."""
+        assert self._handle is not None
+        self._handle.seek(self._header_bytes)
+        rest = b""
+        while data := self._handle.read(size):
+            whole, end, rest = (rest + data).rpartition(b"\n")
+            if whole.strip():
+                yield whole + end
+            if len(rest) > LONGEST_LINE:
+                raise RowError(self._rows_read + 1, f"a line must be shorter than {LONGEST_LINE} bytes")
+        if rest.strip():
+            yield rest
+
+    def _rows(self) -> Iterator[tuple[int, str]]:
+        """Line number and text of every row, slowly: only an error needs the line of a row."""
+        with open(self.path, encoding="utf-8-sig", errors="replace", newline="\n") as text:
+            for number, line in enumerate(text, start=1):
+                if number > self._skip_lines and line.strip("\r\n"):
+                    yield number, line
+
+    def _line_of(self, row: int) -> int:
+        return next(number for k, (number, _) in enumerate(self._rows(), start=1) if k == row)
+
+    def _unreadable(self, error: Exception) -> TableError:
+        """What is wrong with the row at which the parser gave up; its own message knows no line."""
+        if self.format == "csv":
+            with contextlib.suppress(csv.Error):
+                for row, (_, line) in enumerate(self._rows(), start=1):
+                    if message := self._bad_record(self._cells(line)):
+                        return self.error(row, message)
+        return TableError(f"{self.path}: {' '.join(str(error).split())}")
+
+    def _bad_record(self, cells: list[str]) -> str | None:
+        if len(cells) != len(self._headers):
+            cut = "; is the file cut off?" if len(cells) < len(self._headers) else ""
+            return f"a row must have {len(self._headers)} cells as the header has, got {len(cells)}{cut}"
+        for name, column in self._columns.items():
+            cell = cells[column.index].strip()
+            whole = self._types[name] == "int64"
+            fits = re.fullmatch(r"-?\d+", cell) and abs(int(cell)) < 1 << 63 if whole else _is_number(cell)
+            if cell and not fits:
+                kind = "a whole number of nanoseconds" if whole else "a number"
+                return f'{name} must be {kind}, got "{cell}" in column "{column.header}"'
+        return None
+
+    # Parquet
+
+    def _open_parquet(self) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet
+
+        self._handle = open(self.path, "rb")  # noqa: SIM115
+        try:
+            # Pre-buffering would hold a whole row group, which may be the whole file.
+            self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
+        except (pa.ArrowException, OSError) as error:
+            raise TableError(f"not a readable Parquet file: {' '.join(str(error).split())}") from None
+        self.size = self._file.metadata.num_rows
+        schema = self._file.schema_arrow
+        self._columns = find_columns(schema.names)
+        self._types = {}
+        for name, column in self._columns.items():
+            kind = schema.field(column.index).type
+            self._types[name] = "float64"
+            if name == "time" and (pa.types.is_timestamp(kind) or pa.types.is_duration(kind)):
+                unit = next(unit for unit in _TIME if unit.symbol == kind.unit)
+                self._columns[name] = replace(column, unit=unit, stated=True)
+                self._types[name] = "int64"
+            elif name == "time" and pa.types.is_integer(kind):
+                self._types[name] = "int64"
+            elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
+                raise TableError(f'{name} must be numbers, got {kind} in column "{column.header}"')
+
+    def _parquet_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
+        import pyarrow as pa
+
+        headers = {name: column.header for name, column in self._columns.items()}
+        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=list(headers.values())):
+            arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
+            yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
