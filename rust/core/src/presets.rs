@@ -1,6 +1,7 @@
 //! Rovers whose planar geometry somebody measured and published, with the source of the numbers.
 
 use crate::error::Error;
+use crate::layouts::SkidCentres;
 use crate::rover::Rover;
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
@@ -117,7 +118,7 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
             Wheel::new(format!("{name}_{side}"), x, y, radius)
         })
     };
-    match preset.layout {
+    let rover = match preset.layout {
         Layout::SixWheel(dimensions, radius) => Rover::six_wheel(dimensions, radius, range),
         Layout::FrontSteered([x, y], [middle, rear], radius) => {
             let front = pairs("front", x, y, radius).map(|wheel| wheel.steered(range));
@@ -152,16 +153,19 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
             )
         }
         Layout::SkidSteer(x, y, radius) => {
-            let axles = [pairs("front", x, y, radius), pairs("rear", -x, y, radius)];
-            Rover::new(axles.into_iter().flatten().collect())
+            let skid = SkidCentres::default();
+            Rover::differential(2.0 * y, [radius; 2], 2, 2.0 * x, skid)
         }
-        Layout::Pair(y, radius) => Rover::new(
-            ["left", "right"]
-                .into_iter()
-                .zip([y, -y])
-                .map(|(name, y)| Wheel::new(name, 0.0, y, radius))
-                .collect(),
-        ),
+        Layout::Pair(y, radius) => {
+            Rover::differential(2.0 * y, [radius; 2], 1, 0.0, SkidCentres::default())
+        }
+    }?;
+    match steering {
+        Some(range) if rover.steered().is_empty() => {
+            let rule = "be left out for a rover that does not steer";
+            Err(Error::value("steering_limit", rule, range.to_string()))
+        }
+        _ => Ok(rover),
     }
 }
 

@@ -1,84 +1,15 @@
-//! Where shapes, dtypes and memory order meet: Python objects in, slices of `f64` out, and back.
+//! Arguments on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
-use numpy::ndarray::IxDyn;
 use numpy::{
-    Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArrayDyn,
-    PyUntypedArray, PyUntypedArrayMethods,
+    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
-use pyo3::import_exception;
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
 use six_wheel_core::error::finite;
 use six_wheel_core::geometry::Steps;
-use six_wheel_core::{Error, ErrorKind};
 
-import_exception!(six_wheel.errors, ArgumentTypeError);
-import_exception!(six_wheel.errors, InfeasibleMotionError);
-import_exception!(six_wheel.errors, UnderdeterminedError);
-
-/// Rows from which a call lets other Python threads run meanwhile.
-pub const DETACH_ROWS: usize = 32;
-
-/// An array as Python sees it.
-pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
-
-/// The exception of a core error, its row written as the index into the leading axes.
-pub fn raise(error: Error, leading: &[usize]) -> PyErr {
-    let message = error.message(
-        &error
-            .row
-            .map_or_else(String::new, |row| index(row, leading)),
-    );
-    match error.kind {
-        ErrorKind::Value => PyValueError::new_err(message),
-        ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
-        ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
-    }
-}
-
-/// `[1, 3]`: a flat row number as an index.
-fn index(row: usize, leading: &[usize]) -> String {
-    if leading.is_empty() {
-        return String::new();
-    }
-    let mut rest = row;
-    let mut places: Vec<String> = Vec::new();
-    for length in leading.iter().rev() {
-        places.push((rest % length.max(&1)).to_string());
-        rest /= length.max(&1);
-    }
-    places.reverse();
-    format!("[{}]", places.join(", "))
-}
-
-/// "`argument` must `rule`, got `value`" for what only Python knows of.
-pub fn refuse(argument: &str, rule: &str, value: &str) -> PyErr {
-    PyValueError::new_err(format!("{argument} must {rule}, got {value}"))
-}
-
-/// A shape as Python writes it.
-pub fn shape_text(shape: &[usize]) -> String {
-    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
-    let comma = if shape.len() == 1 { "," } else { "" };
-    format!("({}{comma})", lengths.join(", "))
-}
-
-/// A number of a constructor.
-pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let refused = || {
-        let text = value
-            .repr()
-            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
-        ArgumentTypeError::new_err(format!("{argument} must be a number, got {text}"))
-    };
-    if value.is_instance_of::<PyBool>() {
-        return Err(refused());
-    }
-    value.extract::<f64>().map_err(|_| refused())
-}
+use super::{ArgumentTypeError, Array, joined, numpy, raise, refuse, shape_text};
 
 /// Rows of numbers: leading axes are samples, the last axis has meaning.
 pub struct Rows<'py> {
@@ -87,7 +18,7 @@ pub struct Rows<'py> {
     pub leading: Vec<usize>,
     width: usize,
     /// The caller's array, if it came as one.
-    source: Option<Bound<'py, PyUntypedArray>>,
+    pub source: Option<Bound<'py, PyUntypedArray>>,
 }
 
 enum Data<'py> {
@@ -308,11 +239,6 @@ impl<'py> Scalars<'py> {
     }
 }
 
-/// Leading axes with a last one.
-pub fn joined(leading: &[usize], last: usize) -> Vec<usize> {
-    leading.iter().copied().chain([last]).collect()
-}
-
 fn check_finite(
     argument: &'static str,
     values: &[f64],
@@ -402,167 +328,4 @@ fn borrow<'py>(argument: &str, array: &Array<'py>) -> PyResult<PyReadonlyArrayDy
         )
     };
     array.try_readonly().map_err(busy)
-}
-
-/// A result on its way out: the caller's array, or a fresh one.
-pub struct Output<'py> {
-    array: Array<'py>,
-    buffer: PyReadwriteArrayDyn<'py, f64>,
-    copy: bool,
-}
-
-impl<'py> Output<'py> {
-    /// The caller's `out`, checked, or a fresh array of this shape.
-    pub fn new(
-        py: Python<'py>,
-        argument: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        shape: &[usize],
-        inputs: &[Option<&Rows<'py>>],
-    ) -> PyResult<Self> {
-        let fresh = || PyArrayDyn::<f64>::zeros(py, IxDyn(shape), false);
-        let Some(out) = out else {
-            let array = fresh();
-            let buffer = array.readwrite();
-            return Ok(Self {
-                array,
-                buffer,
-                copy: false,
-            });
-        };
-        let rule = format!(
-            "be a writeable float64 array of shape {}",
-            shape_text(shape)
-        );
-        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
-            let got = out.getattr("dtype").map_or_else(
-                |_| out.get_type().to_string(),
-                |dtype| format!("an array of dtype {dtype}"),
-            );
-            ArgumentTypeError::new_err(format!("{argument} must {rule}, got {got}"))
-        })?;
-        if array.shape() != shape {
-            return Err(refuse(
-                argument,
-                &rule,
-                &format!("shape {}", shape_text(array.shape())),
-            ));
-        }
-        for source in inputs
-            .iter()
-            .flatten()
-            .filter_map(|rows| rows.source.as_ref())
-        {
-            disjoint(argument, array.as_any(), source.as_any(), "the input")?;
-        }
-        let copy = !(array.is_c_contiguous() && array.is_aligned());
-        let target = if copy { fresh() } else { array.clone() };
-        let read_only = |_| refuse(argument, &rule, "a read-only array or one in use");
-        let buffer = target.try_readwrite().map_err(read_only)?;
-        if copy
-            && !out
-                .getattr("flags")?
-                .getattr("writeable")?
-                .extract::<bool>()?
-        {
-            return Err(refuse(argument, &rule, "a read-only array"));
-        }
-        Ok(Self {
-            array: array.clone(),
-            buffer,
-            copy,
-        })
-    }
-
-    /// Where to write, row after row.
-    pub fn flat(&mut self) -> &mut [f64] {
-        // Fresh or checked in `new`: contiguous either way.
-        self.buffer.as_slice_mut().unwrap_or_default()
-    }
-
-    /// Where to write, as triples.
-    pub fn triples(&mut self) -> &mut [[f64; 3]] {
-        self.flat().as_chunks_mut().0
-    }
-
-    /// The array to return.
-    pub fn finish(self) -> PyResult<Array<'py>> {
-        if self.copy {
-            self.buffer.copy_to(&self.array)?;
-        }
-        Ok(self.array)
-    }
-}
-
-/// Fails if two arrays share memory.
-pub fn disjoint(
-    argument: &str,
-    array: &Bound<'_, PyAny>,
-    other: &Bound<'_, PyAny>,
-    name: &str,
-) -> PyResult<()> {
-    let py = array.py();
-    let near = numpy(py)?.call_method1(intern!(py, "may_share_memory"), (array, other))?;
-    if near.extract::<bool>()?
-        && numpy(py)?
-            .call_method1(intern!(py, "shares_memory"), (array, other))?
-            .extract()?
-    {
-        return Err(refuse(
-            argument,
-            &format!("not overlap {name}"),
-            "shared memory",
-        ));
-    }
-    Ok(())
-}
-
-fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
-    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
-    let module = NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?;
-    Ok(module.bind(py))
-}
-
-/// Runs a kernel, letting other Python threads run meanwhile if it takes long enough to matter.
-pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T + Send) -> T {
-    if rows >= DETACH_ROWS {
-        py.detach(kernel)
-    } else {
-        kernel()
-    }
-}
-
-/// One value as a Python scalar, many as an array of this shape.
-pub fn scalar_or_array<T: Element>(
-    py: Python<'_>,
-    values: Vec<T>,
-    shape: &[usize],
-) -> PyResult<Py<PyAny>> {
-    let array = PyArray1::from_vec(py, values).reshape(IxDyn(shape))?;
-    let result = if shape.is_empty() {
-        array.call_method0("item")?
-    } else {
-        array.into_any()
-    };
-    Ok(result.unbind())
-}
-
-/// Items in nested lists of this shape; the only item itself if the shape is empty.
-pub fn nested<'py>(
-    py: Python<'py>,
-    items: Vec<Bound<'py, PyAny>>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyAny>> {
-    let Some((_, inner)) = shape.split_first() else {
-        return items
-            .into_iter()
-            .next()
-            .ok_or_else(|| refuse("fit", "have a row", "none"));
-    };
-    let size = inner.iter().product::<usize>().max(1);
-    let groups: Vec<_> = items
-        .chunks(size)
-        .map(|group| nested(py, group.to_vec(), inner))
-        .collect::<PyResult<_>>()?;
-    Ok(PyList::new(py, groups)?.into_any())
 }
