@@ -361,7 +361,7 @@ impl Rover {
             .wheels()
             .iter()
             .zip(speeds)
-            .filter(|(_, speed)| speed.is_finite())
+            .filter(|(wheel, speed)| wheel.pivot != Pivot::Castor && speed.is_finite())
             .map(|(wheel, speed)| wheel.radius * speed);
         let squares: f64 = rim_speeds.map(|speed| speed * speed).sum();
         let least_noise = NOISE * (squares / readings.len() as f64).sqrt();

@@ -241,7 +241,12 @@ impl Wheel {
     /// How a castor rolls once it has swung in behind its pivot.
     pub(crate) fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
         let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
-        choice.command(Way::Forwards)
+        // The contact ends up behind the pivot, whichever way the heading counts.
+        choice.command(if self.trail < 0.0 {
+            Way::Backwards
+        } else {
+            Way::Forwards
+        })
     }
 
     /// Speed at which the contact slides sideways at this angle [m/s].
