@@ -6,8 +6,11 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "Fit",
+    "Link",
     "Mobility",
+    "RockerBogie",
     "Rover",
+    "SteeringCommand",
     "Wheel",
     "__version__",
     "compose",
@@ -21,6 +24,7 @@ __all__ = [
 _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
+_Steered: TypeAlias = Literal["corners", "front"]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -249,6 +253,79 @@ class Rover:
     def min_radius(self) -> float: ...
     @property
     def spin_radius(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Link:
+    @property
+    def frame(self) -> str: ...
+    @property
+    def parent(self) -> str: ...
+    @property
+    def joint(self) -> str | None: ...
+    @property
+    def sign(self) -> float: ...  # of the joint's angle
+    @property
+    def gamma(self) -> float: ...  # [rad]
+    @property
+    def d(self) -> float: ...  # [m]
+    @property
+    def a(self) -> float: ...  # [m]
+    @property
+    def alpha(self) -> float: ...  # [rad]
+
+@final
+class SteeringCommand:
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def wheel_speeds(self) -> _Floats: ...  # (..., 6) [rad/s]
+    @property
+    def turning_radius(self) -> float | _Floats: ...  # [m]
+    @property
+    def scrub(self) -> _Floats: ...  # (..., unsteered wheels) [m/s]
+
+@final
+class RockerBogie:
+    def __new__(
+        cls,
+        rocker_pivot: ArrayLike,
+        rocker_to_front: ArrayLike,
+        rocker_to_bogie: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        bogie_to_rear: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+    ) -> RockerBogie: ...
+    @staticmethod
+    def rocky7() -> RockerBogie: ...
+    @staticmethod
+    def perseverance() -> RockerBogie: ...
+    @staticmethod
+    def curiosity() -> RockerBogie: ...
+    def frames(self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None) -> dict[str, _Floats]: ...
+    def jacobians(self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None) -> dict[str, _Floats]: ...
+    def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def icr_offset(self, rho: ArrayLike, beta: ArrayLike) -> float | _Floats: ...
+    def steer(
+        self,
+        speed: ArrayLike,
+        yaw_rate: ArrayLike,
+        rho: ArrayLike,
+        beta: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        previous_speeds: ArrayLike | None = None,
+    ) -> SteeringCommand: ...
+    @property
+    def links(self) -> tuple[Link, ...]: ...
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def dimensions(self) -> dict[str, Any]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...

@@ -8,6 +8,7 @@ mod kinematics;
 mod layouts;
 mod mobility;
 mod rover;
+mod suspension;
 mod wheel;
 
 use pyo3::prelude::*;
@@ -20,6 +21,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rover::Rover>()?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<suspension::RockerBogie>()?;
+    module.add_class::<suspension::Link>()?;
+    module.add_class::<suspension::SteeringCommand>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;

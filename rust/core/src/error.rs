@@ -86,8 +86,11 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
-/// A tuple of numbers as Python writes it.
+/// A number, or a tuple of several, as Python writes it.
 pub(crate) fn numbers(values: &[f64]) -> String {
+    if let [value] = values {
+        return number(*value);
+    }
     let inner: Vec<String> = values.iter().copied().map(number).collect();
     format!("({})", inner.join(", "))
 }

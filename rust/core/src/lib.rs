@@ -12,7 +12,7 @@
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation),
 //! [`steering`] (which angle a wheel takes), [`rover`] (layouts,
 //! inverse), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`batch`] (whole arrays),
-//! [`presets`] (measured rovers).
+//! [`presets`] (measured rovers), [`suspension`] (rocker-bogie).
 
 pub mod admissible;
 pub mod batch;
@@ -24,6 +24,7 @@ pub mod mobility;
 pub mod presets;
 pub mod rover;
 pub mod steering;
+pub mod suspension;
 pub mod wheels;
 
 pub use admissible::Keep;
@@ -34,4 +35,5 @@ pub use layouts::{Drive, SkidCentres};
 pub use mobility::Mobility;
 pub use rover::{Inputs, Rover};
 pub use steering::SteeringRange;
+pub use suspension::RockerBogie;
 pub use wheels::{Pivot, Wheel};

@@ -199,6 +199,11 @@ impl<'py> Scalars<'py> {
         }
     }
 
+    /// The number of a row.
+    pub fn at(&self, row: usize) -> f64 {
+        self.steps().get(row)
+    }
+
     /// All numbers.
     pub fn flat(&self) -> &[f64] {
         match &self.each {

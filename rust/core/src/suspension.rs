@@ -1,0 +1,249 @@
+//! Rocker-bogie suspension: where three passive joints put six wheels.
+//!
+//! A differential couples the rockers, so one angle `rho` turns the left one and `-rho` the right one; each
+//! carries a front wheel and a bogie, which turns by `beta` and carries a middle and a rear wheel. The
+//! chain is a Denavit-Hartenberg table ([`Link`]), composed in one loop; joint angles count about +y, so
+//! nose-down is positive. What the wheels then do is for the wheel equation of [`Rover`] to say.
+//!
+//! (M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover, ICRA 1999.)
+
+mod chain;
+
+use std::f64::consts::FRAC_PI_3;
+
+use crate::error::{Error, finite};
+use crate::geometry::Twist;
+use crate::rover::{Inputs, Rover};
+use crate::steering::SteeringRange;
+use crate::wheels::Wheel;
+
+use chain::FIRST_PSI;
+pub use chain::{Dimensions, FRAMES, Link, MAX_JOINTS, Posture, Steered, Turn};
+
+/// Names of the wheels, in the order of every array and of the frames A1 to A6.
+pub const WHEELS: [&str; 6] = [
+    "front_left",
+    "front_right",
+    "middle_left",
+    "middle_right",
+    "rear_left",
+    "rear_right",
+];
+
+/// A rover on a rocker-bogie suspension. Immutable, without state.
+#[derive(Clone, Debug)]
+pub struct RockerBogie {
+    dimensions: Dimensions,
+    links: [Link; FRAMES],
+}
+
+impl PartialEq for RockerBogie {
+    fn eq(&self, other: &Self) -> bool {
+        self.dimensions == other.dimensions
+    }
+}
+
+/// What the wheels have to do, and how far the unsteered ones fall short of rolling.
+#[derive(Clone, Debug)]
+pub struct SteeringCommand {
+    /// Angles of the steered wheels [rad].
+    pub steering: Vec<f64>,
+    /// Speeds of all wheels [rad/s].
+    pub wheel_speeds: Vec<f64>,
+    /// Left of the rover's origin [m]; infinite driving straight, NaN at rest.
+    pub turning_radius: f64,
+    /// Speed at which each unsteered wheel slides to its left [m/s].
+    pub scrub: Vec<f64>,
+}
+
+impl RockerBogie {
+    /// A rover with this suspension. Fails if a dimension makes no sense.
+    pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
+        dimensions.check()?;
+        Ok(Self {
+            dimensions,
+            links: dimensions.links(),
+        })
+    }
+
+    /// Rocky 7. Frame R as in the papers: between the bogie axes, to 3.5 um.
+    ///
+    /// (Dimensions: nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott, da081e4.)
+    pub fn rocky7() -> Result<Self, Error> {
+        let (sin, cos) = 139.0_f64.to_radians().sin_cos(); // k9
+        Self::new(Dimensions {
+            rocker_pivot: [0.12075, 0.2, 0.105],
+            rocker_to_front: [0.288, 0.0, -0.125],
+            rocker_to_bogie: [0.16 * cos, 0.0, -0.16 * sin],
+            bogie_to_middle: [0.069, 0.0, -0.02],
+            bogie_to_rear: [-0.069, 0.0, -0.02],
+            wheel_radius: 0.065,
+            steered: Steered::Front,
+            steering: SteeringRange::symmetric(FRAC_PI_3)?,
+        })
+    }
+
+    /// Perseverance. Frame R on the ground under the middle of the middle wheels.
+    ///
+    /// (Dimensions: nasa-jpl/m2020-urdf-models, rover/m2020.urdf, c422fc6, signs turned from z-down.)
+    pub fn perseverance() -> Result<Self, Error> {
+        Self::new(Dimensions {
+            rocker_pivot: [0.30402, 0.79959, 0.89288],
+            rocker_to_front: [0.881, 0.26291, -0.63],
+            rocker_to_bogie: [-0.754, 0.12, -0.23],
+            bogie_to_middle: [0.44998, 0.26491, -0.4],
+            bogie_to_rear: [-0.625, 0.14291, -0.4],
+            wheel_radius: 0.26288,
+            steered: Steered::Corners,
+            steering: SteeringRange::default(),
+        })
+    }
+
+    /// Curiosity, to about 1 cm. Frame R on the ground under the middle of the middle wheels.
+    ///
+    /// (Dimensions: Project Chrono Curiosity model, read off a 3D model; origin moved from its chassis by
+    /// (-0.089, 0, -0.001); radius half the nominal wheel diameter of 0.5 m.)
+    pub fn curiosity() -> Result<Self, Error> {
+        Self::new(Dimensions {
+            rocker_pivot: [0.303, 0.604, 0.8764],
+            rocker_to_front: [0.881, 0.459, -0.6264],
+            rocker_to_bogie: [-0.754, 0.241, -0.2321],
+            bogie_to_middle: [0.451, 0.349, -0.3943],
+            bogie_to_rear: [-0.623, 0.218, -0.3943],
+            wheel_radius: 0.25,
+            steered: Steered::Corners,
+            steering: SteeringRange::default(),
+        })
+    }
+
+    /// What it was made of.
+    pub fn dimensions(&self) -> &Dimensions {
+        &self.dimensions
+    }
+
+    /// The Denavit-Hartenberg table, parents before children.
+    pub fn links(&self) -> &[Link; FRAMES] {
+        &self.links
+    }
+
+    /// Number of joint angles: rho, beta_1, beta_2, then one psi per steered wheel.
+    pub fn joint_count(&self) -> usize {
+        FIRST_PSI + self.dimensions.steered.wheels().len()
+    }
+
+    /// Where joint angles [rad] put every frame. Fails unless there is a finite angle for every joint.
+    pub fn posture(&self, joints: &[f64]) -> Result<Posture<'_>, Error> {
+        if joints.len() != self.joint_count() {
+            let rule = format!("hold {} angles", self.joint_count());
+            return Err(Error::value("joints", rule, joints.len().to_string()));
+        }
+        let (suspension, psi) = joints.split_at(FIRST_PSI);
+        finite("rho", &suspension[..1])?;
+        finite("beta", &suspension[1..])?;
+        finite("psi", psi)?;
+        Ok(Posture::new(&self.links, joints))
+    }
+
+    /// The rover seen from above: its wheels where the suspension puts their centres.
+    pub fn planar(&self, rho: f64, beta: [f64; 2]) -> Result<Rover, Error> {
+        let mut joints = [0.0; MAX_JOINTS];
+        joints[..FIRST_PSI].copy_from_slice(&[rho, beta[0], beta[1]]);
+        let posture = self.posture(&joints[..self.joint_count()])?;
+        let Dimensions {
+            wheel_radius,
+            steered,
+            steering,
+            ..
+        } = self.dimensions;
+        let wheel = |(i, name): (usize, &&str)| {
+            let centre = posture.wheel_centre(i);
+            let wheel = Wheel::new(*name, centre.x, centre.y, wheel_radius);
+            if steered.wheels().contains(&i) {
+                wheel.steered(steering)
+            } else {
+                wheel
+            }
+        };
+        Rover::new(WHEELS.iter().enumerate().map(wheel).collect())
+    }
+
+    /// x_R [m]: the unsteered wheels scrub least turning about a point of the line x = -x_R.
+    pub fn icr_offset(&self, rho: f64, beta: [f64; 2]) -> Result<f64, Error> {
+        Ok(icr_offset(&self.planar(rho, beta)?))
+    }
+
+    /// The wheel equation of [`Self::planar`] for a forward speed [m/s] of the rover's origin and a yaw
+    /// rate [rad/s], turning where the unsteered wheels scrub least.
+    pub fn steer(
+        &self,
+        speed: f64,
+        yaw_rate: f64,
+        rho: f64,
+        beta: [f64; 2],
+        inputs: Inputs<'_>,
+    ) -> Result<SteeringCommand, Error> {
+        finite("speed", &[speed])?;
+        finite("yaw_rate", &[yaw_rate])?;
+        let rover = self.planar(rho, beta)?;
+        let twist = Twist {
+            vx: speed,
+            vy: 0.0,
+            omega: yaw_rate,
+        };
+        let twist = twist.about([-icr_offset(&rover), 0.0]);
+        let mut steering = vec![0.0; rover.steered().len()];
+        let mut wheel_speeds = vec![0.0; WHEELS.len()];
+        rover.inverse(twist, inputs, &mut steering, &mut wheel_speeds)?;
+        let unsteered = rover.wheels().iter().filter(|w| w.steering().is_none());
+        Ok(SteeringCommand {
+            steering,
+            wheel_speeds,
+            turning_radius: twist.icr()[1],
+            scrub: unsteered.map(|w| w.side_slip(0.0, twist, 0.0)).collect(),
+        })
+    }
+}
+
+/// The homogeneous transforms of [`Posture::frames`] for every row of joint angles: frame after frame, in
+/// each row after row, row-major.
+pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64]) -> Result<(), Error> {
+    let rows = joints.chunks_exact(rover.joint_count());
+    let count = rows.len();
+    let (matrices, _) = transforms.as_chunks_mut::<16>();
+    for (k, joints) in rows.enumerate() {
+        let posture = rover.posture(joints).map_err(|error| error.at_row(k))?;
+        for (i, frame) in posture.frames().iter().enumerate() {
+            let transform = frame.to_homogeneous();
+            matrices[i * count + k] = std::array::from_fn(|i| transform[(i / 4, i % 4)]);
+        }
+    }
+    Ok(())
+}
+
+/// [`Posture::jacobian`] for every row of joint angles: wheel after wheel, in each row after row, each three
+/// rows of joints.
+pub fn jacobians(
+    rover: &RockerBogie,
+    joints: &[f64],
+    derivatives: &mut [f64],
+) -> Result<(), Error> {
+    let width = rover.joint_count();
+    let rows = joints.chunks_exact(width);
+    let count = rows.len();
+    for (k, joints) in rows.enumerate() {
+        let posture = rover.posture(joints).map_err(|error| error.at_row(k))?;
+        for wheel in 0..WHEELS.len() {
+            let columns = posture.jacobian(wheel);
+            let matrix = &mut derivatives[(wheel * count + k) * 3 * width..][..3 * width];
+            for (i, value) in matrix.iter_mut().enumerate() {
+                *value = columns[i % width][i / width];
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The unsteered wheels are parallel: one bank, whose row is that of their mean axle.
+fn icr_offset(rover: &Rover) -> f64 {
+    0.0 - rover.banks()[0].row.z // not minus zero
+}
