@@ -278,3 +278,49 @@ impl<'a> Posture<'a> {
         columns
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::suspension::RockerBogie;
+
+    use super::*;
+
+    #[test]
+    fn axes_move_the_points_and_directions_of_a_wheel() -> Result<(), Error> {
+        let rover = RockerBogie::perseverance()?;
+        let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
+        let (step, posture) = (1e-5, rover.posture(&joints)?);
+        let rim = Point3::new(0.1, 0.05, -0.2);
+        for wheel in 0..6 {
+            let (mut point, mut axle) = ([Vector3::zeros(); 7], [Vector3::zeros(); 7]);
+            for (joint, axis, origin) in posture.axes(wheel) {
+                point[joint] += axis.cross(&(posture.wheel(wheel) * rim - origin));
+                axle[joint] += axis.cross(&(posture.wheel(wheel) * Vector3::y()));
+            }
+            for joint in 0..7 {
+                let moved = |step| {
+                    let mut joints = joints;
+                    joints[joint] += step;
+                    rover.posture(&joints).map(|posture| *posture.wheel(wheel))
+                };
+                let (ahead, behind) = (moved(step)?, moved(-step)?);
+                let slope = (ahead * rim - behind * rim) / (2.0 * step);
+                // Truncation, arm step^2 / 6, and rounding, eps arm / step: 6e-11 together.
+                assert!((point[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
+                let slope = (ahead * Vector3::y() - behind * Vector3::y()) / (2.0 * step);
+                assert!((axle[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn the_number_of_joints_is_checked() -> Result<(), Error> {
+        let rover = RockerBogie::rocky7()?;
+        let Err(error) = rover.posture(&[0.0; 4]) else {
+            return Err(Error::value("joints", "be refused", "4"));
+        };
+        assert_eq!(error.to_string(), "joints must hold 5 angles, got 4");
+        Ok(())
+    }
+}
