@@ -15,6 +15,7 @@ import six_wheel as sw
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 TWISTS = np.array([[0.5, 0.0, 0.3], [0.2, 0.0, -1.0], [0.0, 0.0, 0.5], [-0.4, 0.0, 0.0], [0.0, 0.0, 0.0]])
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
+ROCKY = sw.RockerBogie.rocky7()
 
 
 def unaligned(array: np.ndarray) -> np.ndarray:
@@ -122,6 +123,14 @@ CALLS = [
     sw.log,
     sw.wrap_angle,
     lambda a: sw.compose(a, a),
+    lambda a: ROCKY.frames(0.1, a),
+    lambda a: ROCKY.frames(a, (0.1, 0.2), a),
+    lambda a: ROCKY.jacobians(a, np.zeros((3, 2))),
+    lambda a: ROCKY.planar(a, (0.1, 0.2)),
+    lambda a: ROCKY.icr_offset(0.1, a),
+    lambda a: ROCKY.steer(a, 0.0, 0.1, np.zeros((3, 2))),
+    lambda a: ROCKY.steer(0.5, a, 0.1, (0.1, 0.2), previous=a),
+    lambda a: sw.RockerBogie(a, a, a, a, a, 0.1),
 ]
 
 
