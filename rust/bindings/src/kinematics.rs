@@ -143,7 +143,9 @@ impl Rover {
                 input.release_if(out);
             }
         }
-        if let [Some(first), Some(second)] = &outputs {
+        if let [Some(first), Some(second)] = &outputs
+            && let (Ok(first), Ok(second)) = (first.cast(), second.cast())
+        {
             disjoint("out[0]", first, second, "out[1]")?;
         }
         let inputs = [

@@ -1,8 +1,11 @@
 //! Results on their way out: into fresh arrays or the caller's.
 
+use std::ops::Range;
+
 use numpy::ndarray::IxDyn;
 use numpy::{
-    Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+    Element, PyArray1, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -36,21 +39,23 @@ impl<'py> Output<'py> {
                 copy: false,
             });
         };
-        let rule = format!(
-            "be a writeable float64 array of shape {}",
-            shape_text(shape)
-        );
+        let rule = || {
+            format!(
+                "be a writeable float64 array of shape {}",
+                shape_text(shape)
+            )
+        };
         let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
             let got = out.getattr("dtype").map_or_else(
                 |_| out.get_type().to_string(),
                 |dtype| format!("an array of dtype {dtype}"),
             );
-            ArgumentTypeError::new_err(format!("{argument} must {rule}, got {got}"))
+            ArgumentTypeError::new_err(format!("{argument} must {}, got {got}", rule()))
         })?;
         if array.shape() != shape {
             return Err(refuse(
                 argument,
-                &rule,
+                &rule(),
                 &format!("shape {}", shape_text(array.shape())),
             ));
         }
@@ -59,11 +64,11 @@ impl<'py> Output<'py> {
             .flatten()
             .filter_map(|rows| rows.source.as_ref())
         {
-            disjoint(argument, array.as_any(), source.as_any(), "the input")?;
+            disjoint(argument, array.as_untyped(), source, "the input")?;
         }
         let copy = !(array.is_c_contiguous() && array.is_aligned());
         let target = if copy { fresh() } else { array.clone() };
-        let read_only = |_| refuse(argument, &rule, "a read-only array or one in use");
+        let read_only = |_| refuse(argument, &rule(), "a read-only array or one in use");
         let buffer = target.try_readwrite().map_err(read_only)?;
         if copy
             && !out
@@ -71,7 +76,7 @@ impl<'py> Output<'py> {
                 .getattr("writeable")?
                 .extract::<bool>()?
         {
-            return Err(refuse(argument, &rule, "a read-only array"));
+            return Err(refuse(argument, &rule(), "a read-only array"));
         }
         Ok(Self {
             array: array.clone(),
@@ -103,24 +108,41 @@ impl<'py> Output<'py> {
 /// Fails if two arrays share memory.
 pub fn disjoint(
     argument: &str,
-    array: &Bound<'_, PyAny>,
-    other: &Bound<'_, PyAny>,
+    array: &Bound<'_, PyUntypedArray>,
+    other: &Bound<'_, PyUntypedArray>,
     name: &str,
 ) -> PyResult<()> {
+    let (first, second) = (extent(array), extent(other));
+    if first.end <= second.start || second.end <= first.start {
+        return Ok(());
+    }
+    // Interleaved views need a closer look.
     let py = array.py();
-    let near = numpy(py)?.call_method1(intern!(py, "may_share_memory"), (array, other))?;
-    if near.extract::<bool>()?
-        && numpy(py)?
-            .call_method1(intern!(py, "shares_memory"), (array, other))?
-            .extract()?
-    {
-        return Err(refuse(
-            argument,
-            &format!("not overlap {name}"),
-            "shared memory",
-        ));
+    let shares = numpy(py)?.call_method1(intern!(py, "shares_memory"), (array, other))?;
+    if shares.extract()? {
+        let rule = format!("not overlap {name}");
+        return Err(refuse(argument, &rule, "shared memory"));
     }
     Ok(())
+}
+
+/// The addresses between which the elements of an array lie.
+fn extent(array: &Bound<'_, PyUntypedArray>) -> Range<usize> {
+    // SAFETY: a live array object has a valid header; only the address is read, not what is there.
+    let data = unsafe { (*array.as_array_ptr()).fields.data } as usize;
+    if array.is_empty() {
+        return data..data;
+    }
+    let (mut low, mut high) = (data, data + array.dtype().itemsize());
+    for (length, stride) in array.shape().iter().zip(array.strides()) {
+        let reach = (length - 1) * stride.unsigned_abs();
+        if *stride < 0 {
+            low -= reach;
+        } else {
+            high += reach;
+        }
+    }
+    low..high
 }
 
 /// One value as a Python scalar, many as an array of this shape.
