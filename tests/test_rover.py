@@ -294,6 +294,18 @@ def test_a_repr_can_be_pasted_back(rover):
         assert hash(pickle.loads(pickle.dumps(wheel))) == hash(wheel)
 
 
+def test_every_argument_of_a_wheel_can_be_read():
+    wheel = Wheel(
+        "w", 0.1, 0.2, radius=0.3, steered=True, steering_limit=1.0, heading=0.4, scrub=0.5, trail=0.6
+    )
+    assert (wheel.name, wheel.x, wheel.y, wheel.radius, wheel.heading) == ("w", 0.1, 0.2, 0.3, 0.4)
+    assert (wheel.steered, wheel.driven, wheel.castor, wheel.roller_angle) == (True, True, False, None)
+    assert (wheel.steering_limit, wheel.steering_range) == (1.0, (-1.0, 1.0))
+    assert (wheel.scrub, wheel.trail) == (0.5, 0.6)
+    assert Wheel("w", 0, 0, radius=1, steered=True, steering_limit=(-1, 2)).steering_limit == (-1.0, 2.0)
+    assert Wheel("w", 0, 0, radius=1).steering_limit is None
+
+
 def test_zeros_of_either_sign_hash_alike():
     plus, minus = Wheel("w", 0.0, 0.1, radius=0.1), Wheel("w", -0.0, 0.1, radius=0.1)
     assert plus == minus

@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyFloat, PyString, PyTuple};
 use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
 
 use crate::convert::{number, raise, refuse};
@@ -191,6 +191,20 @@ impl Wheel {
     #[getter]
     fn steering_range(&self) -> Option<(f64, f64)> {
         self.0.steering().map(|range| (range.lower, range.upper))
+    }
+
+    /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
+    /// fixed wheel.
+    #[getter]
+    fn steering_limit<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let limit = |range: SteeringRange| {
+            if range.lower == -range.upper {
+                Ok(PyFloat::new(py, range.upper).into_any())
+            } else {
+                Ok((range.lower, range.upper).into_pyobject(py)?.into_any())
+            }
+        };
+        self.0.steering().map(limit).transpose()
     }
 
     /// Contact to the left of the steering axis [m].
