@@ -11,13 +11,15 @@
 //!
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`rover`] (layouts,
 //! inverse), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`batch`] (whole arrays),
-//! [`presets`] (measured rovers).
+//! [`presets`] (measured rovers), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
 pub mod error;
 pub mod estimate;
+pub mod four_axle;
 pub mod geometry;
+mod jacobi;
 pub mod presets;
 pub mod rover;
 pub mod wheels;
@@ -25,6 +27,7 @@ pub mod wheels;
 pub use admissible::Keep;
 pub use error::{Error, ErrorKind};
 pub use estimate::{Fit, Method};
+pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};
 pub use rover::Rover;
 pub use wheels::{SteeringRange, Wheel};
