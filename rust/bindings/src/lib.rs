@@ -2,6 +2,7 @@
 
 mod convert;
 mod fit;
+mod four_axle;
 mod geometry;
 mod rover;
 mod wheel;
@@ -15,6 +16,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<four_axle::FourAxle>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;

@@ -102,7 +102,8 @@ fn read_joints(
 }
 
 impl Rover {
-    fn build(
+    /// A rover of the core with its joints.
+    pub fn build(
         py: Python<'_>,
         core: Core,
         traction: Option<&Bound<'_, PyMapping>>,
@@ -347,7 +348,7 @@ impl Rover {
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[pyo3(signature = (twist, *, previous=None, steering_rates=None, out=None))]
-    fn inverse<'py>(
+    pub fn inverse<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
