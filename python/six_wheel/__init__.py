@@ -9,9 +9,11 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 """
 
 from os import PathLike
+from typing import TYPE_CHECKING
 
 from six_wheel._core import (
     Fit,
+    FourAxle,
     Link,
     Mobility,
     RockerBogie,
@@ -29,9 +31,15 @@ from six_wheel._core import (
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
 
+if TYPE_CHECKING:
+    from six_wheel.four_axle import FourAxleState, FourAxleStep
+
 __all__ = [
     "ArgumentTypeError",
     "Fit",
+    "FourAxle",
+    "FourAxleState",
+    "FourAxleStep",
     "InfeasibleMotionError",
     "Link",
     "Mobility",
@@ -81,3 +89,12 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
     return config.load(path, node=node)
+
+
+def __getattr__(name: str) -> object:
+    """States and steps of `FourAxle`, loaded when asked for: dataclasses would double the import time."""
+    if name in ("FourAxleState", "FourAxleStep"):
+        from six_wheel import four_axle
+
+        return getattr(four_axle, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

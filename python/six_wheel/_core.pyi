@@ -1,11 +1,21 @@
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from six_wheel.four_axle import (
+    FourAxleMobility,
+    FourAxleMotion,
+    FourAxleSimulation,
+    FourAxleState,
+    FourAxleStep,
+    TurnSequence,
+)
+
 __all__ = [
     "Fit",
+    "FourAxle",
     "Link",
     "Mobility",
     "RockerBogie",
@@ -25,6 +35,8 @@ _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front"]
+_Brake: TypeAlias = Literal["locked", "free"]
+_Pair: TypeAlias = Literal["front", "rear"]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -330,10 +342,72 @@ class RockerBogie:
     def joint_names(self) -> tuple[str, ...]: ...
     @property
     def dimensions(self) -> dict[str, Any]: ...
+
+class FourAxle:
+    def __new__(
+        cls,
+        hinges: ArrayLike,
+        axle_length: float,
+        wheel_radius: float,
+        *,
+        steering_limit: float | tuple[float, float] | None = None,
+        tolerance: float = 0.001,
+    ) -> FourAxle: ...
+    def inverse(self, twist: ArrayLike, *, previous: ArrayLike | None = None) -> tuple[_Floats, _Floats]: ...
+    def forward(
+        self,
+        angles: ArrayLike,
+        speeds: Iterable[float | None],
+        *,
+        front: _Brake = "locked",
+        rear: _Brake = "locked",
+    ) -> FourAxleMotion: ...
+    def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
+    def concurrent_angles(self, icr: ArrayLike) -> _Floats: ...
+    def lock(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
+    def release(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
+    def drive(self, state: FourAxleState, speed: float, duration: float) -> FourAxleStep: ...
+    def turn_sequence(
+        self,
+        state: FourAxleState,
+        curvature: float,
+        *,
+        steer: Literal["both", "front", "rear"] = "both",
+        speed: float = 0.0,
+        pivot_rate: float = 0.5,
+        brake_time: float = 0.0,
+    ) -> TurnSequence: ...
+    def aim_sequence(
+        self,
+        state: FourAxleState,
+        icr: ArrayLike,
+        *,
+        speed: float = 0.0,
+        pivot_rate: float = 0.5,
+        brake_time: float = 0.0,
+    ) -> TurnSequence: ...
+    def simulate(
+        self, sequence: Iterable[FourAxleStep], dt: float, *, state: FourAxleState | None = None
+    ) -> FourAxleSimulation: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def hinges(self) -> tuple[float, float]: ...
+    @property
+    def axle_length(self) -> float: ...
+    @property
+    def wheel_radius(self) -> float: ...
+    @property
+    def steering_range(self) -> tuple[float, float]: ...
+    @property
+    def tolerance(self) -> float: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+def integrate(
+    twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None
+) -> _Floats: ...
 def integrate(
     twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None
 ) -> _Floats: ...

@@ -110,7 +110,7 @@ impl Rover {
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[pyo3(signature = (twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
-    fn inverse<'py>(
+    pub fn inverse<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,

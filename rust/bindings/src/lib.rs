@@ -3,6 +3,7 @@
 mod admissible;
 mod convert;
 mod fit;
+mod four_axle;
 mod geometry;
 mod kinematics;
 mod layouts;
@@ -24,6 +25,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
+    module.add_class::<four_axle::FourAxle>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;

@@ -120,7 +120,8 @@ impl Rover {
         self.core.wheels().len()
     }
 
-    fn build(
+    /// A rover of the core with its joints.
+    pub fn build(
         py: Python<'_>,
         core: Core,
         traction: Option<&Bound<'_, PyMapping>>,

@@ -10,6 +10,7 @@ use nalgebra::{Cholesky, Matrix3, Vector3};
 
 use crate::error::{Error, ErrorKind, finite, number, numbers};
 use crate::geometry::Twist;
+use crate::jacobi::Jacobi;
 use crate::rover::{Mount, Rover};
 use crate::wheels::{Direction, Wheel};
 
@@ -18,6 +19,9 @@ pub const SLIP_TOLERANCE: f64 = 1e-9;
 
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
+
+/// Squared sine of the angle below which two conditions are one.
+const INDEPENDENT: f64 = 1e-12;
 
 /// Share of a twist's size below which a component of its projection is rounding.
 const VANISHED: f64 = 1e-14;
@@ -269,7 +273,7 @@ impl Rover {
         for (row, _) in &scaled {
             normal += row * row.transpose();
         }
-        let inverse = normal.pseudo_inverse(1e-12).ok()?;
+        let inverse = Jacobi::new(&normal).inverse(INDEPENDENT);
         let start = to_twist.try_inverse()? * Vector3::from(wanted);
         let mut point = start;
         // The second round removes the rounding of the first, which is of the size of the wanted twist.

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, ErrorKind, finite, numbers};
 use crate::geometry::Twist;
+use crate::jacobi::Jacobi;
 use crate::mobility::triangle;
 use crate::rover::{MAX_WHEELS, Mount, Rover};
 use crate::wheels::{Direction, Pivot};
@@ -273,10 +274,7 @@ impl Rover {
         });
         match (determined, unseen) {
             (Some(factor), _) => Ok(factor.inverse()),
-            (None, Unseen::Zero) => {
-                let inverse = normal.pseudo_inverse(least);
-                inverse.map_err(|_| self.underdetermined(normal))
-            }
+            (None, Unseen::Zero) => Ok(Jacobi::new(&normal).inverse(least)),
             (None, Unseen::Refuse) => Err(self.underdetermined(normal)),
         }
     }
@@ -329,10 +327,7 @@ impl Rover {
 
     /// Names the motion that no reading sees.
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
-        let svd = normal.svd(false, true);
-        let unseen = svd
-            .v_t
-            .map_or_else(Vector3::zeros, |v_t| v_t.row(2).transpose());
+        let unseen = Jacobi::new(&normal).turn.column(2).into_owned();
         let omega = unseen.z / self.size;
         let twist = [
             unseen.x + omega * self.centre.y,
@@ -404,12 +399,9 @@ impl Rover {
             let root = weight.sqrt();
             [reading.rolling * root, reading.side_slip * root]
         });
-        let values = triangle(rows).singular_values();
-        let rank = values
-            .iter()
-            .filter(|value| **value > RANK_TOLERANCE * values.max())
-            .count();
-        (rank, values.min())
+        let decomposed = Jacobi::new(&triangle(rows));
+        let rank = decomposed.rank(RANK_TOLERANCE * decomposed.values.x);
+        (rank, decomposed.values.z)
     }
 }
 

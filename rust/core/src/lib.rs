@@ -9,16 +9,19 @@
 //! the velocity of the body frame in body axes. Nothing here divides by a turning radius, so driving
 //! straight, on the spot and sideways are ordinary values of the same expressions.
 //!
-//! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation),
-//! [`steering`] (which angle a wheel takes), [`rover`] (layouts,
-//! inverse), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`batch`] (whole arrays),
-//! [`presets`] (measured rovers), [`suspension`] (rocker-bogie).
+//! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
+//! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
+//! vehicles), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`mobility`] (rank of the
+//! constraints), [`batch`] (whole arrays), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
+//! pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
 pub mod error;
 pub mod estimate;
+pub mod four_axle;
 pub mod geometry;
+mod jacobi;
 pub mod layouts;
 pub mod mobility;
 pub mod presets;
@@ -30,6 +33,8 @@ pub mod wheels;
 pub use admissible::Keep;
 pub use error::{Error, ErrorKind};
 pub use estimate::{Fit, Method, Unseen};
+
+pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};
 pub use layouts::{Drive, SkidCentres};
 pub use mobility::Mobility;

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Matrix4x3, Vector3};
 use crate::admissible::Keep;
 use crate::error::{Error, finite};
 use crate::geometry::Twist;
+use crate::jacobi::Jacobi;
 use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
 use crate::wheels::Direction;
 
@@ -76,15 +77,16 @@ impl Rover {
             }
         };
         let (fixed, all) = self.side_slip_rows(steering);
-        let (fixed_rank, ..) = decompose(&fixed);
-        let (rank, singular_values, directions) = decompose(&all);
+        let bound = decompose(&fixed).rank(CONCURRENT);
+        let decomposed = decompose(&all);
+        let rank = decomposed.rank(CONCURRENT);
         Ok(Mobility {
             degree_of_mobility: 3 - rank,
-            degree_of_steerability: rank - fixed_rank,
+            degree_of_steerability: rank - bound,
             rank,
-            singular_values,
+            singular_values: decomposed.values.into(),
             motions: (rank..3)
-                .map(|k| Twist::from(directions.row(k).transpose()))
+                .map(|k| Twist::from(decomposed.turn.column(k).into_owned()))
                 .collect(),
         })
     }
@@ -108,16 +110,9 @@ impl Rover {
     }
 }
 
-/// Rank, singular values and right singular vectors (as rows), largest first.
-fn decompose(rows: &[Vector3<f64>]) -> (usize, [f64; 3], Matrix3<f64>) {
-    let svd = triangle(rows.iter().copied()).svd(false, true);
-    let rank = svd
-        .singular_values
-        .iter()
-        .filter(|value| **value > CONCURRENT)
-        .count();
-    let directions = svd.v_t.unwrap_or_else(Matrix3::identity);
-    (rank, svd.singular_values.into(), directions)
+/// Singular values and vectors of stacked rows.
+fn decompose(rows: &[Vector3<f64>]) -> Jacobi<3, 3> {
+    Jacobi::new(&triangle(rows.iter().copied()))
 }
 
 /// The triangular factor of stacked rows, folded row by row: same singular values, same right vectors.

@@ -1,0 +1,591 @@
+//! `six_wheel.FourAxle`: axles on lockable pivots. Its states and results are plain values of Python.
+
+mod values;
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::SteeringRange;
+use six_wheel_core::four_axle::{self as core, Brakes, Pair, State};
+
+use crate::convert::{Array, Output, Rows, number, raise, refuse};
+use crate::rover::Rover;
+use crate::wheel::{reduce, steering_limit, steering_range};
+use values::{
+    array, axles, brake, drives, pace, raised, read_state, read_step, value, vector, write_plan,
+    write_state, write_step,
+};
+
+/// Four axles on lockable pivots: four-wheel steering, dual differential drive, and their hybrid.
+///
+/// Each axle hangs on a hinge and carries a driven wheel at its outer end. Two brakes lock the pivots of the
+/// front and of the rear pair; a free axle is turned by its wheel: ``(e . u - r q) / scrub - omega`` is
+/// its rate. Hinges on the centre line carry one rigid axle per pair: two differential drives in tandem.
+/// Axles come in the order front left, front right, rear left, rear right; their angles are the headings of
+/// the wheels in the body.
+///
+/// Parameters
+/// ----------
+/// hinges : (float, float)
+///     Half the distance of the hinges along and across the body [m]; across it may be 0.
+/// axle_length : float
+///     Hinge to wheel [m].
+/// wheel_radius : float
+///     Hub to ground [m].
+/// steering_limit : float or (float, float), optional
+///     Largest angle to either side, or smallest and largest [rad]; default a quarter turn.
+/// tolerance : float
+///     Side slip per metre driven up to which axle lines count as meeting in one point. The default is what
+///     pivot encoders of 13 bits leave open.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a dimension is not finite and positive or the tolerance not below 1.
+///
+/// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct FourAxle {
+    core: core::FourAxle,
+    rover: Py<Rover>,
+}
+
+impl FourAxle {
+    fn build(py: Python<'_>, core: core::FourAxle) -> PyResult<Self> {
+        let rover = Py::new(py, Rover::build(py, core.rover().clone(), None, None)?)?;
+        Ok(Self { core, rover })
+    }
+}
+
+#[pymethods]
+impl FourAxle {
+    #[new]
+    #[pyo3(
+        signature = (hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=None),
+        text_signature = "(hinges, axle_length, wheel_radius, *, steering_limit=None, tolerance=0.001)"
+    )]
+    fn new(
+        py: Python<'_>,
+        hinges: &Bound<'_, PyAny>,
+        axle_length: &Bound<'_, PyAny>,
+        wheel_radius: &Bound<'_, PyAny>,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        tolerance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let hinges = Rows::read("hinges", hinges, 2)?;
+        let &[x, y] = hinges.flat() else {
+            return Err(refuse("hinges", "have shape (2,)", "more rows than one"));
+        };
+        let core = core::FourAxle::new(
+            [x, y],
+            number("axle_length", axle_length)?,
+            number("wheel_radius", wheel_radius)?,
+            steering_range(steering_limit)?.unwrap_or_default(),
+            tolerance.map_or(Ok(core::LOCK_TOLERANCE), |value| number("tolerance", value))?,
+        );
+        Self::build(py, core.map_err(raised)?)
+    }
+
+    /// Axle angles and wheel speeds for a twist with all pivots locked: `rover.inverse`.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// previous : array_like, shape (..., 4), optional
+    ///     Present axle angles [rad].
+    ///
+    /// Returns
+    /// -------
+    /// angles, speeds : ndarray, shape (..., 4)
+    ///     Axle angles [rad] and wheel speeds [rad/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError, ValueError
+    ///     As `Rover.inverse`.
+    #[pyo3(signature = (twist, *, previous=None))]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        previous: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Array<'py>, Array<'py>)> {
+        self.rover
+            .get()
+            .inverse(py, twist, previous, None, None, None, None)
+    }
+
+    /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
+    ///
+    /// With one pair free and the drives of the other following, the rows may leave open how fast hinged
+    /// axles go along; the motion is then the one that lasts, under which the axle lines go on to share a
+    /// point.
+    ///
+    /// Parameters
+    /// ----------
+    /// angles : array_like, shape (4,)
+    ///     Axle angles [rad].
+    /// speeds : sequence of float or None, length 4
+    ///     Wheel speeds [rad/s]; None where the drive follows.
+    /// front, rear : {'locked', 'free'}
+    ///     Brakes of the two pairs.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleMotion
+    ///     ``.twist``, ``.pivot_rates``, ``.speeds``, ``.residual``, ``.rank``.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine body and free pivots.
+    /// ValueError
+    ///     If a value is not finite, an angle out of range, or the angles of a rigid axle differ.
+    #[pyo3(signature = (angles, speeds, *, front="locked", rear="locked"))]
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        front: &str,
+        rear: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let set = Brakes {
+            front: brake("front", front)?,
+            rear: brake("rear", rear)?,
+        };
+        let motion = self
+            .core
+            .forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?)
+            .map_err(raised)?;
+        let twist: [f64; 3] = motion.twist.into();
+        value(py, "FourAxleMotion")?.call1((
+            vector(py, twist.to_vec()),
+            vector(py, motion.pivot_rates.to_vec()),
+            vector(py, motion.speeds.to_vec()),
+            vector(py, motion.residual.to_vec()),
+            motion.rank,
+        ))
+    }
+
+    /// Whether the robot can move with its axles locked at these angles, and how.
+    ///
+    /// Parameters
+    /// ----------
+    /// angles : array_like, shape (4,)
+    ///     Axle angles [rad].
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleMobility
+    ///     ``.rank``, ``.degree``, ``.singular_values``, ``.motion``, ``.slip``, ``.margin``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
+    fn mobility<'py>(
+        &self,
+        py: Python<'py>,
+        angles: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mobility = self
+            .core
+            .mobility(&axles("angles", angles)?)
+            .map_err(raised)?;
+        let free: Vec<[f64; 3]> = mobility
+            .free()
+            .iter()
+            .map(|twist| (*twist).into())
+            .collect();
+        value(py, "FourAxleMobility")?.call1((
+            mobility.rank,
+            mobility.degree(),
+            vector(py, mobility.singular_values.to_vec()),
+            array(py, &free)?,
+            mobility.slip,
+            mobility.margin,
+        ))
+    }
+
+    /// Axle angles under which the robot turns about a point, and nothing slips.
+    ///
+    /// Parameters
+    /// ----------
+    /// icr : array_like, shape (..., 2)
+    ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
+    ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 4)
+    ///     Axle angles [rad], as near to 0 as half turns bring them.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If an axle would leave its range.
+    /// ValueError
+    ///     If a coordinate is NaN, or both are infinite.
+    fn concurrent_angles<'py>(
+        &self,
+        py: Python<'py>,
+        icr: &Bound<'py, PyAny>,
+    ) -> PyResult<Array<'py>> {
+        let points = Rows::read("icr", icr, 2)?;
+        let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
+        let mut angles = Output::new(py, "out", None, &shape, &[])?;
+        let rows = points.flat().as_chunks::<2>().0.iter();
+        for (row, (point, target)) in rows.zip(angles.flat().as_chunks_mut().0).enumerate() {
+            *target = self
+                .core
+                .concurrent_angles(*point)
+                .map_err(|error| raise(error.at_row(row), &points.leading))?;
+        }
+        angles.finish()
+    }
+
+    /// The state with a pair locked.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     The present state; it is left as it is.
+    /// pair : {'front', 'rear'}
+    ///     Which brake to set.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleState
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If both pairs locked at these angles could not move; the message has the singular value and the
+    ///     angles at which the pair could be locked.
+    fn lock<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        pair: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let state = read_state(state)?;
+        let pair: Pair = pair.parse().map_err(raised)?;
+        let locked = self.core.lock(&state.angles, state.brakes, pair);
+        let brakes = locked.map_err(raised)?;
+        write_state(py, &State { brakes, ..state })
+    }
+
+    /// The state with a pair free.
+    ///
+    /// Both pairs may be free only where locking both would be refused: there the axles themselves hold the
+    /// body.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     The present state; it is left as it is.
+    /// pair : {'front', 'rear'}
+    ///     Which brake to release.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleState
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the other pair is free and the axle lines share a point: nothing would hold the body.
+    fn release<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        pair: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let state = read_state(state)?;
+        let pair: Pair = pair.parse().map_err(raised)?;
+        let freed = self.core.release(&state.angles, state.brakes, pair);
+        let brakes = freed.map_err(raised)?;
+        write_state(py, &State { brakes, ..state })
+    }
+
+    /// The step that drives on with both pairs locked.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Where it begins.
+    /// speed : float
+    ///     Root mean square speed of the hinges [m/s]: straight ahead the speed of the body. Negative
+    ///     backwards.
+    /// duration : float
+    ///     For how long [s].
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleStep
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the robot cannot move with these angles locked.
+    /// ValueError
+    ///     If the speed is not finite or the duration not positive.
+    fn drive<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        speed: &Bound<'py, PyAny>,
+        duration: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (speed, duration) = (number("speed", speed)?, number("duration", duration)?);
+        let step = self.core.drive(read_state(state)?, speed, duration);
+        write_step(py, &step.map_err(raised)?)
+    }
+
+    /// Steps that re-aim the axles for a curve, without a stop if the axles allow it.
+    ///
+    /// Free the rear, let its wheels turn it, lock it, then the same in front; or the other way round, or by
+    /// way of straight ahead; a pair that stays is left out. Under way the free pair has constant wheel
+    /// speeds and the drives of the locked pair follow. That needs the axles of the locked pair in line:
+    /// rigid axles always are, hinged ones at angle 0. Where it cannot be, the robot stops: one pair turns
+    /// while the other and its wheels hold the body.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Where it begins, both pairs locked.
+    /// curvature : float
+    ///     To turn with [1/m], positive to the left; 0 is straight ahead.
+    /// steer : {'both', 'front', 'rear'}
+    ///     Which axles turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
+    ///     front hinges.
+    /// speed : float
+    ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
+    /// pivot_rate : float
+    ///     Rate of the faster axle where the pair turns slowest [rad/s].
+    /// brake_time : float
+    ///     For how long to drive on with both pairs locked after locking one under way [s].
+    ///
+    /// Returns
+    /// -------
+    /// TurnSequence
+    ///     ``.steps`` with their expected ends, ``.stops``, and ``.reason``, which says why it stops or takes
+    ///     a detour.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If an axle would leave its range.
+    /// ValueError
+    ///     If a value is not finite or a brake is free.
+    #[pyo3(
+        signature = (state, curvature, *, steer="both", speed=None, pivot_rate=None, brake_time=None),
+        text_signature = "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn turn_sequence<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        curvature: &Bound<'py, PyAny>,
+        steer: &str,
+        speed: Option<&Bound<'py, PyAny>>,
+        pivot_rate: Option<&Bound<'py, PyAny>>,
+        brake_time: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let steer = steer.parse().map_err(raised)?;
+        let pace = pace(speed, pivot_rate, brake_time)?;
+        let curvature = number("curvature", curvature)?;
+        let plan = self
+            .core
+            .turn_sequence(read_state(state)?, curvature, steer, pace);
+        write_plan(py, &plan.map_err(raised)?)
+    }
+
+    /// Steps that re-aim the axles at a point, without a stop if the axles allow it: (0, 0) to spin in place.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : FourAxleState
+    ///     Where it begins, both pairs locked.
+    /// icr : array_like, shape (2,)
+    ///     The point, as in `concurrent_angles` [m].
+    /// speed, pivot_rate, brake_time : float
+    ///     As in `turn_sequence`.
+    ///
+    /// Returns
+    /// -------
+    /// TurnSequence
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError, ValueError
+    ///     As `turn_sequence` and `concurrent_angles`.
+    #[pyo3(
+        signature = (state, icr, *, speed=None, pivot_rate=None, brake_time=None),
+        text_signature = "($self, state, icr, *, speed=0.0, pivot_rate=0.5, brake_time=0.0)"
+    )]
+    fn aim_sequence<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        icr: &Bound<'py, PyAny>,
+        speed: Option<&Bound<'py, PyAny>>,
+        pivot_rate: Option<&Bound<'py, PyAny>>,
+        brake_time: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let point = Rows::read("icr", icr, 2)?;
+        let &[x, y] = point.flat() else {
+            return Err(refuse("icr", "have shape (2,)", "more rows than one"));
+        };
+        let pace = pace(speed, pivot_rate, brake_time)?;
+        let plan = self.core.aim_sequence(read_state(state)?, [x, y], pace);
+        write_plan(py, &plan.map_err(raised)?)
+    }
+
+    /// Drives a sequence: what body and free pivots do at the wheel speeds of its steps.
+    ///
+    /// Every change of a brake is checked at the angles where it happens. Motion with both pairs locked is
+    /// exact; with a free pair it is integrated until half the step changes nothing beyond 1e-12 rad and m.
+    ///
+    /// Parameters
+    /// ----------
+    /// sequence : iterable of FourAxleStep
+    ///     What to do; the ends of planned steps are not looked at.
+    /// dt : float
+    ///     Largest time between samples [s].
+    /// state : FourAxleState, optional
+    ///     Where it begins; by default straight ahead at the origin, both pairs locked.
+    ///
+    /// Returns
+    /// -------
+    /// FourAxleSimulation
+    ///     ``.times``, ``.poses``, ``.angles``, ``.twists``, ``.speeds``, ``.residual``, ``.ends``,
+    ///     ``.final``.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a brake may not change at the angles it would change at; the step is named.
+    /// UnderdeterminedError
+    ///     If the wheels of a step do not determine the motion.
+    /// ValueError
+    ///     If a value is not finite, `dt` not positive, or an axle leaves its range.
+    #[pyo3(signature = (sequence, dt, *, state=None))]
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        sequence: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        state: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let dt = number("dt", dt)?;
+        let start = state.map_or(Ok(State::default()), read_state)?;
+        let given = sequence.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+        let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
+        let (track, end) = py
+            .detach(|| self.core.simulate(start, &steps, dt))
+            .map_err(raised)?;
+        let keywords = PyDict::new(py);
+        keywords.set_item("rover", &self.rover)?;
+        keywords.set_item("steps", PyTuple::new(py, given)?)?;
+        keywords.set_item("times", vector(py, track.times))?;
+        keywords.set_item("poses", array(py, &track.poses)?)?;
+        keywords.set_item("angles", array(py, &track.angles)?)?;
+        keywords.set_item("twists", array(py, &track.twists)?)?;
+        keywords.set_item("speeds", array(py, &track.speeds)?)?;
+        keywords.set_item("residual", array(py, &track.residual)?)?;
+        let ends = track.ends.into_iter().map(|row| row as i64).collect();
+        keywords.set_item("ends", vector::<i64>(py, ends))?;
+        keywords.set_item("final", write_state(py, &end)?)?;
+        value(py, "FourAxleSimulation")?.call((), Some(&keywords))
+    }
+
+    /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
+    #[getter]
+    fn rover(&self, py: Python<'_>) -> Py<Rover> {
+        self.rover.clone_ref(py)
+    }
+
+    /// Half the distance of the hinges along and across the body [m].
+    #[getter]
+    fn hinges(&self) -> (f64, f64) {
+        self.core.hinges().into()
+    }
+
+    /// Hinge to wheel [m].
+    #[getter]
+    fn axle_length(&self) -> f64 {
+        self.core.axle_length()
+    }
+
+    /// Hub to ground [m].
+    #[getter]
+    fn wheel_radius(&self) -> f64 {
+        self.core.wheel_radius()
+    }
+
+    /// Smallest and largest axle angle [rad].
+    #[getter]
+    fn steering_range(&self) -> (f64, f64) {
+        let range = self.core.steering();
+        (range.lower, range.upper)
+    }
+
+    /// Side slip per metre driven up to which axle lines count as meeting in one point.
+    #[getter]
+    fn tolerance(&self) -> f64 {
+        self.core.tolerance()
+    }
+
+    fn __repr__(&self) -> String {
+        let core = &self.core;
+        let mut text = format!(
+            "FourAxle({:?}, {:?}, {:?}",
+            self.hinges(),
+            core.axle_length(),
+            core.wheel_radius()
+        );
+        if core.steering() != SteeringRange::default() {
+            text += &format!(", steering_limit={}", steering_limit(core.steering()));
+        }
+        if core.tolerance() != core::LOCK_TOLERANCE {
+            text += &format!(", tolerance={:?}", core.tolerance());
+        }
+        text + ")"
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().core == self.core)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut state = DefaultHasher::new();
+        let core = &self.core;
+        let [x, y] = core.hinges();
+        for value in [
+            x,
+            y,
+            core.axle_length(),
+            core.wheel_radius(),
+            core.tolerance(),
+        ] {
+            (value + 0.0).to_bits().hash(&mut state);
+        }
+        state.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, car) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("steering_limit", car.steering_range())?;
+        keywords.set_item("tolerance", car.tolerance())?;
+        let arguments = (car.hinges(), car.axle_length(), car.wheel_radius()).into_pyobject(py)?;
+        reduce(slf.as_any(), &arguments, &keywords)
+    }
+}
