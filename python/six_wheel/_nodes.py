@@ -5,8 +5,9 @@ A parameter file has ``<node>: ros__parameters: ...`` blocks, possibly inside na
 """
 
 import difflib
+import itertools
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +17,9 @@ __all__ = ["PARAMETERS", "Section", "closest", "section"]
 
 PARAMETERS = "ros__parameters"
 ANY_NODE = "/**"
+# Groups of parameters that controllers declare, read as ROS 2 does: kinematics: {wheels_radius: 0.1} is the
+# parameter kinematics.wheels_radius.
+GROUPS = frozenset({"angular", "kinematics", "linear", "steering", "traction"})
 
 
 @dataclass
@@ -26,38 +30,78 @@ class Section:
     line: int | None
     data: dict[str, Any] = field(default_factory=dict)
     places: dict[Path, Place] = field(default_factory=dict)
+    type: str | None = None
+    """The node's controller, if the file names it: ``diff_drive_controller/DiffDriveController``."""
 
     def line_of(self, path: Path) -> int | None:
         """The line of a part; for what is missing, that of the whole section."""
         return nearest(self.places, path).line if path[:1] in self.places else self.line
 
-    def rename(self, key: str, meant: str) -> None:
-        """Take the value of one key for that of another."""
-        self.data = {meant if name == key else name: value for name, value in self.data.items()}
+    def rename(self, at: Path, meant: str) -> None:
+        """Take the value of one key, wherever it stands, for that of another."""
+        around, key = at[:-1], at[-1]
+        holder: dict[Any, Any] = self.data
+        for part in around:
+            holder = holder[part]
+        renamed = {meant if name == key else name: value for name, value in holder.items()}
+        holder.clear()
+        holder.update(renamed)
+        depth = len(at)
         self.places = {
-            (meant, *at[1:]) if at[:1] == (key,) else at: place for at, place in self.places.items()
+            (*around, meant, *path[depth:]) if path[:depth] == at else path: place
+            for path, place in self.places.items()
         }
 
     def add(self, tree: Tree, block: Path, keys: Collection[str], *, only: str | None = None) -> None:
         """Lay the parameters of a block, or one of them, over those already here, as ROS 2 does."""
-        names: dict[str, Path] = {}
+        targets: dict[Path, Path] = {}
         for key, value in _at(tree, block).items():
             if only is not None and key != only:
                 continue
+            source = (*block, key)
             head, _, tail = key.partition(".")
-            if (
-                tail and head in keys
-            ):  # ROS 2's other way of writing limits: {speed: 1.0} is limits.speed: 1.0
-                value, names[key] = {tail: value}, (head, tail)
-                self.places.setdefault((head,), tree.places[(*block, key)])
-            else:
-                head, names[key] = key, (key,)
-            below = self.data.get(head)
-            self.data[head] = below | value if isinstance(below, dict) and isinstance(value, dict) else value
-        depth = len(block)
-        for at, place in tree.places.items():
-            if len(at) > depth and at[:depth] == block and at[depth] in names:
-                self.places[(*names[str(at[depth])], *at[depth + 1 :])] = place
+            if key in GROUPS and isinstance(value, dict):
+                for inner in _leaves(value):
+                    flat = ".".join([key, *inner])
+                    targets[(*source, *inner)] = (flat,)
+                    self._lay((flat,), _at_path(value, inner))
+                continue
+            target: Path = (key,)
+            if tail and head in keys and head not in GROUPS:
+                # ROS 2's other way of writing limits: {speed: 1.0} is limits.speed: 1.0
+                wheel, _, argument = tail.rpartition(".")
+                target = (head, wheel, argument) if head == "wheels" and wheel else (head, tail)
+                self.places.setdefault((head,), tree.places[source])
+            targets[source] = target
+            self._lay(target, value)
+        for path, place in tree.places.items():
+            if path[: len(block)] == block:
+                for depth in range(len(block) + 1, len(path) + 1):
+                    if path[:depth] in targets:
+                        self.places[(*targets[path[:depth]], *path[depth:])] = place
+                        break
+
+    def _lay(self, at: Path, value: Any) -> None:
+        for part in reversed(at[1:]):
+            value = {part: value}
+        self.data[str(at[0])] = _merged(self.data.get(str(at[0])), value)
+
+
+def _merged(below: Any, above: Any) -> Any:
+    """A copy of `above` over `below`; mappings are merged, everything else replaced."""
+    if isinstance(above, dict):
+        below = below if isinstance(below, dict) else {}
+        return below | {key: _merged(below.get(key), value) for key, value in above.items()}
+    return above
+
+
+def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    """Paths of what is no mapping."""
+    for key, value in data.items():
+        if isinstance(value, dict):
+            yield from ((key, *inner) for inner in _leaves(value))
+        else:
+            yield (key,)
 
 
 def closest(word: str, choices: Collection[str], *, likeness: float = 0.75) -> str | None:
@@ -68,7 +112,12 @@ def closest(word: str, choices: Collection[str], *, likeness: float = 0.75) -> s
 
 
 def section(
-    tree: Tree, node: str | None, keys: Collection[str], telling: Collection[str], report: Report
+    tree: Tree,
+    node: str | None,
+    keys: Collection[str],
+    telling: Sequence[Collection[str]],
+    controllers: Collection[str],
+    report: Report,
 ) -> Section | None:
     """The parameters of a rover in a file; None, with the reason reported, if that is none or several.
 
@@ -78,15 +127,20 @@ def section(
         The file, a mapping.
     node : str, optional
         The node asked for: its name with or without namespace.
-    keys, telling : collection of str
-        The keys of a rover, and those of them that no other kind of node has.
+    keys : collection of str
+        The keys of a rover.
+    telling : sequence of collections of str
+        Those of them that no other kind of node has; the first collection that any node has decides.
+    controllers : collection of str
+        The types of controllers that are told by the file's controller manager and belong to a rover.
     report : callable
         Called for every mistake in the nesting.
     """
     blocks, outside = _blocks(tree, keys)
-    if not blocks and not any(key in telling for key in tree.data):
+    told = frozenset[str]().union(*telling)
+    if not blocks and not any(key in told for key in tree.data):
         # `rover: {d1: ...}` lacks a level.
-        blocks = [(key,) for key, value in tree.data.items() if key not in keys and _tells(value, telling)]
+        blocks = [(key,) for key, value in tree.data.items() if key not in keys and _tells(value, told)]
     if not blocks:
         if node is not None:
             report(None, (), f"the file has no nodes, so none is named {one_line(node)}", "leave out node")
@@ -95,10 +149,11 @@ def section(
         found.add(tree, (), keys)
         return found
 
-    chosen = _choose(tree, blocks, node, telling, report)
+    types = {path: type_ for path, type_ in _types(tree, blocks).items() if type_ in controllers}
+    chosen = _choose(tree, blocks, node, telling, types, report)
     if chosen is None or not _check_nesting(tree, chosen, report):
         return None
-    found = Section(_node_name(chosen), tree.places[chosen].line)
+    found = Section(_node_name(chosen), tree.places[chosen].line, type=types.get(chosen))
     for path in outside:
         if path[: len(chosen)] != chosen:
             message = f"{path[-1]} stands outside {PARAMETERS}, where ROS 2 does not read it"
@@ -119,7 +174,7 @@ def _blocks(tree: Tree, keys: Collection[str]) -> tuple[list[Path], list[Path]]:
     def walk(data: dict[str, Any], path: Path) -> None:
         for key, value in data.items():
             here = (*path, key)
-            if key in keys:
+            if key in keys and not _holds_parameters(value):
                 outside.append(here)
             elif key == PARAMETERS or (isinstance(value, dict) and closest(key, [PARAMETERS])):
                 blocks.append(here)
@@ -128,6 +183,24 @@ def _blocks(tree: Tree, keys: Collection[str]) -> tuple[list[Path], list[Path]]:
 
     walk(tree.data, ())
     return blocks, outside
+
+
+def _holds_parameters(data: Any) -> bool:
+    """Whether this is a namespace, although it is named like a key."""
+    return isinstance(data, dict) and (PARAMETERS in data or any(map(_holds_parameters, data.values())))
+
+
+def _types(tree: Tree, blocks: list[Path]) -> dict[Path, str]:
+    """What the controller manager of the file says that its nodes are."""
+    said: dict[str, str] = {}
+    for path in blocks:
+        data = _at(tree, path)
+        for key, value in data.items() if isinstance(data, dict) else ():
+            type_ = value.get("type") if isinstance(value, dict) else value if key.endswith(".type") else None
+            if isinstance(type_, str):
+                said[key.removesuffix(".type")] = type_
+    names = {path: _node_name(path).rsplit("/", 1)[-1] for path in blocks}
+    return {path: said[name] for path, name in names.items() if name in said}
 
 
 def _check_nesting(tree: Tree, block: Path, report: Report) -> bool:
@@ -147,12 +220,19 @@ def _check_nesting(tree: Tree, block: Path, report: Report) -> bool:
 
 
 def _choose(
-    tree: Tree, blocks: list[Path], node: str | None, telling: Collection[str], report: Report
+    tree: Tree,
+    blocks: list[Path],
+    node: str | None,
+    telling: Sequence[Collection[str]],
+    types: dict[Path, str],
+    report: Report,
 ) -> Path | None:
     names = {path: _node_name(path) for path in blocks}
     filled = [path for path in blocks if isinstance(_at(tree, path), dict)]
-    candidates = [path for path in filled if any(key in telling for key in _at(tree, path))]
-    candidates = candidates or [path for path in filled if _tells(_at(tree, path), telling)]
+    exact = ([path for path in filled if any(key in told for key in _at(tree, path))] for told in telling)
+    alike = ([path for path in filled if _tells(_at(tree, path), told)] for told in telling)
+    tiers = itertools.chain(exact, [[path for path in filled if path in types]], alike)
+    candidates = next(filter(None, tiers), [])
     if node is not None:
         wanted = node.strip("/")
         chosen = [path for path in blocks if names[path].strip("/") == wanted]
@@ -171,7 +251,7 @@ def _choose(
         return None
     asked = "has the parameters of a rover" if node is None else f"is named {one_line(node)}"
     guess = closest(node or "", names.values())
-    remedy = f"did you mean {guess}?" if guess else "give one of them the keys d1, d2, d3, d4, ..."
+    remedy = f"did you mean {guess}?" if guess else "give one of them a kind, or the keys d1, d2, d3, d4, ..."
     report(None, (), f"no node {asked}; the file has {listed}", remedy)
     return None
 
@@ -188,7 +268,10 @@ def _node_name(block: Path) -> str:
 
 
 def _at(tree: Tree, path: Path) -> Any:
-    data = tree.data
+    return _at_path(tree.data, path)
+
+
+def _at_path(data: Any, path: Path) -> Any:
     for part in path:
         data = data[part]
     return data

@@ -1,49 +1,64 @@
-"""The keys of a parameter file: what each must hold, and what a mistake in one is called.
+"""What a key of a parameter file must hold, and what a mistake in it is called.
 
-The rules for numbers are the core's own, asked one argument at a time; types and names are here.
+The rules for numbers are the core's own, asked one argument at a time; types and names are here. Which keys
+there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2).
 """
 
-from typing import Annotated, Any, Literal, TypeAlias
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from six_wheel._core import Rover
-from six_wheel._nodes import Section, closest
-from six_wheel._yaml import Report, one_line, spell
+from six_wheel._core import Rover, Wheel
+from six_wheel._joints import JointList
+from six_wheel._nodes import Section
+from six_wheel._yaml import Path, Report, one_line, spell
 
-__all__ = ["DIMENSIONS", "KEYS", "TELLING", "check_keys", "check_values"]
+__all__ = [
+    "NESTED",
+    "Common",
+    "Finite",
+    "Flag",
+    "Form",
+    "Joints",
+    "Length",
+    "Limits",
+    "Name",
+    "Number",
+    "NumberOrPair",
+    "SteeringLimit",
+    "Values",
+    "as_argument",
+    "asks_core",
+    "by_type",
+    "check_values",
+    "describe",
+    "keys_of",
+    "optional",
+    "required",
+    "shown",
+]
 
-DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
-# Keys by which a rover's node is told from others: these have wheel_radius and frames too.
-TELLING = frozenset(
-    {"preset", "traction_joints", "steering_joints", "wheel_of_joint", "d1", "d2", "d3", "d4"}
-)
-
-# What ROS 2 nodes and the wheeled controllers of ros2_controllers declare, and we do not need.
-_WELL_KNOWN = """
-    allow_multiple_cmd_vel_publishers angular cmd_timeout cmd_vel_timeout cmd_vel_topic command_interface
-    command_interfaces diagnostic_updater enable_odom_tf in_chained_mode interface_name linear odom_topic
-    odometry_topic open_loop pose_covariance_diagonal position_feedback publish_cmd publish_limited_velocity
-    publish_odom publish_odom_tf publish_rate publish_tf publish_wheel_data qos_overrides reference_timeout
-    start_type_description_service state_interface state_interfaces state_publish_rate steering_interface_name
-    steering_joints_state_names tf_frame_prefix tf_frame_prefix_enable traction_interface_name
-    traction_joints_state_names twist_covariance_diagonal type update_rate use_sim_time use_stamped_vel
-    velocity_rolling_window_size wheel_radius_multiplier wheel_separation_multiplier
-"""
-WELL_KNOWN = frozenset(_WELL_KNOWN.split())
+Values: TypeAlias = dict[str, Any]
 
 
-def _as_core(key: str) -> AfterValidator:
-    """The core's own rule for one argument of `Rover.six_wheel`, with its own message."""
+def asks_core(call: Callable[..., object], argument: str, **others: Any) -> AfterValidator:
+    """The core's own rule for one argument of `call`; its message is told with the file's key in front."""
 
     def check(value: Any) -> Any:
-        arguments: dict[str, Any] = dict.fromkeys(DIMENSIONS, 1.0)
-        arguments[key] = tuple(value) if isinstance(value, list) else value
-        Rover.six_wheel(**arguments)
+        call(**others | {argument: as_argument(value)})
         return value
 
     return AfterValidator(check)
+
+
+def as_argument(value: Any) -> Any:
+    """A value of a parameter file as the core takes it: a pair is a tuple."""
+    return tuple(map(as_argument, value)) if isinstance(value, list) else value
 
 
 def _check_name(text: str) -> str:
@@ -52,176 +67,179 @@ def _check_name(text: str) -> str:
     return text
 
 
-def _check_preset(name: str) -> str:
-    if name not in Rover.presets():
-        raise ValueError(f"preset must be one of {', '.join(Rover.presets())}, got {one_line(name)}")
-    return name
-
-
-def _by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
-    # Without it pydantic reports a bad value once for every form that it might have had.
+def by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
+    """Which of two forms a value has. Without it pydantic reports a bad value once for each of them."""
     return Discriminator(lambda value: tag if isinstance(value, kind) else otherwise)
 
 
-_Number: TypeAlias = Annotated[float, Strict()]
-_Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
-_Name: TypeAlias = Annotated[str, Strict(), AfterValidator(_check_name)]
-_Pair: TypeAlias = Annotated[list[_Number], Field(min_length=2, max_length=2)]
-_Range: TypeAlias = Annotated[
-    Annotated[_Number, Tag("<number>")] | Annotated[_Pair, Tag("<pair>")],
-    _by_type(list, "<pair>", "<number>"),
+_WHEEL: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
+
+Number: TypeAlias = Annotated[float, Strict()]
+Flag: TypeAlias = Annotated[bool, Strict()]
+Finite: TypeAlias = Annotated[Number, asks_core(Wheel, "x", **_WHEEL)]
+Length: TypeAlias = Annotated[Number, asks_core(Wheel, "radius", **_WHEEL)]
+Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
+Name: TypeAlias = Annotated[str, Strict(), AfterValidator(_check_name)]
+Pair: TypeAlias = Annotated[list[Number], Field(min_length=2, max_length=2)]
+NumberOrPair: TypeAlias = Annotated[
+    Annotated[Number, Tag("<number>")] | Annotated[Pair, Tag("<pair>")],
+    by_type(list, "<pair>", "<number>"),
 ]
-_Joints: TypeAlias = Annotated[
-    Annotated[list[_Name], Tag("<list>")] | Annotated[dict[str, _Name], Tag("<map>")],
-    _by_type(dict, "<map>", "<list>"),
+SteeringLimit: TypeAlias = Annotated[NumberOrPair, asks_core(Wheel, "steering_limit", **_WHEEL, steered=True)]
+Joints: TypeAlias = Annotated[
+    Annotated[list[Name], Tag("<list>")] | Annotated[dict[str, Name], Tag("<map>")],
+    by_type(dict, "<map>", "<list>"),
 ]
 
 
-def _optional(description: str) -> Any:
-    return Field(default=None, description=description)
+def optional(description: str, key: str | None = None) -> Any:
+    """A key that may be left out."""
+    return Field(default=None, description=description, alias=key)
 
 
-class _Limits(BaseModel):
-    speed: _Positive = _optional("a speed in m/s")
-    acceleration: _Positive = _optional("an acceleration in m/s^2")
-    jerk: _Positive = _optional("a jerk in m/s^3")
-    wheel_speed: _Positive = _optional("a rate of turn in rad/s")
-    steering_rate: _Positive = _optional("a rate of turn in rad/s")
+def required(description: str, key: str | None = None) -> Any:
+    """A key that must be given."""
+    return Field(description=description, alias=key)
 
 
-class _Common(BaseModel):
-    kind: Literal["six_wheel"] = _optional("six_wheel, or left out")
-    traction_joints: _Joints = _optional(
-        "a list with the joint of every wheel, or a mapping of wheel to joint"
-    )
-    steering_joints: _Joints = _optional(
-        "a list with the joint of every steered wheel, or a mapping of wheel to joint"
-    )
-    wheel_of_joint: dict[str, _Name] = _optional("a mapping of joint to wheel")
-    steering_limit: Annotated[_Range, _as_core("steering_limit")] = _optional(
-        "an angle or [lower, upper], in radians"
-    )
-    odom_frame_id: _Name = _optional("the name of a frame, such as odom")
-    base_frame_id: _Name = _optional("the name of a frame, such as base_link")
-    limits: _Limits = _optional(f"a mapping with any of {', '.join(_Limits.model_fields)}")
+class Limits(BaseModel):
+    """What `Parameters.limits` can hold."""
+
+    speed: Positive = optional("a speed in m/s")
+    acceleration: Positive = optional("an acceleration in m/s^2")
+    jerk: Positive = optional("a jerk in m/s^3")
+    wheel_speed: Positive = optional("a rate of turn in rad/s")
+    steering_rate: Positive = optional("a rate of turn in rad/s")
 
 
-class _Preset(_Common):
-    preset: Annotated[str, Strict(), AfterValidator(_check_preset)] = Field(
-        description="the name of a known rover"
-    )
+class Common(BaseModel):
+    """The keys of every rover, in whatever form it is given."""
+
+    kind: Any = optional("a kind of vehicle")
+    wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
+    odom_frame_id: Name = optional("the name of a frame, such as odom")
+    base_frame_id: Name = optional("the name of a frame, such as base_link")
+    limits: Limits = optional(f"a mapping with any of {', '.join(Limits.model_fields)}")
 
 
-class _Dimensions(_Common):
-    d1: Annotated[_Number, _as_core("d1")] = Field(
-        description="half the distance between left and right corner wheels, in metres"
-    )
-    d2: Annotated[_Number, _as_core("d2")] = Field(
-        description="the distance from middle to rear axle, in metres"
-    )
-    d3: Annotated[_Number, _as_core("d3")] = Field(
-        description="the distance from middle to front axle, in metres"
-    )
-    d4: Annotated[_Number, _as_core("d4")] = Field(
-        description="half the distance between middle wheels, in metres"
-    )
-    wheel_radius: Annotated[_Number, _as_core("wheel_radius")] = Field(
-        description="the wheels' radius, in metres"
-    )
+def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The keys of a schema as a file writes them."""
+    return {field.alias or name: field for name, field in schema.model_fields.items()}
 
 
-_FIELDS = _Dimensions.model_fields | _Preset.model_fields
-KEYS = frozenset(_FIELDS)
+def _nothing(*_: Any) -> None:
+    """Where a form has no such rules."""
 
 
-def check_keys(section: Section, error: Report, warning: Report) -> None:
-    """Report keys that are unknown, or missing, or at odds with another. A misspelt one is renamed.
-
-    So a mistake in the value of a misspelt key shows at once, not one run later.
-    """
-    known = KEYS | WELL_KNOWN
-    wanted = (_Preset if "preset" in section.data else _Dimensions).model_fields.keys()
-    for key in [key for key in section.data if key.split(".")[0] not in known]:
-        # Half of a short word is much: d5 is d4 if that is missing.
-        likeness = 0.5 if len(key) < 3 else 0.75
-        line, guess = section.line_of((key,)), closest(key, wanted - section.data.keys(), likeness=likeness)
-        if guess:
-            error(line, (key,), f"unknown key {one_line(key)}", f"did you mean {guess}?")
-            section.rename(key, guess)
-        else:
-            like = closest(key, KEYS)
-            message = f"unknown key {one_line(key)} is ignored"
-            warning(line, (key,), message, f"{like} is given besides" if like else None)
-    data = section.data
-    limits = data.get("limits")
-    for key in limits if isinstance(limits, dict) else ():
-        if key not in _Limits.model_fields:
-            at, guess = ("limits", key), closest(key, _Limits.model_fields)
-            report, remedy = (error, f"did you mean {guess}?") if guess else (warning, None)
-            message = f"unknown key {spell(at)}" + ("" if guess else " is ignored")
-            report(section.line_of(at), at, message, remedy)
-    if "preset" in data:
-        for key in [key for key in DIMENSIONS if key in data]:
-            message = f"{key} is given besides a preset, which has its own"
-            error(section.line_of((key,)), (key,), message, f"remove {key}, or the preset")
-    elif section.node is not None:
-        # A ROS 2 controller needs the lists; without a node there are the joint names of Rover.six_wheel.
-        for key in ("traction_joints", "steering_joints"):
-            if key not in data:
-                error(section.line, (key,), f"{key} is missing", f"add {key}, {_FIELDS[key].description}")
-    for key in DIMENSIONS:
-        if section.node is not None and type(data.get(key)) is int:
-            message = f"{key} is an integer, which ROS 2 refuses where it expects a floating-point number"
-            warning(section.line_of((key,)), (key,), message, f"write {data[key]}.0")
+def _unchanged(section: Section, values: Values) -> Values:
+    return values
 
 
-def check_values(section: Section, report: Report) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Form:
+    """One way in which a parameter file can describe a rover: a kind of this package, or a controller."""
+
+    name: str
+    kind: str
+    schema: type[Common]
+    layout: Callable[[Values], Rover]
+    """Builds the wheels from values that are right by themselves. Raises ValueError for the rest."""
+    joint_lists: Callable[[Values, Rover], list[JointList]]
+    telling: frozenset[str] = frozenset()
+    """Keys that only this form has."""
+    stand_in: Values = field(default_factory=dict)
+    """Values for what does not decide which wheels there are, to check joints although a number is wrong."""
+    check: Callable[[Section, Values, Report, Report], None] = _nothing
+    """Reports errors and warnings about keys together, and what the file says beyond our model."""
+    complete: Callable[[Section, Values], Values] = _unchanged
+    """Adds what follows from the values."""
+    controller: str | None = None
+    """The type a controller manager knows it by."""
+
+    @property
+    def keys(self) -> dict[str, FieldInfo]:
+        return keys_of(self.schema)
+
+    @property
+    def needed(self) -> set[str]:
+        return {key for key, field in self.keys.items() if field.is_required()}
+
+
+def check_values(section: Section, form: Form, report: Report) -> Values:
     """The values that are right by themselves; what is wrong with the others is reported."""
-    schema = _Preset if "preset" in section.data else _Dimensions
-    given = {key: value for key, value in section.data.items() if key in KEYS}
+    given = {key: value for key, value in section.data.items() if key in form.keys}
     try:
-        return schema.model_validate(given).model_dump(exclude_unset=True)
+        return form.schema.model_validate(given).model_dump(by_alias=True, exclude_unset=True)
     except ValidationError as error:
         details = error.errors(include_url=False)
     for detail in details:
-        _explain(detail, section, report)
+        _explain(detail, section, form, report)
     failed = {detail["loc"][0] for detail in details}
     return {key: value for key, value in given.items() if key not in failed}
 
 
 _RULES = {
     "float_type": "a number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
     "string_type": "text",
-    "list_type": "a list of joint names",
+    "list_type": "a list",
     "dict_type": "a mapping",
     "model_type": "a mapping",
     "too_short": "a number or two numbers",
     "too_long": "a number or two numbers",
     "greater_than": "finite and positive",
+    "greater_than_equal": "at least {ge}",
+    "less_than_equal": "at most {le}",
     "finite_number": "finite and positive",
-    "literal_error": "six_wheel",
 }
 
 
-def _explain(detail: ErrorDetails, section: Section, report: Report) -> None:
+def describe(form: Form, at: Path) -> str:
+    """What the file should have there."""
+    nested = NESTED[str(at[0])].model_fields if at[0] in NESTED else {}
+    inner = next((nested[str(part)] for part in reversed(at[1:]) if part in nested), None)
+    return str((inner or form.keys[str(at[0])]).description)
+
+
+NESTED: dict[str, type[BaseModel]] = {"limits": Limits}
+"""Keys that hold mappings with keys of their own."""
+
+
+def _explain(detail: ErrorDetails, section: Section, form: Form, report: Report) -> None:
     """One of pydantic's errors in our words."""
     at = tuple(part for part in detail["loc"] if not str(part).startswith("<"))
-    field = _Limits.model_fields[str(at[1])] if at[0] == "limits" and len(at) == 2 else _FIELDS[str(at[0])]
     key, kind, value = spell(at), detail["type"], detail["input"]
-    remedy = f"it is {field.description}"
+    if kind == "value_error":
+        message, at = _in_words_of_file(str(detail["ctx"]["error"]), at)
+    description = describe(form, at)
+    remedy = f"it is {description}"
     if kind == "missing":
-        message, remedy = f"{key} is missing", f"add {key}, {field.description}"
-    elif kind == "value_error":
-        message = str(detail["ctx"]["error"])
-        message = message if message.startswith(str(at[0])) else f"{key}: {message}"
-    else:
+        message, remedy = f"{key} is missing", f"add {key}, {description}"
+    elif kind != "value_error":
         text = section.places[at].text if at in section.places else ""
-        message = f"{key} must be {_RULES.get(kind, detail['msg'])}, got {_shown(value, text)}"
+        rule = _RULES[kind].format_map(detail.get("ctx", {})) if kind in _RULES else detail["msg"]
+        if kind == "list_type" and "joint" in description:
+            rule = "a list of joint names"
+        elif kind.startswith("too_") and at[0] == "positions":
+            rule = "two numbers, x and y"
+        message = f"{key} must be {rule}, got {shown(value, text)}"
     if kind == "string_type" and isinstance(value, bool | int | float):
         remedy = "put it in quotes"
     elif kind == "float_type" and isinstance(value, str):
         remedy = _number_in(value) or remedy
     report(section.line_of(at), at, message, remedy)
+
+
+def _in_words_of_file(message: str, at: Path) -> tuple[str, Path]:
+    """The core's message with the file's key for its argument, and where that key stands."""
+    argument = re.match(r"(\w+)((?:\[\d+\])*) must ", message)
+    if argument is None:
+        return f"{spell(at)}: {message}", at
+    name, index = argument.groups()
+    if at[0] == "wheels" and len(at) == 2:  # the rule is about a wheel as a whole
+        at = (*at, name)
+    return f"{spell(at)}{index}{message[argument.end() - 6 :]}", at
 
 
 def _number_in(text: str) -> str | None:
@@ -233,7 +251,8 @@ def _number_in(text: str) -> str | None:
     return f"write {number}, without quotes, comma or leading zero"
 
 
-def _shown(value: Any, text: str) -> str:
+def shown(value: Any, text: str = "") -> str:
+    """A value in a message."""
     match value:
         case None:
             return "nothing"

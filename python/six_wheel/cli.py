@@ -20,7 +20,7 @@ from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import Rover
+    from six_wheel._core import Rover, Wheel
     from six_wheel.config import Parameters
     from six_wheel.drive import Peak, Summary
 
@@ -242,10 +242,23 @@ def _print_wheels(console: "Console", chosen: _Chosen) -> None:
     for heading in ("wheel", "x [m]", "y [m]", "radius [m]", "steering range"):
         table.add_column(heading, justify="right" if heading.endswith("[m]") else "left", overflow="fold")
     for wheel in rover.wheels:
-        ends = wheel.steering_range
-        turns = "fixed" if ends is None else f"{math.degrees(ends[0]):.1f}° to {math.degrees(ends[1]):.1f}°"
-        table.add_row(wheel.name, f"{wheel.x:.4g}", f"{wheel.y:.4g}", f"{wheel.radius:.4g}", turns)
+        numbers = (f"{value:.4g}" for value in (wheel.x, wheel.y, wheel.radius))
+        table.add_row(wheel.name, *numbers, _turning(wheel))
     console.print(table)
+
+
+def _turning(wheel: "Wheel") -> str:
+    """How a wheel steers, and what else is not as usual about it."""
+    ends = wheel.steering_range
+    turns = "fixed" if ends is None else f"{math.degrees(ends[0]):.1f}° to {math.degrees(ends[1]):.1f}°"
+    notes = {
+        "swivels freely": wheel.castor,
+        turns: not wheel.castor,
+        f"heading {math.degrees(wheel.heading):.4g}°": wheel.heading != 0.0,
+        f"rollers at {math.degrees(wheel.roller_angle or 0.0):.4g}°": wheel.roller_angle is not None,
+        "no motor": not wheel.driven and not wheel.castor,
+    }
+    return ", ".join(note for note, holds in notes.items() if holds)
 
 
 def _joints(joints: dict[str, str]) -> str:
@@ -263,11 +276,13 @@ def _abilities(chosen: _Chosen) -> list[tuple[str, object]]:
         ("minimum radius", "cannot turn" if math.isinf(least) else turns),
         ("spin in place", "possible" if math.isinf(most) else spin),
         ("steering joints", _joints(rover.steering_joints) or "none"),
-        ("traction joints", _joints(rover.traction_joints)),
+        ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
     if parameters:
         limits = ", ".join(f"{name} {value:g}" for name, value in parameters.limits.items())
+        kind, controller = parameters.kind, parameters.controller
         rows += [
+            ("kind", f"{kind}, as {controller} has it" if controller else kind),
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
             ("limits", limits or None),

@@ -1,6 +1,6 @@
 """Rovers from ROS 2 parameter files, with every mistake reported at once.
 
-Two forms are read. That of ROS 2, as its controllers take it::
+Three forms are read. That of a node with this package's own keys::
 
     rover_controller:                # or /**:
       ros__parameters:
@@ -10,28 +10,32 @@ Two forms are read. That of ROS 2, as its controllers take it::
         ...
         steering_limit: 1.2                                # optional, as are limits and the frames
 
-and the same keys at the top level, where the joints may be left out (they are then called
-``<wheel>_wheel_joint`` and ``<wheel>_steering_joint``). In both, ``preset: perseverance`` may replace the
-dimensions. A joint whose name does not tell its wheel is stated, either beside the list, which stays as the
-controller needs it::
+the same keys at the top level; and the parameters of the controllers of ros2_controllers that drive a
+vehicle (diff_drive_controller, ackermann_steering_controller, ...), as they stand. ``kind: swerve`` and so on
+takes the arguments of `Rover.swerve`; without it the keys are those of `Rover.six_wheel`, or ``preset:
+perseverance`` for a known rover. Joints that are left out are called ``<wheel>_wheel_joint`` and
+``<wheel>_steering_joint``. A joint whose name does not tell its wheel is stated, either beside the list,
+which stays as the controller needs it::
 
     wheel_of_joint: {motor_3: middle_left}
 
-or in its place: ``traction_joints: {front_left: motor_1, ...}``.
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
 """
 
 import math
 import os
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, NoReturn, TypeAlias
+from typing import Literal, NoReturn, TypeAlias
 
 from six_wheel import _yaml
-from six_wheel._core import Rover
-from six_wheel._joints import joints_of, wheel_said_by
+from six_wheel._core import Rover, Wheel
+from six_wheel._forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
+from six_wheel._joints import JointList, wheel_said_by, wheels_of_joints
 from six_wheel._nodes import PARAMETERS, Section, closest, section
-from six_wheel._schema import DIMENSIONS, KEYS, TELLING, check_keys, check_values
+from six_wheel._schema import Form, Values, as_argument, check_values
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -89,7 +93,11 @@ class Parameters:
         Of ``speed`` [m/s], ``acceleration`` [m/s^2], ``jerk`` [m/s^3], ``wheel_speed`` [rad/s] and
         ``steering_rate`` [rad/s] those the file gives.
     warnings : tuple of Finding
-        What may be a mistake, but does not keep the file from being read.
+        What may be a mistake, or is not part of our model, but does not keep the file from being read.
+    kind : str
+        The kind of vehicle, ``preset`` for a known rover.
+    controller : str or None
+        The controller of ROS 2 whose parameter names the file has, such as ``diff_drive_controller``.
     """
 
     path: Path
@@ -99,6 +107,8 @@ class Parameters:
     base_frame_id: str = "base_link"
     limits: dict[str, float] = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
+    kind: str = "six_wheel"
+    controller: str | None = None
 
 
 def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
@@ -142,7 +152,7 @@ def dump(
     Parameters
     ----------
     rover : Rover
-        Of the layout of `Rover.six_wheel`.
+        Any; one of the layout of `Rover.six_wheel` gets the keys of that, another ``kind: custom``.
     node : str, optional
         Node name, for the form of ROS 2; None for this package's plain form.
     odom_frame_id, base_frame_id : str
@@ -151,11 +161,25 @@ def dump(
     Raises
     ------
     ValueError
-        If the keys of a parameter file cannot say what this rover is.
+        If the keys of a parameter file cannot say what this rover is, such as a name with a line break.
     """
+    frames = {"odom_frame_id": odom_frame_id, "base_frame_id": base_frame_id}
+    for values in (_six_wheel_values(rover), _custom_values(rover)):
+        text = _yaml.write(values | frames if node is None else {node: {PARAMETERS: values | frames}})
+        # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
+        try:
+            if values and _read(Path("rover"), text, node, _Log("rover")).rover == rover:
+                return text
+        except ParameterFileError:
+            continue
+    raise ValueError(f"rover must have names with visible characters, got {rover}")
+
+
+def _six_wheel_values(rover: Rover) -> Values:
+    """The keys of `Rover.six_wheel`, nothing for another layout."""
     wheels = {wheel.name: wheel for wheel in rover.wheels}
     if rover.wheel_names != _SIX.wheel_names:
-        raise ValueError(f"rover must have the wheels {', '.join(_SIX.wheel_names)}, got {', '.join(wheels)}")
+        return {}
     front, middle, rear = (wheels[name] for name in ("front_left", "middle_left", "rear_left"))
     stated = {
         joint: wheel
@@ -163,7 +187,7 @@ def dump(
         for joint, wheel in joints.items()
         if wheel_said_by(joint, wheels) != wheel
     }
-    values: dict[str, Any] = {
+    values: Values = {
         "traction_joints": list(rover.traction_joints),
         "steering_joints": list(rover.steering_joints),
         "wheel_of_joint": stated,
@@ -173,21 +197,29 @@ def dump(
         "d4": middle.y,
         "wheel_radius": front.radius,
         "steering_limit": list(front.steering_range or ()),
-        "odom_frame_id": odom_frame_id,
-        "base_frame_id": base_frame_id,
     }
-    values = {key: value for key, value in values.items() if value not in ({}, [])}
     if front.steering_range == _SIX.wheels[0].steering_range:
         del values["steering_limit"]
-    text = _yaml.write(values if node is None else {node: {PARAMETERS: values}})
-    # The keys say less than a rover can be (casters, a wheel out of line): what comes back decides.
-    try:
-        same = _read(Path("rover"), text, node, _Log("rover")).rover == rover
-    except ParameterFileError:
-        same = False
-    if not same:
-        raise ValueError(f"rover must have the layout of Rover.six_wheel, got {rover}")
-    return text
+    return {key: value for key, value in values.items() if value not in ({}, [])}
+
+
+def _custom_values(rover: Rover) -> Values:
+    """The keys of every wheel, as far as they are not as usual."""
+    usual = Wheel("usual", 0.0, 0.0, radius=1.0)
+    wheels: Values = {}
+    for wheel in rover.wheels:
+        keys: Values = {"x": wheel.x, "y": wheel.y, "radius": wheel.radius}
+        for key in ("steered", "heading", "scrub", "trail", "roller_angle", "castor"):
+            if getattr(wheel, key) != getattr(usual, key):
+                keys[key] = getattr(wheel, key)
+        if wheel.steering_range is not None:
+            keys["steering_limit"] = list(wheel.steering_range)
+        if not wheel.driven and not wheel.castor:
+            keys["driven"] = False
+        wheels[wheel.name] = keys
+    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    named = {key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value}
+    return {"kind": "custom", "wheels": wheels} | named
 
 
 class _Log:
@@ -214,6 +246,9 @@ class _Log:
     def in_order(self) -> tuple[Finding, ...]:
         return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
 
+    def has_error_at(self, key: str) -> bool:
+        return any(finding.severity == "error" and finding.key == key for finding in self.findings)
+
     @property
     def has_errors(self) -> bool:
         return any(finding.severity == "error" for finding in self.findings)
@@ -227,16 +262,22 @@ class _Log:
 
 
 def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
-    found = section(_tree(text, log), node, KEYS, TELLING, log.error)
-    if found is None:
+    found = section(_tree(text, log), node, KEYS, TELLING, CONTROLLER_TYPES, log.error)
+    form = None if found is None else form_of(found, log.error)
+    if found is None or form is None:
         raise log.failure()
-    check_keys(found, log.error, log.warning)
-    values = check_values(found, log.error)
-    rover = _rover(found, values, log)
+    check_keys(found, form, log.error, log.warning)
+    values = check_values(found, form, log.error)
+    form.check(found, values, log.error, log.warning)
+    values = form.complete(found, values)
+    rover = _rover(found, form, values, log)
     if rover is None or log.has_errors:
         raise log.failure()
     named = {key: values[key] for key in ("odom_frame_id", "base_frame_id", "limits") if key in values}
-    return Parameters(path, found.node, rover, **named, warnings=log.in_order())
+    controller = form.name if form.controller else None
+    return Parameters(
+        path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
+    )
 
 
 def _text(path: Path, log: _Log) -> str:
@@ -265,20 +306,24 @@ def _tree(text: str, log: _Log) -> _yaml.Tree:
     except _yaml.YamlSyntaxError as error:
         log.fail(error.line, error.message, error.remedy)
     if tree.data is None:
-        log.fail(None, "the file is empty", f"give it the keys {', '.join(DIMENSIONS)}, or a preset")
+        log.fail(
+            None,
+            "the file is empty",
+            "give it the keys d1, d2, d3, d4 and wheel_radius, a kind and its keys, or a preset",
+        )
     if not isinstance(tree.data, dict):
         what = "a list" if isinstance(tree.data, list) else "a single value"
         log.fail(1, f"the file must be a mapping, got {what}", "write lines such as `d1: 0.4`")
     return tree
 
 
-def _rover(section: Section, values: dict[str, Any], log: _Log) -> Rover | None:
+def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
     """The rover, if nothing is wrong; joints are checked even if the rest is."""
-    layout = _layout(section, values, log)
-    if layout is None and "preset" in section.data:
+    layout = _layout(section, form, values, log)
+    if layout is None:
         return None  # whose wheels are not known
-    joints = _joints(section, values, layout or _SIX, log)
-    if layout is None or log.has_errors:
+    joints = _joints(section, form, values, layout, log)
+    if log.has_errors:
         return None
     try:
         return Rover(layout.wheels, **joints)
@@ -286,59 +331,70 @@ def _rover(section: Section, values: dict[str, Any], log: _Log) -> Rover | None:
         log.fail(section.line, str(error), "see the keys it names")
 
 
-def _layout(section: Section, values: dict[str, Any], log: _Log) -> Rover | None:
+def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
     """Wheels without the file's joints; None, with the reason reported, if the file does not say enough."""
-    at = ("steering_limit",)
-    limit = values.get("steering_limit")
-    limit = tuple(limit) if isinstance(limit, list) else limit
+    limit = as_argument(values.get("steering_limit"))
     largest = max(map(abs, limit)) if isinstance(limit, tuple) else limit or 0.0
-    if largest > math.pi:
+    if largest > math.pi * (10 if form.kind == "swerve" else 1):  # a module may count its turns
+        at = ("steering_limit",)
         degrees = f"{largest:g} degrees are {math.radians(largest):.4g} radians"
-        log.warning(section.line_of(at), at, f"steering_limit is beyond half a turn, got {limit}", degrees)
-    preset = values.get("preset")
-    needed = {"preset"} if "preset" in section.data else set(DIMENSIONS)
-    if not needed <= values.keys():
+        turns = f"{largest / math.tau:.3g} turns"
+        log.warning(section.line_of(at), at, f"steering_limit is {turns}, got {limit}", degrees)
+    if not form.needed <= form.stand_in.keys() | values.keys():
         return None
     try:
-        if preset is None:
-            return Rover.six_wheel(**{key: values[key] for key in DIMENSIONS}, steering_limit=limit)
-        rover = Rover.preset(preset)
-        if limit is not None and not rover.steered_names:
-            message = f"steering_limit is given, but no wheel of the preset {preset} steers"
-            log.error(section.line_of(at), at, message, "remove steering_limit")
-        if "kind" in values and rover.steered_names != _SIX.steered_names:
-            message = f"kind six_wheel does not fit the preset {preset}"
-            log.error(section.line_of(("kind",)), ("kind",), message, "leave out kind")
-        return rover if limit is None else Rover.preset(preset, steering_limit=limit)
+        return form.layout(form.stand_in | values if log.has_errors else values)
     except ValueError as error:
-        log.error(section.line_of(at), at, str(error), "see the keys it names")
+        if form.needed <= values.keys():
+            named = re.match(r"\w+", str(error))
+            key = named[0] if named and named[0] in section.data else ""
+            if not log.has_error_at(key) if key else not log.has_errors:
+                line = section.line_of((key,)) if key else section.line
+                log.error(line, (key,) if key else (), str(error), "see the keys it names")
         return None
 
 
-def _joints(section: Section, values: dict[str, Any], layout: Rover, log: _Log) -> dict[str, dict[str, str]]:
-    """Joint to wheel for each of the two lists."""
-    lists = {"traction_joints": layout.wheel_names, "steering_joints": layout.steered_names}
+def _joints(
+    section: Section, form: Form, values: Values, layout: Rover, log: _Log
+) -> dict[str, dict[str, str]]:
+    """Joint to wheel for those that drive and those that steer, in the file's order."""
     stated: dict[str, str] = values.get("wheel_of_joint", {})
     joints: dict[str, dict[str, str]] = {}
-    line_of: dict[str, int | None] = {}
-    for key, wheels in lists.items():
-        if key not in values:
-            if key not in section.data:
-                joints[key] = getattr(layout, key)
+    lists = form.joint_lists(values, layout)
+    key_of: dict[str, tuple[str, int | None]] = {}
+    named: set[str] = set()
+    for here in sorted(
+        lists, key=lambda here: list(section.data).index(here.key) if here.key in section.data else 0
+    ):
+        if here.key not in values:
             continue
-        given = values[key]
-        elsewhere = tuple(wheel for wheel in layout.wheel_names if wheel not in wheels)
-        joints[key] = joints_of(section, key, given, stated, wheels, elsewhere, log.error)
+        given = values[here.key]
+        given = [given] if isinstance(given, str) else given
+        found = wheels_of_joints(section, here, given, stated, log.error)
+        joints.setdefault("steering_joints" if here.steers else "traction_joints", {}).update(found)
+        _check_order(section, here, found, log)
         places = given.items() if isinstance(given, dict) else enumerate(given)
-        lines = {joint: section.line_of((key, place)) for place, joint in places}
-        for joint in [joint for joint in lines if joint in line_of]:
-            first = f"in traction_joints on line {line_of[joint]} and in {key}"
-            message = f"{_yaml.one_line(joint)} is named both {first}"
-            log.error(lines[joint], (key,), message, "a joint drives or steers; name the other one")
-        line_of |= lines
-    for joint in stated if lists.keys() <= values.keys() else ():
-        if joint not in line_of:
-            at, guess = ("wheel_of_joint", joint), closest(joint, line_of)
+        lines = {joint: section.line_of((here.key, place)) for place, joint in places}
+        for joint in [joint for joint in lines if joint in key_of and joint in found]:
+            first = "in {} on line {}".format(*key_of[joint])
+            message = f"{_yaml.one_line(joint)} is named both {first} and in {here.key}"
+            log.error(lines[joint], (here.key,), message, "a joint turns one wheel, and drives or steers it")
+        key_of |= {joint: (here.key, lines[joint]) for joint in found}
+        named |= lines.keys()
+    # With one list missing or wrong, the joints stated may be those of that list.
+    whole = all(here.key in values for here in lists) or not any(here.key in section.data for here in lists)
+    for joint in stated if lists and whole else ():
+        if joint not in named:
+            at, guess = ("wheel_of_joint", joint), closest(joint, named)
             message = f"wheel_of_joint names {_yaml.one_line(joint)}, which is in neither list of joints"
             log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
+
+
+def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:
+    if here.order == "expected" and len(found) == len(here.wheels) and tuple(found.values()) != here.wheels:
+        at, first = (here.key,), next(iter(found))
+        taken = f"which a controller of ROS 2 takes for {here.wheels[0]}"
+        message = f"{here.key} begins with {_yaml.one_line(first)}, {taken}"
+        remedy = f"ROS 2 goes by the order {', '.join(here.wheels)}; here the names count"
+        log.warning(section.line_of(at), at, message, remedy)
