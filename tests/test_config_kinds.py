@@ -32,6 +32,17 @@ ROVERS = {
     "omni": sw.Rover.omni(
         [(0.2, 0.0), (-0.1, 0.1732), (-0.1, -0.1732)], [1.5708, 3.6652, 5.7596], wheel_radius=0.04
     ),
+    "rocker_bogie": sw.RockerBogie(
+        rocker_pivot=(0.12075, 0.2, 0.105),
+        rocker_to_front=(0.288, 0.0, -0.125),
+        rocker_to_bogie=(-0.120753532836, 0.0, -0.104969444638),
+        bogie_to_middle=(0.069, 0.0, -0.02),
+        bogie_to_rear=(-0.069, 0.0, -0.02),
+        wheel_radius=0.065,
+        steered="front",
+        steering_limit=1.0472,
+    ).planar(0.0, (0.0, 0.0)),
+    "four_axle": sw.FourAxle((0.4, 0.3), 0.2, 0.1, steering_limit=1.0).rover,
     "custom": sw.Rover(
         [
             sw.Wheel("left", 0.0, 0.2, radius=0.1),

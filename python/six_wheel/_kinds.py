@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
 from six_wheel._joints import JointList, said_by
 from six_wheel._nodes import Section
 from six_wheel._schema import (
@@ -48,6 +48,15 @@ _CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
 # Far apart, so that one of them alone is never on the wrong side of the other.
 _PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e300, "icr_right": -1e300}
 _MECANUM: Values = {"half_wheelbase": 1.0, "half_track": 1.0, "wheel_radius": 1.0}
+_ROCKER: Values = {
+    "rocker_pivot": (0.1, 0.2, 0.1),
+    "rocker_to_front": (0.3, 0.0, -0.1),
+    "rocker_to_bogie": (-0.1, 0.0, -0.1),
+    "bogie_to_middle": (0.1, 0.0, 0.0),
+    "bogie_to_rear": (-0.1, 0.0, 0.0),
+    "wheel_radius": 0.1,
+}
+_AXLES: Values = {"hinges": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
 _ROLLER: Values = {"name": "wheel", "x": 0.0, "y": 0.0, "radius": 1.0}
 
 _WHEEL_RADIUS = "the wheels' radius, in metres"
@@ -221,6 +230,39 @@ class _NamedWheel(_Wheel):
     name: Name = required("the wheel's name")
 
 
+_Vector: TypeAlias = Annotated[list[Finite], Field(min_length=3, max_length=3)]
+
+
+class _RockerBogie(_Steered):
+    rocker_pivot: Annotated[_Vector, asks_core(RockerBogie, "rocker_pivot", **_ROCKER)] = required(
+        "[x, y, z] of the left rocker's pivot, in metres"
+    )
+    rocker_to_front: Annotated[_Vector, asks_core(RockerBogie, "rocker_to_front", **_ROCKER)] = required(
+        "[x, y, z] from there to the front wheel's centre, in metres"
+    )
+    rocker_to_bogie: Annotated[_Vector, asks_core(RockerBogie, "rocker_to_bogie", **_ROCKER)] = required(
+        "[x, y, z] from there to the bogie's pivot, in metres"
+    )
+    bogie_to_middle: Annotated[_Vector, asks_core(RockerBogie, "bogie_to_middle", **_ROCKER)] = required(
+        "[x, y, z] from the bogie's pivot to the middle wheel's centre, in metres"
+    )
+    bogie_to_rear: Annotated[_Vector, asks_core(RockerBogie, "bogie_to_rear", **_ROCKER)] = required(
+        "[x, y, z] from the bogie's pivot to the rear wheel's centre, in metres"
+    )
+    wheel_radius: Length = required(_WHEEL_RADIUS)
+    steered: Annotated[Name, asks_core(RockerBogie, "steered", **_ROCKER)] = optional(
+        "the wheels that steer: corners or front"
+    )
+
+
+class _FourAxle(_Steered):
+    hinges: Annotated[
+        list[Finite], Field(min_length=2, max_length=2), asks_core(FourAxle, "hinges", **_AXLES)
+    ] = required("[x, y], half the distance of the hinges along and across the body, in metres")
+    axle_length: Length = required("the distance from hinge to wheel, in metres")
+    wheel_radius: Length = required(_WHEEL_RADIUS)
+
+
 def _wheel(values: Values) -> Wheel:
     return Wheel(**{key: as_argument(value) for key, value in values.items()})
 
@@ -324,6 +366,15 @@ def _own_lists(values: Values, rover: Rover) -> list[JointList]:
 _NO_ARGUMENTS = frozenset(keys_of(_Steering))
 
 
+def _on_flat_ground(**arguments: Any) -> Rover:
+    """The wheels of a rocker-bogie rover where its suspension puts them with all joints at zero."""
+    return RockerBogie(**arguments).planar(0.0, (0.0, 0.0))
+
+
+def _with_axles_locked(**arguments: Any) -> Rover:
+    return FourAxle(**arguments).rover
+
+
 def _calls(constructor: Callable[..., Rover], schema: type[Common]) -> Callable[[Values], Rover]:
     """The layout from a constructor whose arguments are the keys."""
 
@@ -358,6 +409,8 @@ KINDS: dict[str, Form] = {
         _kind("bicycle", _Bicycle, stand_in=_CAR),
         _kind("mecanum", _Mecanum, stand_in=_MECANUM),
         _kind("omni", _Omni, stand_in=_RADIUS, check=_check_counts),
+        _kind("rocker_bogie", _RockerBogie, _calls(_on_flat_ground, _RockerBogie), stand_in=_ROCKER),
+        _kind("four_axle", _FourAxle, _calls(_with_axles_locked, _FourAxle), stand_in=_AXLES),
         _kind("custom", _Custom, _custom, check=_check_wheels),
     )
 }
