@@ -5,6 +5,11 @@ from hypothesis import strategies as st
 import six_wheel as sw
 
 
+def offsets(largest: float) -> st.SearchStrategy[float]:
+    """Zero or at least a micrometre: less on a metre is what counts as rounding of an axle's place."""
+    return st.floats(-largest, largest).map(lambda value: round(value, 6))
+
+
 def lengths(smallest: float = 0.05, largest: float = 3.0) -> st.SearchStrategy[float]:
     return st.floats(smallest, largest)
 
@@ -37,7 +42,7 @@ def layouts(draw: st.DrawFn, *, offset: bool = False) -> sw.Rover:
     wheels = []
     for i in range(count):
         # A grid point each, so that no two pivots coincide.
-        x, y = 0.4 * (i % 3) + draw(st.floats(-0.1, 0.1)), 0.5 * (i // 3) + draw(st.floats(-0.1, 0.1))
+        x, y = 0.4 * (i % 3) + draw(offsets(0.1)), 0.5 * (i // 3) + draw(offsets(0.1))
         wheels.append(
             sw.Wheel(
                 f"steered_{i}",
@@ -46,10 +51,10 @@ def layouts(draw: st.DrawFn, *, offset: bool = False) -> sw.Rover:
                 radius=draw(st.floats(0.05, 0.3)),
                 steered=True,
                 heading=draw(st.floats(-3.0, 3.0)),
-                scrub=draw(st.floats(-0.1, 0.1)) if offset else 0.0,
+                scrub=draw(offsets(0.1)) if offset else 0.0,
             )
         )
-    axle = draw(st.floats(-0.5, 0.5))
+    axle = draw(offsets(0.5))
     for i in range(draw(st.integers(0, 2))):
         wheels.append(sw.Wheel(f"fixed_{i}", axle, 0.6 * i - 0.3, radius=draw(st.floats(0.05, 0.3))))
     return sw.Rover(wheels)

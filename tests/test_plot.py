@@ -10,8 +10,9 @@ from six_wheel import InfeasibleMotionError, Rover, Wheel, integrate
 pytest.importorskip("matplotlib")
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
-from matplotlib.patches import FancyBboxPatch
+from matplotlib.patches import Circle, FancyBboxPatch
 
 from six_wheel import plot
 from six_wheel._drawing import AXLE, CENTRE, new_figure
@@ -145,6 +146,49 @@ def test_wheels_are_drawn_where_they_are_at_their_size_and_angle():
         np.testing.assert_allclose((corners.min(axis=0) + corners.max(axis=0)) / 2, pivot, atol=1e-9)
         along = corners @ (math.cos(0.5 + angle), math.sin(0.5 + angle))
         assert np.ptp(along) == pytest.approx(2 * wheel.radius, rel=1e-6)
+
+
+def drawn(wheel):
+    """The parts of a rover of this one wheel."""
+    axes = new_figure(4.0, 4.0).add_subplot()
+    plot.draw_rover(axes, Rover([wheel]))
+    tyre = [patch for patch in axes.patches if isinstance(patch, FancyBboxPatch)][1]
+    rings = [patch for patch in axes.patches if isinstance(patch, Circle)]
+    stripes = [found for found in axes.collections if isinstance(found, LineCollection)]
+    return axes, tyre, rings, stripes
+
+
+def test_a_wheel_without_a_motor_is_pale_and_a_castor_has_its_ring():
+    _, motor, rings, _ = drawn(Wheel("w", 0.1, 0.2, radius=0.1))
+    assert not rings
+    _, passive, rings, _ = drawn(Wheel("w", 0.1, 0.2, radius=0.1, driven=False))
+    assert not rings
+    assert sum(passive.get_facecolor()[:3]) > sum(motor.get_facecolor()[:3]) + 0.5
+    axes, castor, (ring,), _ = drawn(Wheel("w", 0.1, 0.2, radius=0.1, castor=True, trail=0.05))
+    assert castor.get_facecolor() == passive.get_facecolor()
+    assert ring.center == (0.1, 0.2)
+    to_page = castor.get_transform() - axes.transData
+    corners = to_page.transform(castor.get_path().vertices)
+    np.testing.assert_allclose((corners.min(axis=0) + corners.max(axis=0)) / 2, (0.05, 0.2), atol=1e-9)
+    assert np.hypot(*(corners - ring.center).T).max() <= ring.radius + 1e-9  # it swivels inside its ring
+
+
+@pytest.mark.parametrize("angle", [math.pi / 4, -math.pi / 4, math.pi / 2, 1.2])
+def test_rollers_are_drawn_along_their_axes_as_seen_from_above(angle):
+    *_, (stripes,) = drawn(Wheel("w", 0.1, 0.2, radius=0.1, roller_angle=angle))
+    assert stripes.get_clip_path() is not None
+    for start, end in stripes.get_segments():
+        # Below, the axis is (sin, cos) of its angle in the axes of the wheel; on top it leans the other way.
+        across = (end - start) @ (math.cos(angle), math.sin(angle))
+        assert across == pytest.approx(0.0, abs=1e-12)
+    assert len(stripes.get_segments()) >= 3
+
+
+def test_only_wheels_that_cannot_slip_sideways_have_a_say_in_the_centre():
+    mecanum = Rover.mecanum(0.3, 0.2, 0.1)
+    assert lines(plot.show_figure(mecanum, (0.3, 0.1, 0.5)), AXLE) == []
+    robot = Rover([*PAIR.wheels, Wheel("c", -0.2, 0.0, radius=0.03, castor=True, trail=0.02)])
+    assert len(lines(plot.show_figure(robot, (0.3, 0.0, 0.5)), AXLE)) == 2
 
 
 def driven():

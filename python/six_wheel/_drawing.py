@@ -7,11 +7,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyBboxPatch, Polygon
-from matplotlib.transforms import Affine2D
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Rover
+from six_wheel._core import Rover, Wheel
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +37,9 @@ def draw_rover(
     zorder: float = 3.0,
 ) -> None:
     """Draw a rover from above at its true size.
+
+    Wheels without a motor are pale; rollers are stripes along their axes, as seen from above; castors stand
+    in the ring in which they swivel. A cross marks where an unsteered wheel acts, if that is not where it is.
 
     Parameters
     ----------
@@ -90,7 +93,9 @@ def draw_rover(
     for wheel, angle in zip(rover.wheels, angles.tolist(), strict=True):
         length, width = 2 * wheel.radius, 2 * wheel.radius * WHEEL_WIDTH
         page_from_wheel = Affine2D().rotate(angle).translate(wheel.x, wheel.y) + page_from_body
+        turns = wheel.steered or wheel.castor
         contact = np.array((-wheel.trail, wheel.scrub))
+        middle = contact if turns else np.zeros(2)
         pivot = np.array((wheel.x, wheel.y))
         for ends, frame in (
             ((pivot, np.clip(pivot, centre - half, centre + half)), page_from_body),
@@ -99,26 +104,50 @@ def draw_rover(
             x_ends, y_ends = np.transpose(ends)
             arm = Line2D(x_ends, y_ends, color=soft, linewidth=1.4, zorder=zorder, transform=frame)
             axes.add_artist(arm)
+        pale = 0.0 if wheel.driven and wheel.roller_angle is None else 0.7
         tyre = FancyBboxPatch(
-            tuple(contact - (length / 2, width / 2)),
+            tuple(middle - (length / 2, width / 2)),
             length,
             width,
             boxstyle=f"round,pad=0,rounding_size={0.3 * width}",
-            facecolor=wheel_fill,
+            facecolor=_faded(wheel_color, fade + (1.0 - fade) * pale),
             edgecolor=ink,
             linewidth=0.8,
             zorder=zorder + 0.3,
             transform=page_from_wheel,
         )
         axes.add_patch(tyre)
-        if treads:
+        if np.any(contact != middle):
+            x_contact, y_contact = contact[:, None]
+            cross = Line2D(
+                x_contact, y_contact, marker="x", color=ink, zorder=zorder + 0.5, transform=page_from_wheel
+            )
+            axes.add_artist(cross)
+        if wheel.castor:
+            ring = Circle(
+                (wheel.x, wheel.y),
+                float(np.hypot(abs(wheel.trail) + length / 2, abs(wheel.scrub) + width / 2)),
+                fill=False,
+                edgecolor=soft,
+                linewidth=0.9,
+                linestyle=(0, (4, 3)),
+                zorder=zorder + 0.2,
+                transform=page_from_body,
+            )
+            axes.add_patch(ring)
+        if wheel.roller_angle is not None:
+            stripes = _rollers(wheel, length, width, page_from_wheel, zorder + 0.4)
+            stripes.set_color(wheel_fill)
+            axes.add_collection(stripes, autolim=False)
+            stripes.set_clip_path(tyre)
+        elif treads:
             lines = np.array(
                 [[(u, -0.3 * width), (u, 0.3 * width)] for u in length * np.linspace(-0.32, 0.32, 5)]
             )
             axes.add_collection(
                 LineCollection(
-                    list(lines + contact),
-                    colors="white",
+                    list(lines + middle),
+                    colors="white" if wheel.driven else ink,
                     linewidths=0.7,
                     alpha=0.45,
                     zorder=zorder + 0.4,
@@ -126,6 +155,17 @@ def draw_rover(
                 ),
                 autolim=False,
             )
+
+
+def _rollers(wheel: Wheel, length: float, width: float, frame: Transform, zorder: float) -> LineCollection:
+    """Stripes along the axes of the rollers on top of a wheel, which lean the other way than those below."""
+    angle = wheel.roller_angle or 0.0
+    along, across = np.array((-np.sin(angle), np.cos(angle))), np.array((np.cos(angle), np.sin(angle)))
+    reach = abs(across[0]) * length / 2 + abs(across[1]) * width / 2
+    count = max(3, 2 * round(2.5 * reach / width) + 1)
+    middles = np.linspace(-reach, reach, count + 2)[1:-1, None] * across
+    ends = np.stack((middles - length * along, middles + length * along), axis=1)
+    return LineCollection(list(ends), linewidths=1.6, zorder=zorder, transform=frame)
 
 
 def _faded(color: str, fade: float) -> tuple[float, float, float]:
@@ -183,6 +223,9 @@ def in_world(poses: Floats, points: Floats) -> Floats:
 def body_box(rover: Rover) -> tuple[Floats, Floats]:
     """Centre and half lengths, in body axes, of a body that fits between the wheels."""
     points = contacts(rover)
+    for i, wheel in enumerate(rover.wheels):
+        if not (wheel.steered or wheel.castor):
+            points[i] = wheel.x, wheel.y
     radius = max(wheel.radius for wheel in rover.wheels)
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     reach = np.ptp(points, axis=0) / 2

@@ -67,10 +67,10 @@ def draw_steering_ranges(axes: Axes, rover: Rover) -> None:
 
 def draw_icr_line(axes: Axes, rover: Rover) -> None:
     """The line of the unsteered wheels, with the turns that the steering limits forbid in red."""
-    fixed = [wheel for wheel in rover.wheels if not wheel.steered]
+    fixed = [w for w in rover.wheels if not (w.steered or w.castor) and w.roller_angle is None]
     if not fixed or any(abs(math.sin(wheel.heading)) > 1e-9 for wheel in fixed):
         return
-    height = float(np.mean([wheel.x for wheel in fixed]))
+    height = float(np.mean([wheel.x - wheel.trail * math.cos(wheel.heading) for wheel in fixed]))
     axes.axhline(height, color=SOFT, linewidth=0.8, linestyle=(0, (6, 4)), zorder=1.1)
     island, smallest = rover.spin_radius, rover.min_radius
     if not island < smallest:
@@ -111,9 +111,14 @@ def draw_turning_circles(
 
 
 def draw_axles(axes: Axes, rover: Rover, steering: Floats, icr: Floats, size: float) -> None:
-    """A line along every axle as its wheel is really steered: that they meet is for the eye to check."""
+    """A line along every axle as its wheel is really steered: that they meet is for the eye to check.
+
+    Wheels with rollers and castors have no say in where that is.
+    """
     points, angles = page(contacts(rover, steering)), headings(rover, steering)
     for wheel, point, angle in zip(rover.wheels, points, angles, strict=True):
+        if wheel.castor or wheel.roller_angle is not None:
+            continue
         axle = np.array((-math.cos(angle), -math.sin(angle)))  # left of the wheel, on the page
         stub = 1.3 * wheel.radius
         if np.all(np.isfinite(icr)):

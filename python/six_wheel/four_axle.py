@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 __all__ = [
     "Brake",
     "FourAxle",
+    "FourAxleMobility",
     "FourAxleMotion",
     "FourAxleSimulation",
     "FourAxleState",
     "FourAxleStep",
-    "FourAxleMobility",
     "TurnSequence",
 ]
 

@@ -1,4 +1,5 @@
-"""Pictures of rovers: one twist seen from above, or a whole path with the rover drawn along it.
+"""Pictures of rovers: one twist seen from above, a whole path with the rover drawn along it, or a simulated
+drive on lockable pivots.
 
 Only matplotlib's object interface is used: no global state and no display, so the figures can be made in any
 thread and on any machine. `save` writes them as PNG, SVG or PDF.
@@ -35,8 +36,9 @@ from six_wheel._drawing import (
     tidy,
     write_title,
 )
+from six_wheel._four_axle_plot import four_axle_figure
 
-__all__ = ["draw_path", "draw_rover", "path_figure", "save", "show_figure"]
+__all__ = ["draw_path", "draw_rover", "four_axle_figure", "path_figure", "save", "show_figure"]
 
 ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
 

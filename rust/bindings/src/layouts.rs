@@ -4,9 +4,10 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use six_wheel_core::rover::MAX_WHEELS;
 use six_wheel_core::{Drive, Rover as Core, SkidCentres, SteeringRange, presets};
 
-use crate::convert::{Rows, Scalars, number, raise};
+use crate::convert::{Rows, Scalars, number, raise, refuse};
 use crate::rover::Rover;
 use crate::wheel::steering_range;
 
@@ -160,7 +161,7 @@ impl Rover {
         py: Python<'_>,
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
-        wheels_per_side: usize,
+        wheels_per_side: i64,
         wheelbase: Option<&Bound<'_, PyAny>>,
         icr_left: Option<&Bound<'_, PyAny>>,
         icr_right: Option<&Bound<'_, PyAny>>,
@@ -172,12 +173,19 @@ impl Rover {
             forward: optional("icr_forward", icr_forward)?.unwrap_or_default(),
         };
         let track = number("track_width", track_width)?;
-        let wheelbase = optional("wheelbase", wheelbase)?.unwrap_or_default();
+        let wheelbase = optional("wheelbase", wheelbase)?;
         let radii = radii(wheel_radius)?;
-        Self::named(
-            py,
-            Core::differential(track, radii, wheels_per_side, wheelbase, skid),
-        )
+        let Ok(per_side) = usize::try_from(wheels_per_side) else {
+            let got = wheels_per_side.to_string();
+            let rule = format!("be 1 to {}", MAX_WHEELS / 2);
+            return Err(refuse("wheels_per_side", &rule, &got));
+        };
+        if per_side > 1 && wheelbase.is_none() {
+            let rule = "be given for more than one wheel per side";
+            return Err(refuse("wheelbase", rule, "None"));
+        }
+        let base = wheelbase.unwrap_or_default();
+        Self::named(py, Core::differential(track, radii, per_side, base, skid))
     }
 
     /// Tracked drive: a left and a right track, each a wheel with the radius of its sprocket.
@@ -347,7 +355,10 @@ impl Rover {
         Self::named(py, Core::bicycle(base, radius, range, drive(driven)?))
     }
 
-    /// Four mecanum wheels, the axes of their ground rollers meeting in the middle.
+    /// Four mecanum wheels, the usual way round.
+    ///
+    /// Seen from above, the axes of the rollers on top point to the middle; those of the rollers that touch the
+    /// ground form a diamond around it, so that all four have a lever to turn the body.
     ///
     /// Parameters
     /// ----------

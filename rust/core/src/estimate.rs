@@ -17,6 +17,9 @@ const RANK_TOLERANCE: f64 = 1e-9;
 /// Smallest pivot of the normal equations, as a share of their trace, that still determines a direction.
 const PIVOT_TOLERANCE: f64 = 1e-13;
 
+/// Share of an unseen motion's largest component below which another one is rounding.
+const VANISHED: f64 = 1e-12;
+
 /// Slip that counts as noise in a robust fit: this share of the root mean square rim speed at least, and
 /// this many times the median residual.
 const NOISE: f64 = 0.01;
@@ -329,11 +332,16 @@ impl Rover {
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
         let unseen = Jacobi::new(&normal).turn.column(2).into_owned();
         let omega = unseen.z / self.size;
-        let twist = [
+        let twist = Vector3::new(
             unseen.x + omega * self.centre.y,
             unseen.y - omega * self.centre.x,
             omega,
-        ];
+        );
+        // To be read: the largest component is 1, and what vanishes beside it is 0.
+        let largest = twist[twist.iamax()];
+        let twist: [f64; 3] = (twist / largest)
+            .map(|part| if part.abs() < VANISHED { 0.0 } else { part })
+            .into();
         let rule = "determine the twist";
         let value = format!(
             "no reading of the motion (vx, vy, omega) = {}",

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::error::{Error, finite, number, numbers, positive};
-use crate::rover::Rover;
+use crate::rover::{MAX_WHEELS, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::{Pivot, Wheel};
 
@@ -254,7 +254,7 @@ impl Rover {
     }
 
     /// Four mecanum wheels with rollers at `roller_angle` to their axles, the usual way round: seen from
-    /// above, the axes of the rollers on the ground meet in the middle.
+    /// above, the rollers on top form a cross, those on the ground a diamond about the middle.
     pub fn mecanum(
         half_wheelbase: f64,
         half_track: f64,
@@ -333,8 +333,9 @@ fn spread_names(
 
 /// Names and positions of the axles of a vehicle with so many wheels per side, front to rear.
 fn axles(per_side: usize, wheelbase: f64) -> Result<Vec<(String, f64)>, Error> {
-    if per_side == 0 {
-        return Err(Error::value("wheels_per_side", "be at least 1", "0"));
+    if !(1..=MAX_WHEELS / 2).contains(&per_side) {
+        let rule = format!("be 1 to {}", MAX_WHEELS / 2);
+        return Err(Error::value("wheels_per_side", rule, per_side.to_string()));
     }
     if per_side == 1 {
         return Ok(vec![(String::new(), 0.0)]);

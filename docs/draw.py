@@ -1,0 +1,76 @@
+"""Draw the pictures of `models.md`: ``python docs/draw.py`` writes docs/pictures/<vehicle>.png."""
+
+import io
+import math
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, plot
+
+PICTURES = Path(__file__).parent / "pictures"
+DPI = 100
+COLOURS = 160  # few, so that the files stay small
+
+CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
+RING = [math.radians(angle) for angle in (60.0, 180.0, 300.0)]
+ON_A_ROCK = RockerBogie.rocky7().planar(0.3, (0.2, -0.4))
+
+VEHICLES = {
+    "six_wheel": (
+        Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.05),
+        (0.5, 0.0, 0.5),
+    ),
+    "swerve": (Rover.swerve(CORNERS, 0.08), (0.3, 0.3, 0.6)),
+    "differential": (
+        Rover(
+            [
+                *Rover.differential(track_width=0.5, wheel_radius=0.1).wheels,
+                Wheel("castor", -0.35, 0.0, radius=0.05, castor=True, trail=0.04),
+            ]
+        ),
+        (0.3, 0.0, 0.5),
+    ),
+    "tracked": (Rover.tracked(0.5, 0.1, icr_left=0.42, icr_right=-0.38, icr_forward=0.05), (0.5, -0.03, 0.6)),
+    "ackermann": (
+        Rover.ackermann(wheelbase=1.1, track_width=0.6, wheel_radius=0.15, steering_limit=0.6),
+        (0.6, 0.0, 0.3),
+    ),
+    "tricycle": (Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12), (0.4, 0.0, 0.4)),
+    "bicycle": (Rover.bicycle(wheelbase=1.0, wheel_radius=0.16, steering_limit=0.8), (0.5, 0.0, 0.3)),
+    "mecanum": (Rover.mecanum(half_wheelbase=0.3, half_track=0.25, wheel_radius=0.1), (0.3, 0.2, 0.4)),
+    "rocker_bogie": (ON_A_ROCK, ON_A_ROCK.project((0.1, 0.0, 0.12))),
+    "omni": (
+        Rover.omni(
+            [(0.3 * math.cos(a), 0.3 * math.sin(a)) for a in RING], [a + math.pi / 2 for a in RING], 0.06
+        ),
+        (0.2, 0.1, 0.5),
+    ),
+}
+
+
+def four_axles() -> Figure:
+    """Drive, stop halfway, re-aim, drive on."""
+    car = FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
+    steps = [car.drive(FourAxleState(), 0.5, 4.0)]
+    steps += car.turn_sequence(steps[-1].end, 1.0, speed=0.5)
+    steps.append(car.drive(steps[-1].end, 0.5, 4.0))
+    return plot.four_axle_figure(car.simulate(steps, 0.02), title="four axles")
+
+
+def main() -> None:
+    figures = {
+        name: plot.show_figure(rover, twist, title=name.replace("_", " "))
+        for name, (rover, twist) in VEHICLES.items()
+    }
+    figures["four_axle"] = four_axles()
+    for name, figure in figures.items():
+        png = io.BytesIO()
+        figure.savefig(png, dpi=DPI)
+        picture = Image.open(png).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        picture.save(PICTURES / f"{name}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
