@@ -1,6 +1,7 @@
 //! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
 
 mod admissible;
+mod batch;
 mod convert;
 mod fit;
 mod geometry;
@@ -21,6 +22,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_class::<mobility::Mobility>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::default_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::set_default_threads, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::log, module)?)?;
