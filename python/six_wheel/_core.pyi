@@ -11,16 +11,21 @@ __all__ = [
     "Wheel",
     "__version__",
     "compose",
+    "default_threads",
     "differentiate",
     "exp",
     "integrate",
+    "kernels",
     "log",
+    "rollout",
+    "set_default_threads",
     "wrap_angle",
 ]
 
 _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
+_Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -207,6 +212,8 @@ class Rover:
         centre: ArrayLike | None = None,
         previous_speeds: ArrayLike | None = None,
         out: tuple[_Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> tuple[_Floats, _Floats]: ...
     def forward(
         self,
@@ -216,6 +223,8 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
         out: _Floats | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> _Floats: ...
     def fit(
         self,
@@ -254,8 +263,26 @@ class Rover:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 def integrate(
-    twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None
+    twists: ArrayLike,
+    dt: ArrayLike,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    out: _Floats | None = None,
+    threads: int | None = None,
+    kernel: _Kernel | None = None,
 ) -> _Floats: ...
+def rollout(
+    controls: ArrayLike,
+    dt: ArrayLike,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    out: _Floats | None = None,
+    threads: int | None = None,
+    kernel: _Kernel | None = None,
+) -> _Floats: ...
+def kernels() -> list[_Kernel]: ...
+def default_threads() -> int: ...
+def set_default_threads(threads: int) -> None: ...
 def differentiate(poses: ArrayLike, dt: ArrayLike) -> _Floats: ...
 def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
 def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
