@@ -5,7 +5,9 @@ BIN := $(VENV)/bin
 SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv') Cargo.toml Cargo.lock pyproject.toml \
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
-.PHONY: demo test test-rust test-python bench lint format wheel clean
+SOAK ?= 50
+
+.PHONY: demo test test-rust test-python soak bench lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -17,6 +19,9 @@ test-rust:
 
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
+
+soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
 
 bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q

@@ -22,10 +22,14 @@ from six_wheel._core import (
     Wheel,
     __version__,
     compose,
+    default_threads,
     differentiate,
     exp,
     integrate,
+    kernels,
     log,
+    rollout,
+    set_default_threads,
     wrap_angle,
 )
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
@@ -52,11 +56,15 @@ __all__ = [
     "Wheel",
     "__version__",
     "compose",
+    "default_threads",
     "differentiate",
     "exp",
     "integrate",
+    "kernels",
     "load",
     "log",
+    "rollout",
+    "set_default_threads",
     "wrap_angle",
 ]
 

@@ -24,10 +24,14 @@ __all__ = [
     "Wheel",
     "__version__",
     "compose",
+    "default_threads",
     "differentiate",
     "exp",
     "integrate",
+    "kernels",
     "log",
+    "rollout",
+    "set_default_threads",
     "wrap_angle",
 ]
 
@@ -37,6 +41,7 @@ _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Pair: TypeAlias = Literal["front", "rear"]
+_Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -225,6 +230,8 @@ class Rover:
         centre: ArrayLike | None = None,
         previous_speeds: ArrayLike | None = None,
         out: tuple[_Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> tuple[_Floats, _Floats]: ...
     def forward(
         self,
@@ -234,6 +241,8 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
         out: _Floats | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> _Floats: ...
     def fit(
         self,
@@ -343,6 +352,7 @@ class RockerBogie:
     @property
     def dimensions(self) -> dict[str, Any]: ...
 
+@final
 class FourAxle:
     def __new__(
         cls,
@@ -406,8 +416,26 @@ class FourAxle:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 def integrate(
-    twists: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0), *, out: _Floats | None = None
+    twists: ArrayLike,
+    dt: ArrayLike,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    out: _Floats | None = None,
+    threads: int | None = None,
+    kernel: _Kernel | None = None,
 ) -> _Floats: ...
+def rollout(
+    controls: ArrayLike,
+    dt: ArrayLike,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    out: _Floats | None = None,
+    threads: int | None = None,
+    kernel: _Kernel | None = None,
+) -> _Floats: ...
+def kernels() -> list[_Kernel]: ...
+def default_threads() -> int: ...
+def set_default_threads(threads: int) -> None: ...
 def differentiate(poses: ArrayLike, dt: ArrayLike) -> _Floats: ...
 def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
 def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...

@@ -112,7 +112,7 @@ impl FourAxle {
     ) -> PyResult<(Array<'py>, Array<'py>)> {
         self.rover
             .get()
-            .inverse(py, twist, previous, None, None, None, None)
+            .inverse(py, twist, previous, None, None, None, None, None, None)
     }
 
     /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.

@@ -2,9 +2,11 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
+use six_wheel_core::batch;
 use six_wheel_core::geometry as core;
 use six_wheel_core::{Pose, Twist};
 
+use crate::batch::workers;
 use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape_text};
 
 /// Poses along a log of twists, each held over its step.
@@ -22,6 +24,10 @@ use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
 ///     Where to write the poses.
+/// threads : int, optional
+///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
+/// kernel : str, optional
+///     One of `kernels()`, default the best.
 ///
 /// Returns
 /// -------
@@ -36,8 +42,8 @@ use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
 #[pyo3(
-    signature = (twists, dt, start=None, *, out=None),
-    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None)"
+    signature = (twists, dt, start=None, *, out=None, threads=None, kernel=None),
+    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, threads=None, kernel=None)"
 )]
 pub fn integrate<'py>(
     py: Python<'py>,
@@ -45,10 +51,73 @@ pub fn integrate<'py>(
     dt: &Bound<'py, PyAny>,
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
+    threads: Option<i64>,
+    kernel: Option<&str>,
 ) -> PyResult<Array<'py>> {
     let twists = Rows::read("twists", twists, 3)?;
+    poses_along(py, "twists", &twists, dt, start, out, (threads, kernel))
+}
+
+/// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
+///
+/// Parameters
+/// ----------
+/// controls : array_like, shape (..., k, t, 3)
+///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
+/// dt : float or array_like, shape (t,)
+///     Duration of the steps [s].
+/// start : array_like, shape (3,) or (..., k, 3)
+///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
+/// out : ndarray, shape (..., k, t + 1, 3), optional
+///     Where to write the poses.
+/// threads : int, optional
+///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
+/// kernel : str, optional
+///     One of `kernels()`, default the best.
+///
+/// Returns
+/// -------
+/// ndarray, shape (..., k, t + 1, 3)
+///     Rows ``[x, y, yaw]`` [m, m, rad], the first of every rollout its start.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a value is not finite or a duration is not positive.
+#[pyfunction]
+#[pyo3(
+    signature = (controls, dt, start=None, *, out=None, threads=None, kernel=None),
+    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, threads=None, kernel=None)"
+)]
+pub fn rollout<'py>(
+    py: Python<'py>,
+    controls: &Bound<'py, PyAny>,
+    dt: &Bound<'py, PyAny>,
+    start: Option<&Bound<'py, PyAny>>,
+    out: Option<&Bound<'py, PyAny>>,
+    threads: Option<i64>,
+    kernel: Option<&str>,
+) -> PyResult<Array<'py>> {
+    let controls = Rows::read("controls", controls, 3)?;
+    if controls.leading.len() < 2 {
+        let got = format!("shape {}", shape_text(&controls.shape()));
+        return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
+    }
+    poses_along(py, "controls", &controls, dt, start, out, (threads, kernel))
+}
+
+/// Reads what goes with the twists, integrates, writes.
+fn poses_along<'py>(
+    py: Python<'py>,
+    argument: &'static str,
+    twists: &Rows<'py>,
+    dt: &Bound<'py, PyAny>,
+    start: Option<&Bound<'py, PyAny>>,
+    out: Option<&Bound<'py, PyAny>>,
+    (threads, kernel): (Option<i64>, Option<&str>),
+) -> PyResult<Array<'py>> {
     let Some((&count, logs)) = twists.leading.split_last() else {
-        return Err(refuse("twists", "have shape (..., n, 3)", "shape (3,)"));
+        return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
     };
     let starts = start
         .map(|start| Rows::read("start", start, 3))
@@ -63,7 +132,7 @@ pub fn integrate<'py>(
     let dt = Scalars::read("dt", dt)?;
     dt.fit("dt", &[count])?;
     let shape: Vec<usize> = logs.iter().copied().chain([count + 1, 3]).collect();
-    let mut poses = Output::new(py, "out", out, &shape, &[Some(&twists), starts.as_ref()])?;
+    let mut poses = Output::new(py, "out", out, &shape, &[Some(twists), starts.as_ref()])?;
     let first = |log: usize| match &starts {
         None => [0.0; 3],
         Some(starts) if starts.is_single() => starts.triples()[0],
@@ -71,10 +140,14 @@ pub fn integrate<'py>(
     };
     let firsts: Vec<[f64; 3]> = (0..logs.iter().product()).map(first).collect();
     let (rows, steps, target) = (twists.triples(), dt.steps(), poses.triples());
+    let workers = workers(rows.len(), threads, kernel)?;
     compute(py, rows.len(), || {
-        core::integrate(rows, count, steps, &firsts, target)
+        batch::integrate(rows, count, steps, &firsts, target, workers)
     })
-    .map_err(|error| {
+    .map_err(|mut error| {
+        if error.argument == "twists" {
+            error.argument = argument.into();
+        }
         let leading = if error.argument == "dt" {
             &[count][..]
         } else {

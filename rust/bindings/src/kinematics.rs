@@ -5,6 +5,7 @@ use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Log};
 use six_wheel_core::{Inputs, Twist, Unseen};
 
+use crate::batch::workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
 
@@ -91,6 +92,10 @@ impl Rover {
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
     ///     Where to write the results; they may be `previous` and `previous_speeds` themselves.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    /// kernel : str, optional
+    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14.
     ///
     /// Returns
     /// -------
@@ -108,7 +113,7 @@ impl Rover {
     ///     If a value is not finite or a shape does not fit.
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
-    #[pyo3(signature = (twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None))]
+    #[pyo3(signature = (twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     pub fn inverse<'py>(
         &self,
@@ -119,6 +124,8 @@ impl Rover {
         centre: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
+        threads: Option<i64>,
+        kernel: Option<&str>,
     ) -> PyResult<(Array<'py>, Array<'py>)> {
         let mut twists = Rows::read("twist", twist, 3)?;
         if let Some(centre) = centre {
@@ -166,9 +173,10 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Rows::flat),
             steering_rates: rates.as_ref().map(Rows::flat),
         };
+        let workers = workers(rows.len(), threads, kernel)?;
         let (angles, rotations) = (steering.flat(), speeds.flat());
         compute(py, rows.len(), || {
-            batch::inverse(&self.core, rows, inputs, angles, rotations)
+            batch::inverse(&self.core, rows, inputs, angles, rotations, workers)
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -188,6 +196,10 @@ impl Rover {
     ///     Take a motion that no wheel sees to be zero instead of raising.
     /// out : ndarray, shape (..., 3), optional
     ///     Where to write the result.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
+    /// kernel : str, optional
+    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14.
     ///
     /// Returns
     /// -------
@@ -200,7 +212,8 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None))]
+    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, threads=None, kernel=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
         py: Python<'py>,
@@ -209,6 +222,8 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
         out: Option<&Bound<'py, PyAny>>,
+        threads: Option<i64>,
+        kernel: Option<&str>,
     ) -> PyResult<Array<'py>> {
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.speeds.leading.as_slice();
@@ -220,8 +235,9 @@ impl Rover {
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
         let (log, target) = (readings.log(), twists.triples());
         let unseen = unseen(allow_underdetermined);
+        let workers = workers(target.len(), threads, kernel)?;
         compute(py, target.len(), || {
-            batch::forward(&self.core, log, unseen, target)
+            batch::forward(&self.core, log, unseen, target, workers)
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()
@@ -253,7 +269,8 @@ impl Rover {
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (steering, speeds) = self.inverse(py, twist, previous, None, None, None, None)?;
+        let (steering, speeds) =
+            self.inverse(py, twist, previous, None, None, None, None, None, None)?;
         let commands = PyDict::new(py);
         let steered = self.core.steered();
         let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();

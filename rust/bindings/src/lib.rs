@@ -1,6 +1,7 @@
 //! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
 
 mod admissible;
+mod batch;
 mod convert;
 mod fit;
 mod four_axle;
@@ -27,6 +28,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::default_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::set_default_threads, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::log, module)?)?;

@@ -3,9 +3,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use six_wheel_core::batch::{self, Log};
+use six_wheel_core::batch::{self, Level, Log, Workers};
 use six_wheel_core::estimate::Measured;
-use six_wheel_core::geometry::{Steps, integrate};
+use six_wheel_core::geometry::Steps;
 use six_wheel_core::{Error, Inputs, Rover, Twist, Unseen, presets};
 
 const ROWS: usize = 100_000;
@@ -60,28 +60,27 @@ fn batches(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("batch");
     group.throughput(Throughput::Elements(ROWS as u64));
     let inputs = Inputs::default();
-    group.bench_function("inverse", |bencher| {
-        bencher.iter(|| batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds));
-    });
-    let log = Log {
-        steering: &steering,
-        speeds: &speeds,
-        steering_rates: None,
-    };
-    group.bench_function("forward", |bencher| {
-        bencher.iter(|| batch::forward(&rover, log, Unseen::Refuse, &mut back));
-    });
-    group.bench_function("integrate", |bencher| {
-        bencher.iter(|| {
-            integrate(
-                &twists,
-                ROWS,
-                Steps::Constant(0.01),
-                &[[0.0; 3]],
-                &mut poses,
-            )
+    for level in Level::available() {
+        let workers = Workers { level, threads: 1 };
+        let name = |job: &str| format!("{job}, {}", level.name());
+        group.bench_function(name("inverse"), |bencher| {
+            bencher.iter(|| {
+                batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
+            });
         });
-    });
+        let log = Log {
+            steering: &steering,
+            speeds: &speeds,
+            steering_rates: None,
+        };
+        group.bench_function(name("forward"), |bencher| {
+            bencher.iter(|| batch::forward(&rover, log, Unseen::Refuse, &mut back, workers));
+        });
+        let (steps, starts) = (Steps::Constant(0.01), [[0.0; 3]]);
+        group.bench_function(name("integrate"), |bencher| {
+            bencher.iter(|| batch::integrate(&twists, ROWS, steps, &starts, &mut poses, workers));
+        });
+    }
     group.finish();
 }
 

@@ -250,7 +250,7 @@ impl Rover {
 
     /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
     /// are then close to a multiple of the identity and lose no digits.
-    fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
         let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
         Vector3::new(row.x, row.y, moment / self.size)
     }

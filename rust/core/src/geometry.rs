@@ -214,11 +214,11 @@ impl Steps<'_> {
     }
 }
 
-/// A sum that carries its own rounding error along (Neumaier's variant of Kahan's sum).
-#[derive(Clone, Copy)]
-struct Sum {
-    sum: f64,
-    lost: f64,
+/// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sum {
+    pub sum: f64,
+    pub lost: f64,
 }
 
 impl Sum {
@@ -229,68 +229,101 @@ impl Sum {
         }
     }
 
-    fn add(&mut self, term: f64) {
+    #[inline(always)]
+    pub fn add(&mut self, term: f64) {
         let total = self.sum + term;
-        let (large, small) = if self.sum.abs() >= term.abs() {
-            (self.sum, term)
-        } else {
-            (term, self.sum)
-        };
-        self.lost += (large - total) + small;
+        let added = total - self.sum;
+        self.lost += (self.sum - (total - added)) + (term - added);
         self.sum = total;
     }
 
-    fn value(self) -> f64 {
+    #[inline(always)]
+    pub fn value(self) -> f64 {
         self.sum + self.lost
     }
 }
 
-/// Poses along logs of `count` twists each, every twist held over its step: exact, whatever its length.
-///
-/// There is one start per log; `poses` takes `count + 1` rows per log, the first of which is its start.
-/// Nothing is written on failure, and rows of errors count over all logs.
-pub fn integrate(
-    twists: &[[f64; 3]],
-    count: usize,
-    steps: Steps<'_>,
-    starts: &[[f64; 3]],
-    poses: &mut [[f64; 3]],
-) -> Result<(), Error> {
-    debug_assert_eq!(twists.len(), starts.len() * count);
-    debug_assert_eq!(poses.len(), starts.len() * (count + 1));
-    steps.check(count)?;
-    let log = |k: usize| &twists[k * count..(k + 1) * count];
-    for (k, start) in starts.iter().enumerate() {
-        check_log(log(k), steps, *start).map_err(|error| Error {
-            row: error.row.map(|row| k * count + row),
-            ..error
-        })?;
-    }
-    for ((k, start), poses) in starts
-        .iter()
-        .enumerate()
-        .zip(poses.chunks_exact_mut(count + 1))
-    {
-        integrate_log(log(k), steps, *start, poses);
-    }
-    Ok(())
+/// What a whole turn is more than [`TAU`].
+const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
+
+/// A pose on its way along a log.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Walk {
+    pub x: Sum,
+    pub y: Sum,
+    /// With all its turns, as it is written.
+    pub yaw: Sum,
+    /// Without them, as it is used: it keeps its digits however often the rover turns.
+    pub heading: Sum,
 }
 
-fn integrate_log(twists: &[[f64; 3]], steps: Steps<'_>, start: [f64; 3], poses: &mut [[f64; 3]]) {
-    let [mut x, mut y, mut yaw] = start.map(Sum::new);
+impl Walk {
+    pub fn new([x, y, yaw]: [f64; 3]) -> Self {
+        let mut heading = Sum::new(yaw);
+        unwind(&mut heading);
+        Self {
+            x: Sum::new(x),
+            y: Sum::new(y),
+            yaw: Sum::new(yaw),
+            heading,
+        }
+    }
+
+    /// Adds a chord in world axes.
+    #[inline(always)]
+    pub fn shift(&mut self, x: f64, y: f64) {
+        self.x.add(x);
+        self.y.add(y);
+    }
+
+    /// Adds a turn.
+    #[inline(always)]
+    pub fn turn(&mut self, yaw: f64) {
+        self.yaw.add(yaw);
+        self.heading.add(yaw);
+        if self.heading.sum.abs() > PI {
+            unwind(&mut self.heading);
+        }
+    }
+
+    /// Holds a twist for a while; the pose after it.
+    pub fn step(&mut self, twist: [f64; 3], dt: f64) -> [f64; 3] {
+        let step = Twist::from(twist).exp(dt);
+        let shift = Rotation2::new(self.heading.value()) * Vector2::new(step.x, step.y);
+        self.shift(shift.x, shift.y);
+        self.turn(step.yaw);
+        [self.x.value(), self.y.value(), self.yaw.value()]
+    }
+}
+
+/// Takes whole turns out of an angle, exactly but for what a turn in two parts leaves.
+fn unwind(angle: &mut Sum) {
+    let turns = (angle.sum / TAU).round();
+    let product = turns * TAU;
+    angle.add(-product);
+    angle.lost -= turns.mul_add(TAU, -product) + turns * TAU_REST;
+}
+
+/// Poses of one log that has been checked: its start, and one after every step.
+pub(crate) fn integrate_log(
+    twists: &[[f64; 3]],
+    steps: Steps<'_>,
+    start: [f64; 3],
+    poses: &mut [[f64; 3]],
+) {
+    let mut walk = Walk::new(start);
     poses[0] = start;
     for (k, (twist, pose)) in twists.iter().zip(&mut poses[1..]).enumerate() {
-        let step = Twist::from(*twist).exp(steps.get(k));
-        let shift = Rotation2::new(yaw.value()) * Vector2::new(step.x, step.y);
-        x.add(shift.x);
-        y.add(shift.y);
-        yaw.add(step.yaw);
-        *pose = [x.value(), y.value(), yaw.value()];
+        *pose = walk.step(*twist, steps.get(k));
     }
 }
 
 /// The total way and turn are finite, so that every pose on the way is.
-fn check_log(twists: &[[f64; 3]], steps: Steps<'_>, start: [f64; 3]) -> Result<(), Error> {
+pub(crate) fn check_log(
+    twists: &[[f64; 3]],
+    steps: Steps<'_>,
+    start: [f64; 3],
+) -> Result<(), Error> {
     finite("start", &start)?;
     let mut total = start.iter().map(|value| value.abs()).fold(0.0, f64::max);
     for (k, twist) in twists.iter().enumerate() {
@@ -304,7 +337,7 @@ fn check_log(twists: &[[f64; 3]], steps: Steps<'_>, start: [f64; 3]) -> Result<(
     Ok(())
 }
 
-/// The twists that, each held over its step, pass through the poses: the inverse of [`integrate`].
+/// The twists that, each held over its step, pass through the poses: the inverse of [`crate::batch::integrate`].
 pub fn differentiate(
     poses: &[[f64; 3]],
     steps: Steps<'_>,
@@ -333,13 +366,9 @@ mod tests {
         let count = 1_000_000;
         let twists = vec![[1.0, 0.0, TAU / (count as f64 * 1e-3)]; count];
         let mut poses = vec![[0.0; 3]; count + 1];
-        integrate(
-            &twists,
-            count,
-            Steps::Constant(1e-3),
-            &[[0.0; 3]],
-            &mut poses,
-        )?;
+        let (steps, start) = (Steps::Constant(1e-3), [0.0; 3]);
+        check_log(&twists, steps, start)?;
+        integrate_log(&twists, steps, start, &mut poses);
         let [x, y, yaw] = poses[count];
         // 1 km of path; yaw carries the rounding of its own increments, 1e6 half ulps at worst.
         assert!(x.hypot(y) < 1e-8, "{x} {y}");

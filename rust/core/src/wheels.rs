@@ -23,7 +23,7 @@ use crate::steering::{Choice, SteeringRange, Way};
 const FLAT_ROLLERS: f64 = 1e-6;
 
 /// Share of the summed speeds at a pivot below which their sum is nothing but rounding.
-const REST: f64 = 4.0 * f64::EPSILON;
+pub(crate) const REST: f64 = 4.0 * f64::EPSILON;
 
 /// One wheel of a rover, as data.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Laws of the core without Python: what holds for every rover and every twist.
 
 use proptest::prelude::*;
-use six_wheel_core::batch::{self, Log};
+use six_wheel_core::batch::{self, Log, Workers};
 use six_wheel_core::estimate::Measured;
 use six_wheel_core::{Error, ErrorKind, Inputs, Keep, Rover, SteeringRange, Twist, Unseen};
 
@@ -54,10 +54,10 @@ proptest! {
             .collect::<Result<_, _>>()?;
         let rows = twists.len();
         let (mut steering, mut speeds) = (vec![0.0; 4 * rows], vec![0.0; 6 * rows]);
-        batch::inverse(&rover, &twists, Inputs::default(), &mut steering, &mut speeds)?;
+        batch::inverse(&rover, &twists, Inputs::default(), &mut steering, &mut speeds, Workers::PLAIN)?;
         let mut back = vec![[0.0; 3]; rows];
         let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
-        batch::forward(&rover, log, Unseen::Refuse, &mut back)?;
+        batch::forward(&rover, log, Unseen::Refuse, &mut back, Workers::PLAIN)?;
         for (k, twist) in twists.iter().enumerate() {
             let (angles, rates) = commands(&rover, Twist::from(*twist))?;
             prop_assert_eq!(&steering[4 * k..4 * k + 4], &angles);
@@ -73,7 +73,7 @@ proptest! {
         let mut twists = vec![[0.5, 0.0, 0.0]; good];
         twists.push([0.0, 1.0, 0.0]);
         let (mut steering, mut speeds) = (vec![7.0; 4 * (good + 1)], vec![7.0; 6 * (good + 1)]);
-        let failed = batch::inverse(&rover, &twists, Inputs::default(), &mut steering, &mut speeds);
+        let failed = batch::inverse(&rover, &twists, Inputs::default(), &mut steering, &mut speeds, Workers::PLAIN);
         prop_assert_eq!(failed.map_err(|error| (error.kind, error.row)),
             Err((ErrorKind::Infeasible, Some(good))));
         prop_assert!(steering.iter().chain(&speeds).all(|value| *value == 7.0));

@@ -1,0 +1,69 @@
+//! How batches are worked through: the options `threads=` and `kernel=`, and the default of the former.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use pyo3::prelude::*;
+use six_wheel_core::batch::{Level, Workers};
+
+use crate::convert::{raise, refuse};
+
+/// Rows from which a kernel may be worth looking for.
+const BATCH: usize = 8;
+
+/// Threads of a call that does not say. It is here and not in the core, and changes no result.
+static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
+
+/// What a call of so many rows is to be worked through with.
+pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
+    let threads = threads.map_or_else(|| Ok(DEFAULT_THREADS.load(Ordering::Relaxed)), count)?;
+    let level = match kernel {
+        Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
+        None if rows < BATCH => Level::Plain,
+        None => Level::best(),
+    };
+    Ok(Workers { level, threads })
+}
+
+fn count(threads: i64) -> PyResult<usize> {
+    let positive = usize::try_from(threads).ok().filter(|count| *count > 0);
+    positive.ok_or_else(|| refuse("threads", "be at least 1", &threads.to_string()))
+}
+
+/// Kernels this machine has, the best last: what `kernel=` takes.
+///
+/// Returns
+/// -------
+/// list of str
+///     Some of ``"plain"`` (row by row), ``"neon"``, ``"avx2"`` and ``"avx512"``.
+#[pyfunction]
+pub fn kernels() -> Vec<&'static str> {
+    Level::available().into_iter().map(Level::name).collect()
+}
+
+/// Threads of a batch that does not say how many: 1 until `set_default_threads` is called.
+///
+/// Returns
+/// -------
+/// int
+///     Threads at most; batches under 20000 rows are worked through by the calling thread alone.
+#[pyfunction]
+pub fn default_threads() -> usize {
+    DEFAULT_THREADS.load(Ordering::Relaxed)
+}
+
+/// Sets the threads of batches that do not say how many. Results do not depend on it, bit for bit.
+///
+/// Parameters
+/// ----------
+/// threads : int
+///     At least 1.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If there are none.
+#[pyfunction]
+pub fn set_default_threads(threads: i64) -> PyResult<()> {
+    DEFAULT_THREADS.store(count(threads)?, Ordering::Relaxed);
+    Ok(())
+}

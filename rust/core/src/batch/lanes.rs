@@ -1,0 +1,218 @@
+//! One register of numbers, with the operators of a number: what the kernels are written in.
+//!
+//! Everything is `#[inline(always)]`: the instructions of a level are only available inside the function
+//! that [`super::Level::run`] has compiled for it, so nothing may be left to call.
+
+use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
+
+use pulp::Simd;
+
+use super::vector::Vector;
+
+/// As many numbers as the registers of the level hold.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes<S: Simd> {
+    simd: S,
+    values: S::f64s,
+}
+
+/// One truth value per lane.
+#[derive(Clone, Copy)]
+pub(crate) struct Mask<S: Simd> {
+    simd: S,
+    values: S::m64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f64) -> Self {
+        Self {
+            simd,
+            values: simd.splat_f64s(value),
+        }
+    }
+
+    /// A register of a column.
+    #[inline(always)]
+    pub fn load(simd: S, column: &[S::f64s], k: usize) -> Self {
+        Self {
+            simd,
+            values: column[k],
+        }
+    }
+
+    #[inline(always)]
+    pub fn store(self, column: &mut [S::f64s], k: usize) {
+        column[k] = self.values;
+    }
+
+    #[inline(always)]
+    fn with(self, values: S::f64s) -> Self {
+        Self { values, ..self }
+    }
+
+    /// `self * factor + term`, rounded once.
+    #[inline(always)]
+    pub fn mul_add(self, factor: Self, term: Self) -> Self {
+        self.with(
+            self.simd
+                .mul_add_f64s(self.values, factor.values, term.values),
+        )
+    }
+
+    #[inline(always)]
+    pub fn quotient(self, divisor: Self) -> Self {
+        self.with(self.simd.div_f64s(self.values, divisor.values))
+    }
+
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        self.with(self.simd.sqrt_f64s(self.values))
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        self.with(self.simd.abs_f64s(self.values))
+    }
+
+    /// The larger of two numbers, neither of them NaN.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        self.with(self.simd.max_f64s(self.values, other.values))
+    }
+
+    /// The smaller of two numbers, neither of them NaN.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        self.with(self.simd.min_f64s(self.values, other.values))
+    }
+
+    /// The sign bit, on a zero.
+    #[inline(always)]
+    pub fn sign(self) -> Self {
+        let bit = self.simd.splat_f64s(-0.0);
+        self.with(self.simd.and_f64s(self.values, bit))
+    }
+
+    /// Minus the number where `sign` has its sign bit set.
+    #[inline(always)]
+    pub fn flip(self, sign: Self) -> Self {
+        self.with(self.simd.xor_f64s(self.values, sign.values))
+    }
+
+    /// False where either is NaN.
+    #[inline(always)]
+    pub fn below(self, other: Self) -> Mask<S> {
+        Mask {
+            simd: self.simd,
+            values: self.simd.less_than_f64s(self.values, other.values),
+        }
+    }
+
+    /// False where either is NaN.
+    #[inline(always)]
+    pub fn at_most(self, other: Self) -> Mask<S> {
+        let values = self.simd.less_than_or_equal_f64s(self.values, other.values);
+        Mask {
+            simd: self.simd,
+            values,
+        }
+    }
+
+    /// The whole number in the lowest bits of `self + 1.5 * 2^52`: whether bit `bit` of it is set.
+    #[inline(always)]
+    pub fn has_bit(self, bit: u64) -> Mask<S> {
+        let simd = self.simd;
+        let bits = simd.and_u64s(
+            simd.transmute_u64s_f64s(self.values),
+            simd.splat_u64s(1 << bit),
+        );
+        Mask {
+            simd,
+            values: simd.greater_than_u64s(bits, simd.splat_u64s(0)),
+        }
+    }
+}
+
+impl<S: Simd> Lanes<S> {
+    /// The sum over all lanes.
+    #[inline(always)]
+    pub fn total(self) -> f64 {
+        self.simd.reduce_sum_f64s(self.values)
+    }
+
+    #[inline(always)]
+    pub fn into_register(self) -> S::f64s {
+        self.values
+    }
+}
+
+impl<S: Vector> Lanes<S> {
+    /// Every lane `1 << LOG` places on, zeros before it.
+    #[inline(always)]
+    pub fn shift<const LOG: u32>(simd: S, lanes: Self) -> Self {
+        lanes.with(simd.shift::<LOG>(lanes.values))
+    }
+
+    /// The last lane.
+    #[inline(always)]
+    pub fn last(self, simd: S) -> f64 {
+        simd.last(self.values)
+    }
+}
+
+impl<S: Simd> Mask<S> {
+    /// `yes` where true, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
+        yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
+    }
+
+    /// Whether any lane is true.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.simd.first_true_m64s(self.values) < S::F64_LANES
+    }
+}
+
+macro_rules! operator {
+    ($trait: ident, $method: ident, $of: ident, $op: ident) => {
+        impl<S: Simd> $trait for $of<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let values = self.simd.$op(self.values, other.values);
+                Self { values, ..self }
+            }
+        }
+    };
+}
+
+operator!(Add, add, Lanes, add_f64s);
+operator!(Sub, sub, Lanes, sub_f64s);
+operator!(Mul, mul, Lanes, mul_f64s);
+operator!(BitAnd, bitand, Mask, and_m64s);
+operator!(BitOr, bitor, Mask, or_m64s);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.with(self.simd.neg_f64s(self.values))
+    }
+}
+
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self {
+            values: self.simd.not_m64s(self.values),
+            ..self
+        }
+    }
+}

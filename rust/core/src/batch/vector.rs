@@ -1,0 +1,221 @@
+//! The shuffles that turn rows into registers and back, for every level.
+//!
+//! They name their instructions, through the safe wrappers of the level's token. Written as loops or lane
+//! by lane, the compiler turned them into gathers and scatters at three times the cost.
+
+use pulp::Simd;
+
+/// A level with its shuffles.
+pub(crate) trait Vector: Simd {
+    /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`.
+    fn zip(self, registers: [Self::f64s; 2]) -> [Self::f64s; 2];
+
+    /// The reverse of [`Self::zip`].
+    fn unzip(self, registers: [Self::f64s; 2]) -> [Self::f64s; 2];
+
+    /// `a0 a1 .., b0 b1 .., c0 c1 ..` to `a0 b0 c0 a1 b1 c1 ..`.
+    fn braid(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
+
+    /// The reverse of [`Self::braid`].
+    fn unbraid(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
+
+    /// `0 .. 0 a0 a1 ..`: every lane `1 << LOG` places on.
+    fn shift<const LOG: u32>(self, register: Self::f64s) -> Self::f64s;
+
+    /// The last lane.
+    fn last(self, register: Self::f64s) -> f64;
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::__m256d;
+
+    use pulp::bytemuck::cast;
+    use pulp::x86::{V3, V4};
+    use pulp::{f64x4, f64x8};
+
+    use super::Vector;
+
+    /// Lanes of two registers, those of the second counted from 8.
+    #[inline(always)]
+    fn pick(simd: V4, [a, b]: [f64x8; 2], lanes: [i64; 8]) -> f64x8 {
+        cast(
+            simd.avx512f
+                ._mm512_permutex2var_pd(cast(a), cast(lanes), cast(b)),
+        )
+    }
+
+    impl Vector for V4 {
+        #[inline(always)]
+        fn zip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
+            [
+                pick(self, pair, [0, 8, 1, 9, 2, 10, 3, 11]),
+                pick(self, pair, [4, 12, 5, 13, 6, 14, 7, 15]),
+            ]
+        }
+
+        #[inline(always)]
+        fn unzip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
+            [
+                pick(self, pair, [0, 2, 4, 6, 8, 10, 12, 14]),
+                pick(self, pair, [1, 3, 5, 7, 9, 11, 13, 15]),
+            ]
+        }
+
+        #[inline(always)]
+        fn braid(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
+            let first = pick(self, [a, b], [0, 8, 0, 1, 9, 0, 2, 10]);
+            let second = pick(self, [a, b], [0, 3, 11, 0, 4, 12, 0, 5]);
+            let third = pick(self, [a, b], [13, 0, 6, 14, 0, 7, 15, 0]);
+            [
+                pick(self, [first, c], [0, 1, 8, 3, 4, 9, 6, 7]),
+                pick(self, [second, c], [10, 1, 2, 11, 4, 5, 12, 7]),
+                pick(self, [third, c], [0, 13, 2, 3, 14, 5, 6, 15]),
+            ]
+        }
+
+        #[inline(always)]
+        fn unbraid(self, [a, b, c]: [f64x8; 3]) -> [f64x8; 3] {
+            let first = pick(self, [a, b], [0, 3, 6, 9, 12, 15, 0, 0]);
+            let second = pick(self, [a, b], [1, 4, 7, 10, 13, 0, 0, 0]);
+            let third = pick(self, [a, b], [2, 5, 8, 11, 14, 0, 0, 0]);
+            [
+                pick(self, [first, c], [0, 1, 2, 3, 4, 5, 10, 13]),
+                pick(self, [second, c], [0, 1, 2, 3, 4, 8, 11, 14]),
+                pick(self, [third, c], [0, 1, 2, 3, 4, 9, 12, 15]),
+            ]
+        }
+
+        #[inline(always)]
+        fn shift<const LOG: u32>(self, register: f64x8) -> f64x8 {
+            let pair = [register, self.splat_f64x8(0.0)];
+            match LOG {
+                0 => pick(self, pair, [8, 0, 1, 2, 3, 4, 5, 6]),
+                1 => pick(self, pair, [8, 8, 0, 1, 2, 3, 4, 5]),
+                _ => pick(self, pair, [8, 8, 8, 8, 0, 1, 2, 3]),
+            }
+        }
+
+        #[inline(always)]
+        fn last(self, register: f64x8) -> f64 {
+            register.7
+        }
+    }
+
+    /// Halves of two registers.
+    #[inline(always)]
+    fn halves<const WHICH: i32>(simd: V3, a: __m256d, b: __m256d) -> __m256d {
+        simd.avx._mm256_permute2f128_pd::<WHICH>(a, b)
+    }
+
+    const LOW_LOW: i32 = 0x20;
+    const HIGH_HIGH: i32 = 0x31;
+    const LOW_HIGH: i32 = 0x30;
+    const HIGH_LOW: i32 = 0x21;
+
+    impl Vector for V3 {
+        #[inline(always)]
+        fn zip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
+            let even = self.avx._mm256_unpacklo_pd(cast(a), cast(b)); // a0 b0 a2 b2
+            let odd = self.avx._mm256_unpackhi_pd(cast(a), cast(b)); // a1 b1 a3 b3
+            [
+                cast(halves::<LOW_LOW>(self, even, odd)),
+                cast(halves::<HIGH_HIGH>(self, even, odd)),
+            ]
+        }
+
+        #[inline(always)]
+        fn unzip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
+            let low = halves::<LOW_LOW>(self, cast(a), cast(b)); // 0 1 4 5
+            let high = halves::<HIGH_HIGH>(self, cast(a), cast(b)); // 2 3 6 7
+            [
+                cast(self.avx._mm256_unpacklo_pd(low, high)),
+                cast(self.avx._mm256_unpackhi_pd(low, high)),
+            ]
+        }
+
+        #[inline(always)]
+        fn braid(self, [a, b, c]: [f64x4; 3]) -> [f64x4; 3] {
+            let (a, b, c) = (cast(a), cast(b), cast(c));
+            let ab = self.avx._mm256_unpacklo_pd(a, b); // a0 b0 a2 b2
+            let bc = self.avx._mm256_unpackhi_pd(b, c); // b1 c1 b3 c3
+            let ca = self.avx._mm256_shuffle_pd::<0b1010>(c, a); // c0 a1 c2 a3
+            [
+                cast(halves::<LOW_LOW>(self, ab, ca)),   // a0 b0 c0 a1
+                cast(halves::<LOW_HIGH>(self, bc, ab)),  // b1 c1 a2 b2
+                cast(halves::<HIGH_HIGH>(self, ca, bc)), // c2 a3 b3 c3
+            ]
+        }
+
+        #[inline(always)]
+        fn unbraid(self, [first, second, third]: [f64x4; 3]) -> [f64x4; 3] {
+            let (first, second, third) = (cast(first), cast(second), cast(third));
+            let ab = halves::<LOW_HIGH>(self, first, second); // a0 b0 a2 b2
+            let ca = halves::<HIGH_LOW>(self, first, third); // c0 a1 c2 a3
+            let bc = halves::<LOW_HIGH>(self, second, third); // b1 c1 b3 c3
+            [
+                cast(self.avx._mm256_shuffle_pd::<0b1010>(ab, ca)),
+                cast(self.avx._mm256_shuffle_pd::<0b0101>(ab, bc)),
+                cast(self.avx._mm256_shuffle_pd::<0b1010>(ca, bc)),
+            ]
+        }
+
+        #[inline(always)]
+        fn shift<const LOG: u32>(self, register: f64x4) -> f64x4 {
+            let register = cast(register);
+            let low_up = self.avx._mm256_permute2f128_pd::<0x08>(register, register); // 0 0 a0 a1
+            match LOG {
+                0 => cast(self.avx._mm256_shuffle_pd::<0b0000>(
+                    self.avx._mm256_shuffle_pd::<0b0101>(low_up, low_up),
+                    register,
+                )),
+                _ => cast(low_up),
+            }
+        }
+
+        #[inline(always)]
+        fn last(self, register: f64x4) -> f64 {
+            register.3
+        }
+    }
+}
+
+#[cfg(target_arch = "aarch64")]
+mod aarch64 {
+    use pulp::aarch64::Neon;
+    use pulp::f64x2;
+
+    use super::Vector;
+
+    impl Vector for Neon {
+        #[inline(always)]
+        fn zip(self, [a, b]: [f64x2; 2]) -> [f64x2; 2] {
+            [f64x2(a.0, b.0), f64x2(a.1, b.1)]
+        }
+
+        #[inline(always)]
+        fn unzip(self, pair: [f64x2; 2]) -> [f64x2; 2] {
+            self.zip(pair)
+        }
+
+        #[inline(always)]
+        fn braid(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
+            [f64x2(a.0, b.0), f64x2(c.0, a.1), f64x2(b.1, c.1)]
+        }
+
+        #[inline(always)]
+        fn unbraid(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
+            [f64x2(a.0, b.1), f64x2(a.1, c.0), f64x2(b.0, c.1)]
+        }
+
+        #[inline(always)]
+        fn shift<const LOG: u32>(self, register: f64x2) -> f64x2 {
+            f64x2(0.0, register.0)
+        }
+
+        #[inline(always)]
+        fn last(self, register: f64x2) -> f64 {
+            register.1
+        }
+    }
+}
