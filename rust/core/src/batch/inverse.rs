@@ -5,15 +5,14 @@ use pulp::Simd;
 
 use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
-use super::polynomials::angle;
+use super::steered::{Reach, Steer, Steered, absolute, load};
 use super::vector::Vector;
 use super::weave::{BLOCK, Column, unweave, weave};
 use crate::admissible::SLIP_TOLERANCE;
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
-use crate::steering::SteeringRange;
-use crate::wheels::{Direction, REST};
+use crate::wheels::REST;
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
 const SMALLEST: f64 = 1e-100;
@@ -21,118 +20,6 @@ const LARGEST: f64 = 1e100;
 
 /// Sizes of rovers with which that holds at every pivot.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
-
-/// Angles this near to an end of the reach are left to the plain core, which knows the tolerances [rad].
-const NEAR_AN_END: f64 = 1e-8;
-
-/// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
-const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
-
-/// The angles that need no thought, as two half planes `across * y < along * x` of the pivot's velocity.
-#[derive(Clone, Copy, Debug)]
-struct Reach {
-    upper: [f64; 2],
-    lower: [f64; 2],
-    symmetric: bool,
-    /// Whether angles outside it may be impossible.
-    limited: bool,
-}
-
-impl Reach {
-    /// Nothing if the wheel cannot point straight ahead.
-    fn new(range: SteeringRange) -> Option<Self> {
-        if !(range.lower < 0.0 && range.upper > 0.0) {
-            return None;
-        }
-        let quarter = SteeringRange::default();
-        let folded = range.lower >= quarter.lower && range.upper <= quarter.upper;
-        let end = |angle: f64| {
-            let angle = if folded { angle } else { angle.min(DECIDED) };
-            let (sin, cos) = angle.sin_cos();
-            [sin - NEAR_AN_END, cos + NEAR_AN_END]
-        };
-        Some(Self {
-            upper: end(range.upper),
-            lower: end(-range.lower),
-            symmetric: range.lower == -range.upper,
-            limited: !range.is_full(),
-        })
-    }
-
-    /// Whether the direction of `(x, y)`, turned by half where `x < 0`, is inside by more than the margin
-    /// [m/s].
-    #[inline(always)]
-    fn holds<S: Simd>(&self, simd: S, [x, y]: [Lanes<S>; 2], margin: Lanes<S>) -> Mask<S> {
-        let (along, rise) = (x.abs(), y.abs());
-        let inside = |[ahead, across]: [f64; 2]| {
-            let bound = Lanes::splat(simd, ahead) * along;
-            Lanes::splat(simd, across)
-                .mul_add(rise, margin)
-                .below(bound)
-        };
-        if self.symmetric {
-            return inside(self.upper);
-        }
-        let left = y.flip(x.sign());
-        let zero = Lanes::splat(simd, 0.0);
-        let beside = |mask: Mask<S>, end| mask | inside(end);
-        beside(left.below(zero), self.upper) & beside(zero.below(left), self.lower)
-    }
-}
-
-/// A wheel steered about its contact.
-#[derive(Clone, Copy, Debug)]
-struct Steered {
-    x: f64,
-    y: f64,
-    /// `None` where it is straight ahead.
-    heading: Option<Direction>,
-    reach: Reach,
-}
-
-impl Steered {
-    /// Velocity of the pivot in the axes of the heading, by the same operations as the plain core.
-    #[inline(always)]
-    fn velocity<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
-        let ux = vx - omega * Lanes::splat(simd, self.y);
-        let uy = vy + omega * Lanes::splat(simd, self.x);
-        let Some(Direction { sin, cos }) = self.heading else {
-            return [ux, uy];
-        };
-        let (sin, cos) = (Lanes::splat(simd, sin), Lanes::splat(simd, cos));
-        [cos * ux + sin * uy, cos * uy - sin * ux]
-    }
-
-    /// Whether the pivot rests, by the same operations as the plain core.
-    #[inline(always)]
-    fn rests<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let ahead = Self {
-            heading: None,
-            ..*self
-        };
-        let [ux, uy] = ahead.velocity(simd, twist);
-        let arm = Lanes::splat(simd, self.x.abs() + self.y.abs());
-        let [vx, vy, omega] = absolute(twist);
-        let summed = vx + vy + omega * arm;
-        let rounding = Lanes::splat(simd, REST) * summed;
-        ux.abs().max(uy.abs()).at_most(rounding)
-    }
-}
-
-impl Steered {
-    /// Whether the wheel rests or surely rolls forwards, in its half plane, inside its range.
-    #[inline(always)]
-    fn decides<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let velocity = self.velocity(simd, twist);
-        let inside = self.reach.holds(simd, velocity, Lanes::splat(simd, 0.0));
-        self.rests(simd, twist) | inside
-    }
-}
-
-#[inline(always)]
-fn absolute<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-    [vx.abs(), vy.abs(), omega.abs()]
-}
 
 #[derive(Clone, Copy, Debug)]
 enum Part {
@@ -280,15 +167,6 @@ fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lane
     vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }
 
-#[inline(always)]
-fn load<S: Simd>(simd: S, columns: &[Column; 3], k: usize) -> [Lanes<S>; 3] {
-    [
-        Lanes::load(simd, S::as_simd_f64s(&columns[0].0).0, k),
-        Lanes::load(simd, S::as_simd_f64s(&columns[1].0).0, k),
-        Lanes::load(simd, S::as_simd_f64s(&columns[2].0).0, k),
-    ]
-}
-
 struct Check<'a> {
     plan: &'a Plan<'a>,
     twists: &'a [[f64; 3]],
@@ -411,42 +289,6 @@ fn solve_block<S: Simd>(
         }
     }
     !(!sure).any()
-}
-
-/// One steered wheel through a block.
-struct Steer<'a, S: Simd> {
-    twists: &'a [Column; 3],
-    margins: &'a [S::f64s],
-    per_radius: Lanes<S>,
-    angles: &'a mut [S::f64s],
-    speeds: &'a mut [S::f64s],
-}
-
-impl<S: Simd> Steer<'_, S> {
-    /// Where the wheel surely moves well inside its range. What is known of it beforehand leaves the loop.
-    #[inline(always)]
-    fn run<const TURNED: bool, const SYMMETRIC: bool>(self, simd: S, steered: &Steered) -> Mask<S> {
-        let mut steered = *steered;
-        if !TURNED {
-            steered.heading = None;
-        }
-        steered.reach.symmetric = SYMMETRIC;
-        let zero = Lanes::splat(simd, 0.0);
-        let mut sure = zero.at_most(zero);
-        for k in 0..BLOCK / S::F64_LANES {
-            let [x, y] = steered.velocity(simd, load(simd, self.twists, k));
-            let margin = Lanes::load(simd, self.margins, k);
-            sure = sure & steered.reach.holds(simd, [x, y], margin);
-            let sign = x.sign();
-            angle(simd, x.abs(), y.abs())
-                .flip(y.sign())
-                .flip(sign)
-                .store(self.angles, k);
-            let speed = x.mul_add(x, y * y).sqrt() * self.per_radius;
-            speed.flip(sign).store(self.speeds, k);
-        }
-        sure
-    }
 }
 
 /// Puts right the wheels of a block that rest. Whether there are rows in it that are for the plain core.

@@ -6,6 +6,7 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
+mod steered;
 mod vector;
 mod weave;
 mod workers;
