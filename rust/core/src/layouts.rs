@@ -175,14 +175,8 @@ impl Rover {
         steering: SteeringRange,
         drive: Drive,
     ) -> Result<Self, Error> {
-        let spots = [("front", wheelbase, true), ("rear", 0.0, false)];
-        Self::car(
-            &spots,
-            [wheelbase, track_width, wheel_radius],
-            steering,
-            drive,
-            &["front", "rear"],
-        )
+        let tracks = [Some(track_width); 2];
+        Self::car(wheelbase, tracks, wheel_radius, steering, drive)
     }
 
     /// A tricycle: one steered front wheel, two fixed rear wheels, origin between the rear wheels.
@@ -193,14 +187,8 @@ impl Rover {
         steering: SteeringRange,
         drive: Drive,
     ) -> Result<Self, Error> {
-        let spots = [("front", wheelbase, true), ("rear", 0.0, false)];
-        Self::car(
-            &spots,
-            [wheelbase, track_width, wheel_radius],
-            steering,
-            drive,
-            &["rear"],
-        )
+        let tracks = [None, Some(track_width)];
+        Self::car(wheelbase, tracks, wheel_radius, steering, drive)
     }
 
     /// A bicycle: a steered front wheel and a fixed rear wheel, origin at the rear wheel.
@@ -210,44 +198,40 @@ impl Rover {
         steering: SteeringRange,
         drive: Drive,
     ) -> Result<Self, Error> {
-        let spots = [("front", wheelbase, true), ("rear", 0.0, false)];
-        Self::car(&spots, [wheelbase, 1.0, wheel_radius], steering, drive, &[])
+        Self::car(wheelbase, [None; 2], wheel_radius, steering, drive)
     }
 
-    /// Steered front and fixed rear wheels, in pairs where `paired` says so.
+    /// A steered front axle and a fixed rear axle, each with a track or with one wheel in the middle.
     fn car(
-        axles: &[(&str, f64, bool)],
-        [wheelbase, track_width, wheel_radius]: [f64; 3],
+        wheelbase: f64,
+        tracks: [Option<f64>; 2],
+        wheel_radius: f64,
         steering: SteeringRange,
         drive: Drive,
-        paired: &[&str],
     ) -> Result<Self, Error> {
         positive("wheelbase", wheelbase)?;
-        positive("track_width", track_width)?;
+        tracks
+            .iter()
+            .flatten()
+            .try_for_each(|track| positive("track_width", *track))?;
         positive("wheel_radius", wheel_radius)?;
         steering.check()?;
+        let axles = [
+            ("front", wheelbase, Pivot::Steered(steering), Drive::Front),
+            ("rear", 0.0, Pivot::Fixed, Drive::Rear),
+        ];
         let mut wheels = Vec::new();
-        for &(axle, x, steered) in axles {
-            let driven = match drive {
-                Drive::Front => steered,
-                Drive::Rear => !steered,
-                Drive::All => true,
-            };
-            let pivot = if steered {
-                Pivot::Steered(steering)
-            } else {
-                Pivot::Fixed
-            };
+        for ((axle, x, pivot, drives), track) in axles.into_iter().zip(tracks) {
             let wheel = |name: String, y| Wheel {
                 pivot,
-                driven,
+                driven: drive == Drive::All || drive == drives,
                 ..Wheel::new(name, x, y, wheel_radius)
             };
-            if paired.contains(&axle) {
-                let side = |(side, sign)| wheel(format!("{axle}_{side}"), sign * track_width / 2.0);
-                wheels.extend(SIDES.map(side));
-            } else {
-                wheels.push(wheel(axle.into(), 0.0));
+            match track {
+                None => wheels.push(wheel(axle.into(), 0.0)),
+                Some(track) => wheels.extend(
+                    SIDES.map(|(side, sign)| wheel(format!("{axle}_{side}"), sign * track / 2.0)),
+                ),
             }
         }
         Self::new(wheels)
