@@ -16,8 +16,10 @@ pytest.importorskip("typer")
 pytest.importorskip("rich")
 pytest.importorskip("pyarrow")
 
+import six_wheel as sw
 from six_wheel import __main__, __version__, cli
 
+EXAMPLES = Path(__file__).parents[1] / "examples"
 ROVER = """\
 traction_joints: [front_left, front_right, middle_left, middle_right, rear_left, rear_right]
 steering_joints: [turn_front_left, turn_front_right, turn_rear_left, turn_rear_right]
@@ -366,3 +368,17 @@ def test_best_of_times_one_call() -> None:
 
     assert 0.01 <= best_of(time.sleep, 0.01) < 0.5
     assert best_of(sorted, [3, 1, 2], repeat=2, reverse=True) < 1e-3
+
+
+@pytest.mark.parametrize("name", sw.Rover.presets())
+def test_every_preset_can_make_the_turn_that_show_draws(name):
+    rover = sw.Rover.preset(name)
+    assert rover.admissible(cli._left_turn(rover))
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_example_can_make_the_turn_that_show_draws(path):
+    rover = sw.load(path)
+    turn = cli._left_turn(rover)
+    assert rover.admissible(turn)
+    assert turn[2] > 0

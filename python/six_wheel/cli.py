@@ -183,7 +183,9 @@ def _left_turn(rover: "Rover") -> tuple[float, float, float]:
     """Half a metre a second forward, around a centre to the left that this rover can turn about."""
     size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
     speed = 0.5
-    return speed, 0.0, speed / max(2.0 * size, 1.2 * rover.min_radius)
+    # Unsteered wheels may hold the centre on a line beside the origin: the projection puts it there.
+    vx, vy, omega = rover.project((speed, 0.0, speed / max(2.0 * size, 1.2 * rover.min_radius))).tolist()
+    return vx, vy, omega
 
 
 def _console(stderr: bool = False) -> "Console":
