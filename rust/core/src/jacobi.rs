@@ -63,7 +63,12 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
 
     /// Shortest least-squares solution, directions with a singular value up to a bound left at zero.
     pub(crate) fn solve(&self, wanted: &SVector<f64, R>, bound: f64) -> SVector<f64, C> {
-        self.inverse(bound) * wanted
+        let mut found = SVector::zeros();
+        for k in 0..self.rank(bound) {
+            let share = self.columns.column(k).dot(wanted) / (self.values[k] * self.values[k]);
+            found += self.turn.column(k) * share;
+        }
+        found
     }
 
     /// Pseudo-inverse, directions with a singular value up to a bound left at zero.
