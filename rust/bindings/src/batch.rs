@@ -21,7 +21,11 @@ pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyRes
         None if rows < BATCH => Level::Plain,
         None => Level::best(),
     };
-    Ok(Workers { level, threads })
+    Ok(Workers {
+        level,
+        threads,
+        fresh: false,
+    })
 }
 
 fn count(threads: i64) -> PyResult<usize> {

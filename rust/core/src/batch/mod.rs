@@ -5,8 +5,12 @@ mod integrate;
 mod inverse;
 mod lanes;
 mod level;
+mod logs;
 mod polynomials;
+mod poses;
 mod steered;
+mod table;
+mod tile;
 mod vector;
 mod weave;
 mod workers;
@@ -14,10 +18,12 @@ mod workers;
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
 use crate::estimate::{Fit, Measured, Method, Unseen};
-use crate::geometry::{self, Steps, Twist};
+use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use poses::integrate;
+pub use table::{Beside, Durations, Log, Readings, Source, Table};
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
@@ -31,17 +37,6 @@ impl<'a> Inputs<'a> {
             steering_rates: at(self.steering_rates, joints),
         }
     }
-}
-
-/// Readings of many instants, row after row.
-#[derive(Clone, Copy, Debug)]
-pub struct Log<'a> {
-    /// Steering angles [rad], one row of steered wheels per instant.
-    pub steering: &'a [f64],
-    /// Wheel speeds [rad/s], one row of wheels per instant.
-    pub speeds: &'a [f64],
-    /// Steering rates [rad/s].
-    pub steering_rates: Option<&'a [f64]>,
 }
 
 impl<'a> Log<'a> {
@@ -62,6 +57,10 @@ fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
 fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
     &mut values[k * width..(k + 1) * width]
 }
+
+/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
+/// numbers stay in the second-level cache.
+const BLOCK_ROWS: usize = 1024;
 
 /// Rows from which a batch is worth setting up a kernel for.
 const FEW: usize = 8;
@@ -156,50 +155,6 @@ pub fn forward(
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             *twist = rover.forward(log.row(rover, first + k), unseen)?.into();
-        }
-        Ok(())
-    })
-}
-
-/// Poses along logs of `count` twists each, every twist held over its step: exact, whatever its length.
-///
-/// There is one start per log; `poses` takes `count + 1` rows per log, the first of which is its start.
-/// Nothing is written on failure, and rows of errors count over all logs.
-pub fn integrate(
-    twists: &[[f64; 3]],
-    count: usize,
-    steps: Steps<'_>,
-    starts: &[[f64; 3]],
-    poses: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    debug_assert_eq!(twists.len(), starts.len() * count);
-    debug_assert_eq!(poses.len(), starts.len() * (count + 1));
-    let workers = workers.here();
-    let level = workers.level;
-    steps.check(count)?;
-    let share = workers.share_of_logs(starts.len(), count);
-    let log = |k: usize| &twists[k * count..(k + 1) * count];
-    let shares = starts
-        .chunks(share)
-        .enumerate()
-        .map(|(k, starts)| (k * share, starts));
-    workers::each(shares.clone(), |(first, starts)| {
-        starts.iter().enumerate().try_for_each(|(k, start)| {
-            if integrate::stays_finite(level, log(first + k), steps, *start) {
-                return Ok(());
-            }
-            geometry::check_log(log(first + k), steps, *start).map_err(|error| Error {
-                row: error.row.map(|row| (first + k) * count + row),
-                ..error
-            })
-        })
-    })?;
-    let targets = poses.chunks_mut(share * (count + 1));
-    workers::each(shares.zip(targets), |((first, starts), poses)| {
-        let logs = starts.iter().zip(poses.chunks_exact_mut(count + 1));
-        for (k, (start, poses)) in logs.enumerate() {
-            integrate::log(level, log(first + k), steps, *start, poses);
         }
         Ok(())
     })
