@@ -62,18 +62,7 @@ type Condition = (Vector3<f64>, f64);
 impl Rover {
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
     pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
-        finite("twist", &<[f64; 3]>::from(twist))?;
-        let fastest = self.fastest(twist, steering_rates);
-        // Twice: the length of a velocity against its larger component.
-        if !self
-            .wheels()
-            .iter()
-            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
-        {
-            return Err(
-                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
-            );
-        }
+        let fastest = self.check_speeds(twist, steering_rates)?;
         let tolerance = SLIP_TOLERANCE * fastest;
         let vector = Vector3::from(twist);
         for bank in &self.banks {
@@ -98,6 +87,45 @@ impl Rover {
             self.check_steering(i, twist, rate, tolerance)?;
         }
         Ok(())
+    }
+
+    /// Fails unless the twist and every wheel speed are finite; a bound of the fastest pivot's speed [m/s].
+    pub(crate) fn check_speeds(
+        &self,
+        twist: Twist,
+        steering_rates: Option<&[f64]>,
+    ) -> Result<f64, Error> {
+        finite("twist", &<[f64; 3]>::from(twist))?;
+        let fastest = self.fastest(twist, steering_rates);
+        // Twice: the length of a velocity against its larger component.
+        if !self
+            .wheels()
+            .iter()
+            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
+        {
+            return Err(
+                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
+            );
+        }
+        Ok(fastest)
+    }
+
+    /// How fast the worst wheel slides sideways at these steering angles [m/s]: 0 up to rounding if the rover
+    /// can make the twist with them.
+    pub(crate) fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
+        let vector = Vector3::from(twist);
+        let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
+        let steered = self.steered().iter().zip(steering).map(|(&i, &angle)| {
+            let wheel = &self.wheels()[i];
+            let inside = wheel
+                .steering()
+                .is_some_and(|range| range.lower < angle && angle < range.upper);
+            if inside && wheel.trail == 0.0 {
+                return 0.0; // it points where its pivot goes
+            }
+            wheel.side_slip(angle, twist, 0.0).abs()
+        });
+        fixed.chain(steered).fold(0.0, f64::max)
     }
 
     /// Fails if the wheel cannot steer to where the twist wants it.

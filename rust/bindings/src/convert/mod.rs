@@ -2,6 +2,7 @@
 
 mod input;
 mod output;
+mod strided;
 
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;

@@ -22,7 +22,7 @@ const LARGEST: f64 = 1e100;
 const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 #[derive(Clone, Copy, Debug)]
-enum Part {
+pub(crate) enum Part {
     Fixed([f64; 3]),
     Steered(Steered),
 }
@@ -31,9 +31,9 @@ enum Part {
 pub(crate) struct Plan<'a> {
     rover: &'a Rover,
     /// Every wheel with one over its radius.
-    parts: Vec<(Part, f64)>,
+    pub parts: Vec<(Part, f64)>,
     joints: usize,
-    banks: Vec<[f64; 3]>,
+    pub banks: Vec<[f64; 3]>,
     /// Two pivots far apart: the faster one is a lower bound of the fastest.
     pivots: [[f64; 2]; 2],
     /// The longest way to a pivot, along the axes [m].
@@ -56,6 +56,7 @@ impl<'a> Plan<'a> {
                     x: wheel.x,
                     y: wheel.y,
                     heading: (wheel.heading != 0.0).then_some(heading),
+                    range,
                     reach: Reach::new(range)?,
                 }),
                 Mount::Steered(..) => return None,
@@ -123,7 +124,7 @@ impl<'a> Plan<'a> {
 
     /// Whether a twist is surely finite, and its squares are too.
     #[inline(always)]
-    fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let [vx, vy, omega] = absolute(twist);
         let size = vx + vy + omega;
         let fits = size.at_most(Lanes::splat(simd, LARGEST));
@@ -162,7 +163,7 @@ impl<'a> Plan<'a> {
 
 /// A row times a twist, by the same operations as the plain core.
 #[inline(always)]
-fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
+pub(crate) fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
     let [a, b, c] = [row[0], row[1], row[2]];
     vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }

@@ -8,6 +8,8 @@ mod level;
 mod logs;
 mod polynomials;
 mod poses;
+mod rollout_cost;
+mod rows;
 mod steered;
 mod table;
 mod tile;
@@ -23,6 +25,8 @@ use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
 pub use poses::integrate;
+pub use rollout_cost::{Costs, rollout_cost};
+pub use rows::{forward, inverse};
 pub use table::{Beside, Durations, Log, Readings, Source, Table};
 pub use workers::Workers;
 
@@ -61,104 +65,6 @@ fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
 /// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
 /// numbers stay in the second-level cache.
 const BLOCK_ROWS: usize = 1024;
-
-/// Rows from which a batch is worth setting up a kernel for.
-const FEW: usize = 8;
-
-/// [`Rover::inverse`] of every twist.
-pub fn inverse(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    inputs: Inputs<'_>,
-    steering: &mut [f64],
-    speeds: &mut [f64],
-    workers: Workers,
-) -> Result<(), Error> {
-    let workers = workers.here();
-    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-    let plan = (workers.level != Level::Plain && twists.len() >= FEW && inputs.is_empty())
-        .then(|| inverse::Plan::new(rover))
-        .flatten();
-    let share = workers.share(twists.len());
-    let shares = twists
-        .chunks(share)
-        .enumerate()
-        .map(|(k, rows)| (k * share, rows));
-    workers::each(shares.clone(), |(first, rows)| match &plan {
-        Some(plan) => plan.check(workers.level, rows, first),
-        None => rows.iter().enumerate().try_for_each(|(k, twist)| {
-            let inputs = inputs.row(rover, first + k);
-            inputs
-                .check()
-                .and_then(|()| rover.check(Twist::from(*twist), inputs.steering_rates))
-                .map_err(|error| error.at_row(first + k))
-        }),
-    })?;
-    // A rover without steered wheels has no columns to cut.
-    let mut steering = steering.chunks_mut((share * joints).max(1));
-    let targets = speeds
-        .chunks_mut(share * wheels)
-        .map(|speeds| (steering.next().unwrap_or_default(), speeds));
-    workers::each(
-        shares.zip(targets),
-        |((first, rows), (steering, speeds))| {
-            if let Some(plan) = &plan {
-                plan.solve(workers.level, rows, steering, speeds);
-                return Ok(());
-            }
-            for (k, twist) in rows.iter().enumerate() {
-                let (steering, speeds) = (row_mut(steering, joints, k), row_mut(speeds, wheels, k));
-                let inputs = inputs.row(rover, first + k);
-                rover.solve(Twist::from(*twist), inputs, steering, speeds);
-            }
-            Ok(())
-        },
-    )
-}
-
-/// [`Rover::forward`] of every row of a log.
-pub fn forward(
-    rover: &Rover,
-    log: Log<'_>,
-    unseen: Unseen,
-    twists: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    let workers = workers.here();
-    let count = twists.len();
-    let plan = (workers.level != Level::Plain && count >= FEW && log.steering_rates.is_none())
-        .then(|| forward::Plan::new(rover))
-        .flatten();
-    // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
-    let solvable = |k: usize| {
-        let measured = log.row(rover, k);
-        if rover.solution.is_some() && measured.is_complete() {
-            rover.check_readings(measured)
-        } else {
-            rover.forward(measured, unseen).map(drop)
-        }
-    };
-    let share = workers.share(count);
-    let firsts = (0..count).step_by(share);
-    workers::each(firsts.clone(), |first| {
-        let rows = first..count.min(first + share);
-        match &plan {
-            Some(plan) => plan.check(workers.level, log, rows, unseen),
-            None => rows
-                .clone()
-                .try_for_each(|k| solvable(k).map_err(|error| error.at_row(k))),
-        }
-    })?;
-    workers::each(firsts.zip(twists.chunks_mut(share)), |(first, twists)| {
-        if let Some(plan) = &plan {
-            return plan.solve(workers.level, log, first, unseen, twists);
-        }
-        for (k, twist) in twists.iter_mut().enumerate() {
-            *twist = rover.forward(log.row(rover, first + k), unseen)?.into();
-        }
-        Ok(())
-    })
-}
 
 /// [`Rover::fit`] of every row of a log.
 pub fn fit(

@@ -9,7 +9,8 @@ use super::logs::{self, Logs};
 use super::table::{Durations, Table};
 use super::workers::{self, Workers};
 use crate::error::Error;
-use crate::geometry::{Bound, Steps, Walk};
+use crate::geometry::{Bound, Steps, Twist, Walk};
+use crate::rover::Rover;
 
 /// Logs up to this long are worked on side by side, one per lane.
 const SHORT_LOG: usize = 1024;
@@ -28,6 +29,8 @@ pub(crate) struct Journey<'a> {
     pub longest: f64,
     /// Sizes up to here need no second look.
     pub largest: f64,
+    /// Whose wheel speeds have to be finite too.
+    pub rover: Option<&'a Rover>,
 }
 
 /// Memory of one thread for what has to be read.
@@ -52,6 +55,7 @@ impl<'a> Journey<'a> {
             starts,
             longest: steps.check(count, BLOCK_ROWS)?,
             largest: LARGEST_TOTAL,
+            rover: None,
         })
     }
 
@@ -166,15 +170,25 @@ impl<'a> Journey<'a> {
         let mut bound = Bound::new(self.start(log))?;
         for first in (0..self.count).step_by(BLOCK_ROWS) {
             let (twists, steps) = self.piece(log, first, buffers);
-            bound
-                .extend(twists, steps)
-                .map_err(|error| error.below(log * self.count + first))?;
+            let from = log * self.count + first;
+            for (k, twist) in twists.iter().enumerate() {
+                let step = Steps::Constant(steps.get(k));
+                let twist = std::slice::from_ref(twist);
+                bound
+                    .extend(twist, step)
+                    .map_err(|error| error.below(from + k))?;
+                if let Some(rover) = self.rover {
+                    rover
+                        .check_speeds(Twist::from(twist[0]), None)
+                        .map_err(|error| error.at_row(from + k))?;
+                }
+            }
         }
         Ok(())
     }
 
     /// The poses of one log, block by block, checked first unless that has been done.
-    fn follow(
+    pub fn follow(
         &self,
         level: Level,
         log: usize,

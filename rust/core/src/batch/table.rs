@@ -1,6 +1,7 @@
 //! Arguments of a batch where the caller keeps them: as the kernels take them, or read a block at a time.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::error::Error;
 use crate::geometry::Steps;
@@ -36,6 +37,19 @@ impl<'a> Table<'a> {
         matches!(self, Self::Read(_))
     }
 
+    /// Rows of `width` numbers.
+    pub(crate) fn rows<'b>(
+        self,
+        rows: Range<usize>,
+        width: usize,
+        buffer: &'b mut Vec<f64>,
+    ) -> &'b [f64]
+    where
+        'a: 'b,
+    {
+        self.get(rows.start * width, rows.end * width, buffer)
+    }
+
     /// The numbers from `first` to `end`, in the buffer if they have to be read.
     pub(crate) fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
     where
@@ -64,6 +78,12 @@ impl<'a, const N: usize> From<&'a [[f64; N]]> for Table<'a> {
     }
 }
 
+impl<'a, const N: usize, const M: usize> From<&'a [[f64; N]; M]> for Table<'a> {
+    fn from(rows: &'a [[f64; N]; M]) -> Self {
+        Self::Flat(rows.as_flattened())
+    }
+}
+
 impl<'a, const N: usize> From<&'a Vec<[f64; N]>> for Table<'a> {
     fn from(rows: &'a Vec<[f64; N]>) -> Self {
         Self::Flat(rows.as_flattened())
@@ -79,6 +99,13 @@ pub struct Beside<'a> {
     pub previous_speeds: Option<Table<'a>>,
     /// Rates of the steering angles [rad/s].
     pub steering_rates: Option<Table<'a>>,
+}
+
+impl Beside<'_> {
+    /// Whether nothing is given.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.previous.is_none() && self.previous_speeds.is_none() && self.steering_rates.is_none()
+    }
 }
 
 impl<'a> From<Inputs<'a>> for Beside<'a> {
