@@ -1,5 +1,7 @@
 //! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
 
+mod quick;
+
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Log};
@@ -8,6 +10,8 @@ use six_wheel_core::{Inputs, Twist, Unseen};
 use crate::batch::workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
+
+pub use quick::install;
 
 /// What a log holds, as read from Python.
 pub struct Readings<'py> {

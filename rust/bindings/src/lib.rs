@@ -3,6 +3,7 @@
 mod admissible;
 mod batch;
 mod convert;
+mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
@@ -21,6 +22,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
+    kinematics::install(module.py())?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<suspension::RockerBogie>()?;

@@ -32,7 +32,7 @@ pub mod wheels;
 
 pub use admissible::Keep;
 pub use error::{Error, ErrorKind};
-pub use estimate::{Fit, Method, Unseen};
+pub use estimate::{Fit, Measured, Method, Unseen};
 
 pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};

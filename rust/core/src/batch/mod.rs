@@ -6,6 +6,7 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
+mod single;
 mod steered;
 mod vector;
 mod weave;
@@ -18,6 +19,7 @@ use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use single::{forward_one, inverse_one};
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
