@@ -6,7 +6,8 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
-mod single;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
 mod vector;
 mod weave;
@@ -19,7 +20,8 @@ use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
-pub use single::{forward_one, inverse_one};
+pub use single::inverse_one;
+pub use single_forward::forward_one;
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
