@@ -23,6 +23,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
     kinematics::install(module.py())?;
+    admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<suspension::RockerBogie>()?;

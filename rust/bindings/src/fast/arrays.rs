@@ -12,6 +12,7 @@ use numpy::npyffi::{
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::PyBool;
 use six_wheel_core::rover::MAX_WHEELS;
 
 use super::arguments::{Object, sequence};
@@ -255,4 +256,10 @@ pub fn pair<'py>(
         ffi::PyTuple_SetItem(tuple.as_ptr(), 1, second.into_ptr());
         Some(tuple)
     }
+}
+
+/// `True` or `False`.
+#[inline(always)]
+pub fn truth(py: Python<'_>, value: bool) -> Bound<'_, PyAny> {
+    PyBool::new(py, value).to_owned().into_any()
 }

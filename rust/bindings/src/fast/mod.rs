@@ -33,5 +33,5 @@ mod method;
 
 #[allow(unused_imports)] // single numbers are for the rooms that take a duration
 pub use arguments::{Object, float, three, two};
-pub use arrays::{Numbers, Row, fresh, pair};
+pub use arrays::{Numbers, Row, fresh, pair, truth};
 pub use method::{Method, Quick, install};

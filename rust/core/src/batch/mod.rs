@@ -20,7 +20,7 @@ use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
-pub use single::inverse_one;
+pub use single::{check_one, inverse_one, project_one};
 pub use single_forward::forward_one;
 pub use workers::Workers;
 
@@ -49,6 +49,15 @@ pub struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
+    /// The instant of a log that has just one.
+    pub fn only(&self) -> Measured<'a> {
+        Measured {
+            steering: self.steering,
+            speeds: self.speeds,
+            steering_rates: self.steering_rates,
+        }
+    }
+
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
