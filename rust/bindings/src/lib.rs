@@ -10,6 +10,7 @@ mod kinematics;
 mod layouts;
 mod mobility;
 mod rover;
+mod sensitivity;
 mod suspension;
 mod wheel;
 
@@ -22,6 +23,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
