@@ -20,6 +20,7 @@ __all__ = [
     "Mobility",
     "RockerBogie",
     "Rover",
+    "Sensitivity",
     "SteeringCommand",
     "Wheel",
     "__version__",
@@ -42,6 +43,20 @@ _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
+_Quantity: TypeAlias = Literal[
+    "speeds",
+    "steering",
+    "steering_rates",
+    "slip",
+    "side_slip",
+    "x",
+    "y",
+    "heading",
+    "radius",
+    "scrub",
+    "trail",
+    "roller_angle",
+]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -110,6 +125,35 @@ class Fit:
     def worst_wheel(
         self,
     ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+
+@final
+class Sensitivity:  # what was not asked for is None
+    @property
+    def twist(self) -> _Floats: ...  # (..., 3)
+    @property
+    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    @property
+    def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def steering_rates(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def slip(self) -> _Floats: ...
+    @property
+    def side_slip(self) -> _Floats: ...
+    @property
+    def x(self) -> _Floats: ...
+    @property
+    def y(self) -> _Floats: ...
+    @property
+    def heading(self) -> _Floats: ...
+    @property
+    def radius(self) -> _Floats: ...
+    @property
+    def scrub(self) -> _Floats: ...
+    @property
+    def trail(self) -> _Floats: ...
+    @property
+    def roller_angle(self) -> _Floats: ...
 
 @final
 class Mobility:
@@ -253,6 +297,14 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
     ) -> Fit: ...
+    def sensitivity(
+        self,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        *,
+        steering_rates: ArrayLike | None = None,
+        quantities: Sequence[_Quantity] | None = None,
+    ) -> Sensitivity: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
     def project(

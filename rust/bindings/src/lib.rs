@@ -11,6 +11,7 @@ mod kinematics;
 mod layouts;
 mod mobility;
 mod rover;
+mod sensitivity;
 mod suspension;
 mod wheel;
 
@@ -25,6 +26,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     kinematics::install(module.py())?;
     admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
