@@ -9,6 +9,7 @@ mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod profiles;
 mod rover;
 mod suspension;
 mod wheel;
@@ -23,6 +24,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rover::Rover>()?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
