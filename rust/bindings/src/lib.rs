@@ -10,6 +10,7 @@ mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod profiles;
 mod rover;
 mod sensitivity;
 mod suspension;
@@ -28,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
