@@ -10,6 +10,8 @@ mod polynomials;
 mod poses;
 mod rollout_cost;
 mod rows;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
 mod table;
 mod tile;
@@ -19,6 +21,7 @@ mod workers;
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
+use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
@@ -27,6 +30,8 @@ pub use level::Level;
 pub use poses::integrate;
 pub use rollout_cost::{Costs, rollout_cost};
 pub use rows::{forward, inverse};
+pub use single::{check_one, inverse_one, project_one};
+pub use single_forward::forward_one;
 pub use table::{Beside, Durations, Log, Readings, Source, Table};
 pub use workers::Workers;
 
@@ -44,6 +49,15 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
+    /// The instant of a log that has just one.
+    pub fn only(&self) -> Measured<'a> {
+        Measured {
+            steering: self.steering,
+            speeds: self.speeds,
+            steering_rates: self.steering_rates,
+        }
+    }
+
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
@@ -106,6 +120,39 @@ pub fn project(
     for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
         let found = rover.project(Twist::from(*twist), keep);
         *projected = found.map_err(|error| error.at_row(k))?.into();
+    }
+    Ok(())
+}
+
+/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
+/// steered wheels` for quantities of the steering.
+pub fn sensitivity(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+) -> Result<(), Error> {
+    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
+    for (k, twist) in twists.iter_mut().enumerate() {
+        let differentiate = |linearised: &Linearised<'_>| {
+            *twist = linearised.twist().into();
+            for (quantity, target) in targets.iter_mut() {
+                let wheels = match quantity {
+                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                    _ => &wheels,
+                };
+                let target = row_mut(target, 3 * wheels.len(), k);
+                for (column, wheel) in wheels.iter().enumerate() {
+                    let derivative = linearised.derivative(*wheel, *quantity);
+                    for (row, value) in derivative.iter().enumerate() {
+                        target[row * wheels.len() + column] = *value;
+                    }
+                }
+            }
+        };
+        rover
+            .sensitivity(log.row(rover, k), differentiate)
+            .map_err(|error| error.at_row(k))?;
     }
     Ok(())
 }
