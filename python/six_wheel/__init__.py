@@ -36,6 +36,7 @@ from six_wheel._core import (
 )
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
+from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
@@ -51,6 +52,7 @@ __all__ = [
     "Mobility",
     "Pose",
     "RockerBogie",
+    "RolloutCost",
     "Rover",
     "Sensitivity",
     "SteeringCommand",

@@ -13,6 +13,7 @@ from six_wheel.four_axle import (
     TurnSequence,
 )
 from six_wheel.profiles import Peaks, State
+from six_wheel.rollouts import RolloutCost
 
 __all__ = [
     "Fit",
@@ -307,6 +308,17 @@ class Rover:
     def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
+    def rollout_cost(
+        self,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Floats, _Floats, _Floats, _Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> RolloutCost: ...
     def inverse(
         self,
         twist: ArrayLike,

@@ -4,7 +4,7 @@ mod quick;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
-use six_wheel_core::batch::{self, Log};
+use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
 use six_wheel_core::{Inputs, Twist, Unseen};
 
 use crate::batch::workers;
@@ -21,6 +21,15 @@ pub struct Readings<'py> {
 }
 
 impl Readings<'_> {
+    /// All of it, for the batches.
+    fn tables(&self) -> batch::Readings<'_> {
+        batch::Readings {
+            steering: self.steering.as_ref().map_or(Table::Flat(&[]), Rows::table),
+            speeds: self.speeds.table(),
+            steering_rates: self.rates.as_ref().map(Rows::table),
+        }
+    }
+
     /// All of it, as the core takes it.
     pub fn log(&self) -> Log<'_> {
         Log {
@@ -171,20 +180,29 @@ impl Rover {
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
-        let rows = twists.triples();
-        let inputs = Inputs {
+        let (rows, count) = (twists.table(), twists.count());
+        let beside = Beside {
+            previous: previous.as_ref().map(Rows::table),
+            previous_speeds: rolling.as_ref().map(Rows::table),
+            steering_rates: rates.as_ref().map(Rows::table),
+        };
+        let one = (count == 1 && kernel.is_none()).then(|| Inputs {
             previous: previous.as_ref().map(Rows::flat),
             previous_speeds: rolling.as_ref().map(Rows::flat),
             steering_rates: rates.as_ref().map(Rows::flat),
+        });
+        let workers = Workers {
+            fresh: out.is_none(),
+            ..workers(count, threads, kernel)?
         };
-        let workers = workers(rows.len(), threads, kernel)?;
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, rows.len(), || match rows {
-            [row] if kernel.is_none() => {
-                batch::inverse_one(&self.core, Twist::from(*row), inputs, angles, rotations)
+        compute(py, count, || match (one, rows) {
+            (Some(inputs), Table::Flat(&[vx, vy, omega])) => {
+                let twist = Twist { vx, vy, omega };
+                batch::inverse_one(&self.core, twist, inputs, angles, rotations)
                     .map_err(|error| error.at_row(0))
             }
-            _ => batch::inverse(&self.core, rows, inputs, angles, rotations, workers),
+            _ => batch::inverse(&self.core, rows, beside, angles, rotations, workers),
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -241,14 +259,18 @@ impl Rover {
             readings.rates.as_ref(),
         ];
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
-        let (log, target) = (readings.log(), twists.triples());
+        let (tables, target) = (readings.tables(), twists.triples());
+        let one = (target.len() == 1 && kernel.is_none()).then(|| readings.log().only());
         let unseen = unseen(allow_underdetermined);
-        let workers = workers(target.len(), threads, kernel)?;
-        compute(py, target.len(), || match target {
-            [twist] if kernel.is_none() => batch::forward_one(&self.core, log.only(), unseen)
+        let workers = Workers {
+            fresh: out.is_none(),
+            ..workers(target.len(), threads, kernel)?
+        };
+        compute(py, target.len(), || match (one, &mut *target) {
+            (Some(measured), [twist]) => batch::forward_one(&self.core, measured, unseen)
                 .map(|found| *twist = found.into())
                 .map_err(|error| error.at_row(0)),
-            _ => batch::forward(&self.core, log, unseen, target, workers),
+            _ => batch::forward(&self.core, tables, unseen, target, workers),
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()

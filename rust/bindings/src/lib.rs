@@ -11,6 +11,7 @@ mod kinematics;
 mod layouts;
 mod mobility;
 mod profiles;
+mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;

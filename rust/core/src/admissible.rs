@@ -12,6 +12,7 @@ use crate::error::{Error, ErrorKind, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::jacobi::Jacobi;
 use crate::rover::{Mount, Rover};
+use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
@@ -110,22 +111,39 @@ impl Rover {
         Ok(fastest)
     }
 
-    /// How fast the worst wheel slides sideways at these steering angles [m/s]: 0 up to rounding if the rover
-    /// can make the twist with them.
+    /// The steered wheels that may be off the way of their pivots, at the ends of their ranges, and their joints.
+    fn at_an_end<'a>(&'a self, steering: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let steered = self.steered().iter().copied().enumerate();
+        steered.filter(|&(joint, i)| {
+            let wheel = &self.wheels()[i];
+            let inside = |range: SteeringRange| {
+                range.lower < steering[joint] && steering[joint] < range.upper
+            };
+            wheel.trail != 0.0 || !wheel.steering().is_some_and(inside)
+        })
+    }
+
+    /// How fast the worst wheel slides sideways at these steering angles, those of [`Self::solve`] [m/s]: 0 if the
+    /// rover can make the twist.
     pub(crate) fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
         let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
-        let steered = self.steered().iter().zip(steering).map(|(&i, &angle)| {
-            let wheel = &self.wheels()[i];
-            let inside = wheel
-                .steering()
-                .is_some_and(|range| range.lower < angle && angle < range.upper);
-            if inside && wheel.trail == 0.0 {
-                return 0.0; // it points where its pivot goes
-            }
-            wheel.side_slip(angle, twist, 0.0).abs()
-        });
+        let slip = |(joint, i): (usize, usize)| {
+            let wheel: &Wheel = &self.wheels()[i];
+            wheel.side_slip(steering[joint], twist, 0.0).abs()
+        };
+        let steered = self.at_an_end(steering).map(slip);
         fixed.chain(steered).fold(0.0, f64::max)
+    }
+
+    /// Wheels that miss the way of their pivots roll only as far as they point along it [rad/s].
+    pub(crate) fn slow_down(&self, twist: Twist, steering: &[f64], speeds: &mut [f64]) {
+        for (joint, i) in self.at_an_end(steering) {
+            let wheel = &self.wheels()[i];
+            let direction = Direction::from(wheel.heading + steering[joint]);
+            let rolling = wheel.rows(direction).rolling;
+            speeds[i] = rolling.dot(&Vector3::from(twist)) / wheel.radius;
+        }
     }
 
     /// Fails if the wheel cannot steer to where the twist wants it.

@@ -375,7 +375,8 @@ fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Number
         let message = format!("{argument} must be real numbers, got dtype {dtype}");
         return Err(ArgumentTypeError::new_err(message));
     }
-    if let Ok(large) = array.cast::<PyUntypedArray>()
+    if value.is_instance_of::<PyUntypedArray>()
+        && let Ok(large) = array.cast::<PyUntypedArray>()
         && large.len() >= MANY
         && let Some(strided) = Strided::of(large)
     {

@@ -157,6 +157,7 @@ fn worst(
             ..Inputs::default()
         };
         rover.solve(twist, inputs, angles, speeds);
+        rover.slow_down(twist, angles, speeds);
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         let turns = angles.iter().zip(&held).map(|(new, old)| (new - old).abs());
         let turn = turns.fold(0.0, f64::max);
@@ -340,14 +341,15 @@ impl<S: Vector> Judge<'_, '_, S> {
                 let misses = zero.below(over) & !rests;
                 let slip = misses.select((cos * y - sin * x).abs(), zero);
                 slips = slips.max(slip);
+                let length = x.mul_add(x, y * y).sqrt();
+                let speed = misses.select((cos * x + sin * y).abs(), length) * per_radius;
+                speeds = speeds.max(rests.select(zero, speed));
                 angle = rests.select(held.max(lower).min(upper), angle);
                 angles = angles.max(angle.abs());
                 if self.counts || t + i > 0 {
                     rates = rates.max((angle - held).abs() * per_dts[t + i]);
                 }
                 held = angle;
-                let speed = x.mul_add(x, y * y).sqrt() * per_radius;
-                speeds = speeds.max(rests.select(zero, speed));
             }
         }
         held.store(&mut self.held, joint);
