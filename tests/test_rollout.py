@@ -16,7 +16,7 @@ from six_wheel import reference
 
 SOAK = int(os.environ.get("SOAK", "1"))
 ALL_KERNELS = pytest.mark.parametrize("kernel", sw.kernels())
-SIX = dict(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
     "limited": sw.Rover.six_wheel(**SIX, steering_limit=0.9),
@@ -188,7 +188,7 @@ def test_what_does_not_fit_is_refused():
     rover, controls = ROVERS["limited"], np.zeros((3, 4, 3))
     with pytest.raises(ValueError, match=r"^controls must have shape \(..., k, t, 3\), got shape \(4, 3\)"):
         rover.rollout_cost(controls[0], 0.1)
-    with pytest.raises(ValueError, match=r"^previous must have shape \(4,\), got shape \(3,\)"):
+    with pytest.raises(ValueError, match=r"^previous must have shape \(..., 4\), got shape \(3,\)"):
         rover.rollout_cost(controls, 0.1, previous=np.zeros(3))
     with pytest.raises(ValueError, match=r"^previous must be finite"):
         rover.rollout_cost(controls, 0.1, previous=[0, 0, 0, math.nan])
@@ -212,25 +212,26 @@ def peak():
 job, form, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
 rover = sw.Rover.preset("perseverance")
 
-def array(width):
-    rows = np.empty((count, width), dtype=np.float32 if form == "float32" else float, order="F" if form == "fortran" else "C")
+def array(width, *leading):
+    kind, order = np.float32 if form == "float32" else float, "F" if form == "fortran" else "C"
+    rows = np.empty((*(leading or [count]), width), dtype=kind, order=order)
     rows[:] = [0.5, 0.0, 0.1, 0.2, 0.0, 0.3][:width]
     if form == "swapped":
         rows = rows.byteswap(inplace=True).view(rows.dtype.newbyteorder())
     return rows
 
-twists = array(3)
 if job == "inverse":
+    twists = array(3)
     call = lambda: rover.inverse(twists, out=out)
     out = np.zeros((count, 4)), np.zeros((count, 6))
 elif job == "forward":
     steering, speeds, out = array(4), array(6), np.zeros((count, 3))
     call = lambda: rover.forward(steering, speeds, out=out)
 elif job == "integrate":
-    out = np.zeros((count + 1, 3))
+    twists, out = array(3), np.zeros((count + 1, 3))
     call = lambda: sw.integrate(twists, 0.01, out=out)
 else:
-    controls, out = twists.reshape(-1, 50, 3), np.zeros((count // 50, 51, 3))
+    controls, out = array(3, count // 50, 50), np.zeros((count // 50, 51, 3))
     call = lambda: sw.rollout(controls, 0.01, out=out)
 for touched in out if isinstance(out, tuple) else [out]:
     touched[:] = 1.0

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 class RolloutCost(NamedTuple):
-    """Poses of k rollouts of t steps, and the worst that each asks of the wheels: see `Rover.rollout_cost`."""
+    """Poses of k rollouts of t steps, and the worst each asks of the wheels: see `Rover.rollout_cost`."""
 
     poses: NDArray[np.float64]
     """Rows ``[x, y, yaw]``, shape (..., k, t + 1, 3) [m, m, rad]."""

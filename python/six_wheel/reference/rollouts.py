@@ -14,11 +14,12 @@ def rollout_cost(
     rover: Rover, controls: ArrayLike, dt: ArrayLike, start: ArrayLike = (0.0, 0.0, 0.0),
     previous: MaybeArray = None
 ) -> tuple[Floats, Floats]:  # fmt: skip
-    """Controls (k, t, 3) -> poses (k, t + 1, 3) and costs (k, 4): the worst wheel speed [rad/s], steering angle
-    [rad], steering rate [rad/s] and scrub [m/s] of each rollout.
+    """Controls (k, t, 3) -> poses (k, t + 1, 3) and costs (k, 4) of each rollout: the worst wheel speed
+    [rad/s], steering angle [rad], steering rate [rad/s] and scrub [m/s].
 
-    A steered wheel takes the angle nearest to the one it needs, and the angles of the step before decide between
-    equivalent ones; `previous` (steered,) [rad] are those before the first step, whose rate counts only then.
+    A steered wheel takes the angle nearest to the one it needs, and the angles of the step before decide
+    between equivalent ones; `previous` (steered,) [rad] are those before the first step, whose rate counts
+    only then.
     """
     rollouts = finite("controls", controls)
     dts = np.broadcast_to(np.asarray(dt, dtype=float), rollouts.shape[1:2])
