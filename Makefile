@@ -21,7 +21,7 @@ test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
 soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_rollout.py -s -q
 
 bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q

@@ -1,6 +1,7 @@
 """Follow a path by model predictive path integral control: sample, roll out, weigh, average.
 
-NumPy samples and weighs; one call of `rollout_cost` says where the samples lead and what they ask of the wheels.
+NumPy samples and weighs; one call of `rollout_cost` says where the samples lead and what that asks of the
+wheels.
 
 Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.
 """
