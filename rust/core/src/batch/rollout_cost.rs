@@ -210,6 +210,7 @@ impl Kernel for Judged<'_> {
             let mut found = [[0.0; LANES]; 5];
             let one = Lanes::splat(simd, 1.0);
             let sure = judge.sure.select(one, zero);
+            judge.worst[0] = judge.worst[0].sqrt();
             for (found, lanes) in found.iter_mut().zip(judge.worst.into_iter().chain([sure])) {
                 lanes.store(S::as_mut_simd_f64s(found).0, 0);
             }
@@ -234,7 +235,7 @@ struct Judge<'p, 'r, S: Vector> {
     held: [S::f64s; MAX_WHEELS],
     /// Whether the way to the next angles counts.
     counts: bool,
-    /// Speed, angle, rate and scrub.
+    /// Square of the speed, angle, rate and scrub.
     worst: [Lanes<S>; 4],
     /// Where the kernel decides all by itself.
     sure: Mask<S>,
@@ -261,14 +262,15 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
                 Part::Fixed(row) => {
                     for t in 0..STEPS {
                         let speed = dot(simd, row, twist(simd, twists, t)) * per_radius;
-                        self.worst[0] = self.worst[0].max(speed.abs());
+                        self.worst[0] = self.worst[0].max(speed * speed);
                     }
                 }
                 Part::Steered(steered) => {
+                    let per_square = per_radius * per_radius;
                     if steered.reach.symmetric {
-                        self.steer::<true>(simd, steered, joint, per_radius, twists, &per_dts);
+                        self.steer::<true>(simd, steered, joint, per_square, twists, &per_dts);
                     } else {
-                        self.steer::<false>(simd, steered, joint, per_radius, twists, &per_dts);
+                        self.steer::<false>(simd, steered, joint, per_square, twists, &per_dts);
                     }
                     joint += 1;
                 }
@@ -296,11 +298,10 @@ impl<S: Vector> Judge<'_, '_, S> {
         simd: S,
         steered: &Steered,
         joint: usize,
-        per_radius: Lanes<S>,
+        per_square: Lanes<S>,
         twists: &[S::f64s; WIDTH],
         per_dts: &PerStep<S>,
     ) {
-        const N: usize = 4;
         let number = |value| Lanes::splat(simd, value);
         let (zero, ambiguous) = (number(0.0), number(AMBIGUOUS));
         let (low, high) = (steered.range.lower, steered.range.upper);
@@ -308,51 +309,48 @@ impl<S: Vector> Judge<'_, '_, S> {
         let middle = number((low + high) / 2.0);
         // Half a turn further on, counted from either end.
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
-        let (lower_sin, lower_cos) = low.sin_cos();
-        let (upper_sin, upper_cos) = high.sin_cos();
+        let [(lower_sin, lower_cos), (upper_sin, upper_cos)] = steered.reach.ends;
         let mut held = Lanes::load(simd, &self.held, joint);
-        let [mut speeds, mut angles, mut rates, mut slips] = self.worst;
-        for t in (0..STEPS).step_by(N) {
-            let [mut along, mut across] = [Lockstep([zero; N]); 2];
-            let [mut xs, mut ys] = [[zero; N]; 2];
-            for i in 0..N {
-                [xs[i], ys[i]] = steered.velocity(simd, twist(simd, twists, t + i));
-                (along.0[i], across.0[i]) = (xs[i].abs(), ys[i].abs());
+        let [mut squares, mut angles, mut rates, mut slips] = self.worst;
+        let [mut along, mut across] = [Lockstep([zero; STEPS]); 2];
+        let [mut xs, mut ys] = [[zero; STEPS]; 2];
+        for t in 0..STEPS {
+            [xs[t], ys[t]] = steered.velocity(simd, twist(simd, twists, t));
+            (along.0[t], across.0[t]) = (xs[t].abs(), ys[t].abs());
+        }
+        let steep = angle(simd, along, across);
+        for t in 0..STEPS {
+            let (x, y) = (xs[t], ys[t]);
+            let rests = steered.rests(simd, twist(simd, twists, t));
+            let wanted = steep.0[t].flip(y.sign()).flip(x.sign());
+            let mut angle = wanted.max(lower).min(upper);
+            let over = (wanted - angle).abs();
+            // Going backwards, the wheel would miss the one end or the other.
+            let (below, above) = (back_to_lower - wanted, wanted - back_to_upper);
+            let backwards = below.min(above);
+            let clear = ambiguous.below((backwards - over).abs());
+            self.sure = self.sure & (rests | clear);
+            if !SYMMETRIC {
+                let end = below.below(above).select(lower, upper);
+                angle = backwards.below(over).select(end, angle);
             }
-            let steep = angle(simd, along, across);
-            for i in 0..N {
-                let (x, y) = (xs[i], ys[i]);
-                let rests = steered.rests(simd, twist(simd, twists, t + i));
-                let wanted = steep.0[i].flip(y.sign()).flip(x.sign());
-                let mut angle = wanted.max(lower).min(upper);
-                let over = (wanted - angle).abs();
-                // Going backwards, the wheel would miss the one end or the other.
-                let (below, above) = (back_to_lower - wanted, wanted - back_to_upper);
-                let backwards = below.min(above);
-                let clear = ambiguous.below((backwards - over).abs());
-                self.sure = self.sure & (rests | clear);
-                if !SYMMETRIC {
-                    let end = below.below(above).select(lower, upper);
-                    angle = backwards.below(over).select(end, angle);
-                }
-                let at_upper = middle.below(angle);
-                let sin = at_upper.select(number(upper_sin), number(lower_sin));
-                let cos = at_upper.select(number(upper_cos), number(lower_cos));
-                let misses = zero.below(over) & !rests;
-                let slip = misses.select((cos * y - sin * x).abs(), zero);
-                slips = slips.max(slip);
-                let length = x.mul_add(x, y * y).sqrt();
-                let speed = misses.select((cos * x + sin * y).abs(), length) * per_radius;
-                speeds = speeds.max(rests.select(zero, speed));
-                angle = rests.select(held.max(lower).min(upper), angle);
-                angles = angles.max(angle.abs());
-                if self.counts || t + i > 0 {
-                    rates = rates.max((angle - held).abs() * per_dts[t + i]);
-                }
-                held = angle;
+            let at_upper = middle.below(angle);
+            let sin = at_upper.select(number(upper_sin), number(lower_sin));
+            let cos = at_upper.select(number(upper_cos), number(lower_cos));
+            let misses = zero.below(over) & !rests;
+            let slip = misses.select((cos * y - sin * x).abs(), zero);
+            slips = slips.max(slip);
+            let rolls = cos * x + sin * y;
+            let square = misses.select(rolls * rolls, x.mul_add(x, y * y)) * per_square;
+            squares = squares.max(rests.select(zero, square));
+            angle = rests.select(held.max(lower).min(upper), angle);
+            angles = angles.max(angle.abs());
+            if self.counts || t > 0 {
+                rates = rates.max((angle - held).abs() * per_dts[t]);
             }
+            held = angle;
         }
         held.store(&mut self.held, joint);
-        self.worst = [speeds, angles, rates, slips];
+        self.worst = [squares, angles, rates, slips];
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Reach {
     pub limited: bool,
     /// Whether it is a quarter turn to either side at most.
     pub folded: bool,
+    /// Sine and cosine of its lower and its upper end.
+    pub ends: [(f64, f64); 2],
 }
 
 impl Reach {
@@ -45,6 +47,7 @@ impl Reach {
             symmetric: range.lower == -range.upper,
             limited: !range.is_full(),
             folded,
+            ends: [range.lower.sin_cos(), range.upper.sin_cos()],
         })
     }
 

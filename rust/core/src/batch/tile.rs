@@ -164,49 +164,32 @@ impl<S: Vector> Tile<S> {
         heading: &Sums<S>,
         place: Option<[&Sums<S>; 2]>,
     ) -> [Lanes<S>; 2] {
-        // As many in lockstep as there are registers for.
-        if S::F64_LANES == 8 {
-            self.walk_by::<4>(simd, heading, place)
-        } else {
-            self.walk_by::<2>(simd, heading, place)
-        }
-    }
-
-    #[inline(always)]
-    fn walk_by<const N: usize>(
-        &mut self,
-        simd: S,
-        heading: &Sums<S>,
-        place: Option<[&Sums<S>; 2]>,
-    ) -> [Lanes<S>; 2] {
         let zero = Lanes::splat(simd, 0.0);
         let [mut x, mut y] = [zero; 2];
         let [east, north] = &mut self.way;
-        for t in (0..STEPS).step_by(N) {
-            let [mut headings, mut squares] = [Lockstep([zero; N]); 2];
-            for i in 0..N {
-                let half = Lanes::load(simd, &self.half, t + i);
-                squares.0[i] = half * half;
-                headings.0[i] = heading.beyond(Lanes::load(simd, &self.along, t + i));
-            }
-            // Along the chord, which leaves at half the turn.
-            let (sin, cos) = direction(simd, headings);
-            let length = sinc_of_square(simd, squares);
-            for i in 0..N {
-                let (sin, cos) = (sin.0[i], cos.0[i]);
-                let ahead = Lanes::load(simd, east, t + i) * length.0[i];
-                let left = Lanes::load(simd, north, t + i) * length.0[i];
-                x = x + (cos * ahead - sin * left);
-                y = y + sin.mul_add(ahead, cos * left);
-                match place {
-                    Some([east, north]) => {
-                        east.beyond(x).store(&mut self.numbers, 3 * (t + i));
-                        north.beyond(y).store(&mut self.numbers, 3 * (t + i) + 1);
-                    }
-                    None => {
-                        x.store(east, t + i);
-                        y.store(north, t + i);
-                    }
+        let [mut headings, mut squares] = [Lockstep([zero; STEPS]); 2];
+        for t in 0..STEPS {
+            let half = Lanes::load(simd, &self.half, t);
+            squares.0[t] = half * half;
+            headings.0[t] = heading.beyond(Lanes::load(simd, &self.along, t));
+        }
+        // Along the chord, which leaves at half the turn.
+        let (sin, cos) = direction(simd, headings);
+        let length = sinc_of_square(simd, squares);
+        for t in 0..STEPS {
+            let (sin, cos) = (sin.0[t], cos.0[t]);
+            let ahead = Lanes::load(simd, east, t) * length.0[t];
+            let left = Lanes::load(simd, north, t) * length.0[t];
+            x = x + (cos * ahead - sin * left);
+            y = y + sin.mul_add(ahead, cos * left);
+            match place {
+                Some([east, north]) => {
+                    east.beyond(x).store(&mut self.numbers, 3 * t);
+                    north.beyond(y).store(&mut self.numbers, 3 * t + 1);
+                }
+                None => {
+                    x.store(east, t);
+                    y.store(north, t);
                 }
             }
         }

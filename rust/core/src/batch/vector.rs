@@ -91,7 +91,7 @@ mod x86 {
 
         #[inline(always)]
         fn transpose(self, rows: [f64x8; 8]) -> [f64x8; 8] {
-            let [a, b, c, d, e, f, g, h] = rows.map(|row| cast(row));
+            let [a, b, c, d, e, f, g, h] = rows.map(cast);
             let simd = self.avx512f;
             // a0 b0 a2 b2 .., and so on; then a1 b1 a3 b3 .., and so on.
             let [c0, c2, c4, c6] = pairs(
