@@ -7,11 +7,11 @@ use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
 use super::steered::{Reach, Steer, Steered, absolute, load};
 use super::vector::Vector;
-use super::weave::{BLOCK, Column, unweave, weave};
+use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::admissible::SLIP_TOLERANCE;
 use crate::error::Error;
 use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
+use crate::rover::{Inputs, Mount, Rover};
 use crate::wheels::{REST, Wheel};
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
@@ -98,11 +98,14 @@ impl<'a> Plan<'a> {
         steering: &mut [f64],
         speeds: &mut [f64],
     ) {
-        level.run(Solve {
-            plan: self,
-            twists,
-            steering,
-            speeds,
+        with_columns(self.joints + self.parts.len(), |columns| {
+            level.run(Solve {
+                plan: self,
+                twists,
+                steering,
+                speeds,
+                columns,
+            })
         });
     }
 
@@ -204,6 +207,8 @@ struct Solve<'a> {
     twists: &'a [[f64; 3]],
     steering: &'a mut [f64],
     speeds: &'a mut [f64],
+    /// One per steering angle and one per speed.
+    columns: &'a mut [Column],
 }
 
 impl Kernel for Solve<'_> {
@@ -214,18 +219,17 @@ impl Kernel for Solve<'_> {
         let plan = self.plan;
         let (joints, wheels) = (plan.joints, plan.parts.len());
         let mut twists = [Column::ZERO; 3];
-        let mut steering = [Column::ZERO; MAX_WHEELS];
-        let mut speeds = [Column::ZERO; MAX_WHEELS];
+        let (steering, speeds) = self.columns.split_at_mut(joints);
         for (block, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = block * BLOCK;
             let end = first + rows.len();
             unweave(simd, rows.as_flattened(), &mut twists);
             let steering_rows = &mut self.steering[first * joints..end * joints];
             let speed_rows = &mut self.speeds[first * wheels..end * wheels];
-            let brisk = solve_block(simd, plan, &twists, &mut steering, &mut speeds);
-            let doubtful = !brisk && hold_still(simd, plan, &twists, &mut steering, &mut speeds);
-            weave(simd, &steering[..joints], steering_rows);
-            weave(simd, &speeds[..wheels], speed_rows);
+            let brisk = solve_block(simd, plan, &twists, steering, speeds);
+            let doubtful = !brisk && hold_still(simd, plan, &twists, steering, speeds);
+            weave(simd, steering, steering_rows);
+            weave(simd, speeds, speed_rows);
             if doubtful {
                 let mut doubts = Column::ZERO;
                 find_doubts(simd, plan, &twists, &mut doubts);

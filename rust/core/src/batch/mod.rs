@@ -78,7 +78,7 @@ fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
 
 /// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
 /// numbers stay in the second-level cache.
-const BLOCK_ROWS: usize = 1024;
+const BLOCK_ROWS: usize = 2048;
 
 /// [`Rover::fit`] of every row of a log.
 pub fn fit(
