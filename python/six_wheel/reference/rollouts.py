@@ -50,4 +50,4 @@ def _worst(rover: Rover, twists: Floats, dts: Floats, previous: MaybeArray) -> F
         rate = 0.0 if k == 0 and previous is None else np.abs(angles - held).max(initial=0.0) / dt
         costs[k] = np.abs(speeds).max(), np.abs(angles).max(initial=0.0), rate, np.abs(slips).max(initial=0.0)
         held = angles
-    return costs.max(axis=0, initial=0.0)
+    return np.asarray(costs.max(axis=0, initial=0.0))

@@ -72,6 +72,7 @@ impl Rover {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
         let outs = five(out)?;
+        apart(&outs)?;
         let mut poses = course.poses(py, "out.poses", outs[0].as_ref())?;
         let mut costs = Vec::with_capacity(COSTS.len());
         for (name, out) in COSTS.iter().zip(&outs[1..]) {
@@ -85,7 +86,6 @@ impl Rover {
                 &inputs,
             )?);
         }
-        apart(&outs)?;
         let [wheel_speed, steering_angle, steering_rate, scrub] = costs.as_mut_slice() else {
             return Err(refuse("out", "hold five arrays", "another number"));
         };
