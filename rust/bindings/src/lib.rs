@@ -10,7 +10,9 @@ mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod profiles;
 mod rover;
+mod sensitivity;
 mod suspension;
 mod wheel;
 
@@ -25,7 +27,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     kinematics::install(module.py())?;
     admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;

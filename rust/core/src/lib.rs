@@ -25,6 +25,7 @@ mod jacobi;
 pub mod layouts;
 pub mod mobility;
 pub mod presets;
+pub mod profiles;
 pub mod rover;
 pub mod steering;
 pub mod suspension;

@@ -15,6 +15,7 @@ mod workers;
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
+use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
@@ -249,6 +250,39 @@ pub fn project(
     for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
         let found = rover.project(Twist::from(*twist), keep);
         *projected = found.map_err(|error| error.at_row(k))?.into();
+    }
+    Ok(())
+}
+
+/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
+/// steered wheels` for quantities of the steering.
+pub fn sensitivity(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+) -> Result<(), Error> {
+    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
+    for (k, twist) in twists.iter_mut().enumerate() {
+        let differentiate = |linearised: &Linearised<'_>| {
+            *twist = linearised.twist().into();
+            for (quantity, target) in targets.iter_mut() {
+                let wheels = match quantity {
+                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                    _ => &wheels,
+                };
+                let target = row_mut(target, 3 * wheels.len(), k);
+                for (column, wheel) in wheels.iter().enumerate() {
+                    let derivative = linearised.derivative(*wheel, *quantity);
+                    for (row, value) in derivative.iter().enumerate() {
+                        target[row * wheels.len() + column] = *value;
+                    }
+                }
+            }
+        };
+        rover
+            .sensitivity(log.row(rover, k), differentiate)
+            .map_err(|error| error.at_row(k))?;
     }
     Ok(())
 }
