@@ -153,6 +153,18 @@ def test_a_batch_of_few_rows_is_its_single_calls():
             np.testing.assert_array_equal(back[k], rover.forward(*one))
 
 
+@pytest.mark.parametrize("rover", [ROVER, SWERVE, ROVERS["turned"]], ids=["six", "swerve", "turned"])
+def test_a_batch_with_present_angles_is_its_single_calls(rover):
+    generator = np.random.default_rng(4)
+    twists = possible(rover, generator.normal(size=(60, 3)))
+    previous = generator.normal(size=(len(twists), len(rover.steered_names)))
+    steering, rates = rover.inverse(twists, previous=previous)
+    for k, twist in enumerate(twists):
+        one = rover.inverse(twist, previous=previous[k])
+        np.testing.assert_array_equal(steering[k], one[0])
+        np.testing.assert_array_equal(rates[k], one[1])
+
+
 # What a steered wheel may do while the loop runs
 
 
