@@ -9,6 +9,7 @@ mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod odometry;
 mod rover;
 mod sensitivity;
 mod suspension;
@@ -25,6 +26,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<odometry::Odometry>()?;
+    module.add_class::<odometry::values::OdometryState>()?;
+    module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
