@@ -1,4 +1,4 @@
-"""Vehicles and logs of the odometry tests: what wheels would read along a motion, worked out apart from odometry."""
+"""Vehicles and logs of the odometry tests: what wheels would read along a motion."""
 
 import math
 from typing import NamedTuple

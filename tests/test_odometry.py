@@ -1,4 +1,4 @@
-"""Odometry sample by sample: exact steps, honest covariance, encoders as they are, defined behaviour on bad input."""
+"""Odometry sample by sample: exact steps, honest covariance, encoders as they are, bad input."""
 
 import math
 import os

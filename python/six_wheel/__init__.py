@@ -11,6 +11,7 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from six_wheel import profiles
 from six_wheel._core import (
     Encoder,
     Fit,
@@ -78,6 +79,7 @@ __all__ = [
     "kernels",
     "load",
     "log",
+    "profiles",
     "rollout",
     "set_default_threads",
     "wrap_angle",

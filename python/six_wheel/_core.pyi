@@ -13,6 +13,7 @@ from six_wheel.four_axle import (
     TurnSequence,
 )
 from six_wheel.odometry import Health, Track
+from six_wheel.profiles import Peaks, State
 
 __all__ = [
     "Encoder",
@@ -23,6 +24,7 @@ __all__ = [
     "Noise",
     "Odometry",
     "OdometryState",
+    "Profile",
     "RockerBogie",
     "Rover",
     "Sensitivity",
@@ -159,6 +161,46 @@ class Sensitivity:  # what was not asked for is None
     def trail(self) -> _Floats: ...
     @property
     def roller_angle(self) -> _Floats: ...
+
+@final
+class Profile:
+    @staticmethod
+    def linear(start: ArrayLike, end: ArrayLike, duration: float) -> Profile: ...
+    @staticmethod
+    def trapezoid(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def s_curve(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def time_optimal(
+        start: ArrayLike,
+        end: ArrayLike,
+        *,
+        velocity: ArrayLike,
+        acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        start_velocity: ArrayLike | None = None,
+        start_acceleration: ArrayLike | None = None,
+        end_velocity: ArrayLike | None = None,
+        end_acceleration: ArrayLike | None = None,
+        minimum_velocity: ArrayLike | None = None,
+        minimum_acceleration: ArrayLike | None = None,
+        duration: float | None = None,
+        synchronise: Literal["time", "phase", "none"] = "time",
+    ) -> Profile: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def durations(self) -> float | _Floats: ...
+    @property
+    def peaks(self) -> Peaks: ...
+    def at(self, times: ArrayLike) -> State: ...
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Mobility:

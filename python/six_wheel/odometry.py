@@ -193,8 +193,8 @@ class SlipWindow:
 class SlipReport:
     """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
 
-    A residual is a speed: how fast the contact slides if the fitted twist is the rover's. When one wheel slips
-    the fit gives way a little, so others seem to slide as well; the one that slides most is named.
+    A residual is a speed: how fast the contact slides if the fitted twist is the rover's. When one wheel
+    slips the fit gives way a little, so others seem to slide as well; the one that slides most is named.
     """
 
     wheels: tuple[WheelSlip, ...]

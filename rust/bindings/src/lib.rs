@@ -3,6 +3,7 @@
 mod admissible;
 mod batch;
 mod convert;
+mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
@@ -10,6 +11,7 @@ mod kinematics;
 mod layouts;
 mod mobility;
 mod odometry;
+mod profiles;
 mod rover;
 mod sensitivity;
 mod suspension;
@@ -23,6 +25,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
+    kinematics::install(module.py())?;
+    admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
     module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
@@ -30,6 +34,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<odometry::values::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::values::Encoder>()?;
+    module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;

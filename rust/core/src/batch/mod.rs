@@ -6,6 +6,8 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
 mod vector;
 mod weave;
@@ -19,6 +21,8 @@ use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use single::{check_one, inverse_one, project_one};
+pub use single_forward::forward_one;
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
@@ -46,6 +50,15 @@ pub struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
+    /// The instant of a log that has just one.
+    pub fn only(&self) -> Measured<'a> {
+        Measured {
+            steering: self.steering,
+            speeds: self.speeds,
+            steering_rates: self.steering_rates,
+        }
+    }
+
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
