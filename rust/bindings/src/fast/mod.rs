@@ -32,7 +32,6 @@ mod arguments;
 mod arrays;
 mod method;
 
-#[allow(unused_imports)] // single numbers are for the rooms that take a duration
 pub use arguments::{Object, float, three, two};
 pub use arrays::{Numbers, Row, fresh, pair, truth};
 pub use method::{Method, Quick, install};
