@@ -7,7 +7,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 
 SOAK ?= 50
 
-.PHONY: demo test test-rust test-python soak bench lint format wheel clean
+.PHONY: demo test test-rust test-python soak bench bench-suites lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -23,7 +23,10 @@ test-python: $(VENV)/installed
 soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
 	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
 
-bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
+bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
+	$(BIN)/python benches/run.py $(BENCH)
+
+bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
 
@@ -55,6 +58,12 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 	$(BIN)/maturin build --release --locked --out $(VENV)/wheels
 	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --force-reinstall --no-deps "$$wheel" \
 		&& $(BIN)/python -m pip install --quiet "$$wheel[cli]"
+	touch $@
+
+# Without a wheel of a peer for this machine the others still run: what is missing is left out with a word.
+$(VENV)/peers: $(VENV)/installed
+	wheel=$$(ls $(VENV)/wheels/*.whl) && for peer in numba robotpy-wpimath rich pytest-benchmark; do \
+		$(BIN)/python -m pip install --quiet --only-binary :all: $$peer || true; done
 	touch $@
 
 clean:
