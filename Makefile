@@ -62,8 +62,8 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 
 # Without a wheel of a peer for this machine the others still run: what is missing is left out with a word.
 $(VENV)/peers: $(VENV)/installed
-	wheel=$$(ls $(VENV)/wheels/*.whl) && for peer in numba robotpy-wpimath rich pytest-benchmark; do \
-		$(BIN)/python -m pip install --quiet --only-binary :all: $$peer || true; done
+	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --only-binary :all: "$$wheel[bench]" \
+		|| for peer in numba robotpy-wpimath; do $(BIN)/python -m pip install --quiet --only-binary :all: $$peer; done || true
 	touch $@
 
 clean:

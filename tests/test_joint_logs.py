@@ -15,6 +15,9 @@ import six_wheel as sw
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
+import optiodom_data  # noqa: E402
+
+from six_wheel import optiodom  # noqa: E402
 from six_wheel._joint_columns import joint_columns  # noqa: E402
 from six_wheel._joint_tables import MOST_FINDINGS  # noqa: E402
 from six_wheel.drive import drive  # noqa: E402
@@ -428,3 +431,37 @@ def test_memory_does_not_grow_with_the_log(tmp_path: Path) -> None:
         peaks.append(int(done[2]) / 1024)
     assert path.stat().st_size > 25e6
     assert peaks[1] - peaks[0] < 12  # [MB]; the file has grown by 18 MB, its columns by 19
+
+
+# --- a real recording ------------------------------------------------------------------------------------
+
+
+@optiodom_data.REQUIRED
+@pytest.mark.parametrize(
+    ("robot", "header"),
+    [
+        ("diff", "time,x,y,heading,right [ticks],left [ticks]"),
+        ("tricyc", "time,x,y,heading,front [ticks],front_steering [rad]"),
+    ],
+)
+def test_named_columns_read_as_the_reader_of_the_format_does(tmp_path: Path, robot: str, header: str) -> None:
+    path = optiodom.runs(optiodom_data.FOLDER / robot)[0]
+    rover, expected = optiodom.read_rover(path), optiodom.read(path)
+    named = write(tmp_path / "log.csv", header + "\n" + path.read_text())
+    counts = {name: float(words[0]) for name, *words in map(str.split, metadata_of(path)) if words}
+    ticks = counts["ngear"] * counts["encRes"]
+    with JointLog(named, rover, encoder=Encoder(ticks, per_sample=True)) as joint_log:
+        log = joint_log.read()
+        assert joint_log.findings.listed == []
+    np.testing.assert_array_equal(log.stamps, expected.stamps)
+    np.testing.assert_array_equal(log.truth.poses, expected.truth.poses)
+    if robot == "tricyc":
+        np.testing.assert_array_equal(log.steering, expected.steering)
+    steps = expected.wheel_angles - expected.wheel_angles[0]
+    np.testing.assert_allclose(log.wheel_angles, steps, rtol=0, atol=1e-9)  # [rad], of sums of thousands
+    assert np.isnan(log.wheel_angles).sum() == (len(log) if robot == "tricyc" else 0)
+
+
+def metadata_of(path: Path) -> list[str]:
+    text = next(path.parent.glob("*_metadata.csv")).read_text()
+    return [line.replace(",", " ") for line in text.splitlines() if line.startswith(("ngear", "encRes"))]

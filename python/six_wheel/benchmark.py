@@ -49,9 +49,10 @@ class Timing:
     def __init__(
         self, statement: str, names: Mapping[str, Any], *, items: int = 1, baseline: str = "pass"
     ) -> None:
-        self._code, self._names = compile(statement, "<timing>", "eval"), dict(names)
-        self._timer = timeit.Timer(statement, globals=self._names)
-        self._empty = timeit.Timer(baseline, globals=self._names)
+        names = dict(names)
+        self._timer, self._empty = (timeit.Timer(each, globals=names) for each in (statement, baseline))
+        # To do it once, untimed; gives its value.
+        self.once: Callable[[], Any] = eval(f"lambda: {statement}", names)
         self._number = 0
         self.items = items
         self.times: list[float] = []
@@ -62,10 +63,6 @@ class Timing:
         values = {f"argument_{k}": value for k, value in enumerate(arguments)}
         words = [*values, *(f"{name}={name}" for name in keywords)]
         return cls(f"call({', '.join(words)})", {"call": function, **values, **keywords}, items=items)
-
-    def once(self) -> Any:
-        """Do it once, untimed; its value."""
-        return eval(self._code, self._names)
 
     def measure(self) -> float:
         """Time it as often as fills `SPAN`; seconds per item, without the loop around it."""
