@@ -163,9 +163,14 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
     for column, encoder in {
         "a": Encoder(4000),
         "b": Encoder(4000, modulus=1 << bits),
-        "c": Encoder(4000, per_sample=True),
+        "c": Encoder(4000),
     }.items():
-        rows = rows_of(path, chunk_rows=chunk_rows, columns={column: "left [ticks]"}, encoder=encoder)
+        options = {
+            "columns": {column: "left [ticks]"},
+            "wheel_encoders": encoder,
+            "increments": column == "c",
+        }
+        rows = rows_of(path, chunk_rows=chunk_rows, **options)
         turned = rows.wheel_angles[:, 0] - rows.wheel_angles[0, 0]
         # Ticks are whole and exact; one rounding in the scale, one in the product.
         np.testing.assert_allclose(turned, (totals - offset) * 2 * np.pi / 4000, rtol=1e-15, atol=1e-15)
@@ -174,14 +179,39 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
 
 def test_encoders_per_wheel_and_backwards(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", "t,left [ticks],right [ticks]\n0,0,0\n1,100,-100\n")
-    encoders = {"left": Encoder(100), "right": Encoder(-50)}
-    rows = rows_of(path, encoder=encoders)
+    encoders = {"left": Encoder(100), "right": Encoder(25, gear=-2)}
+    rows = rows_of(path, wheel_encoders=encoders)
     np.testing.assert_allclose(rows.wheel_angles[1], [2 * np.pi, 4 * np.pi])
-    with pytest.raises(ValueError, match="how many ticks a turn of right has"):
-        JointLog(path, CART, encoder={"left": Encoder(100)})
-    for bad in ({"ticks_per_revolution": 0}, {"ticks_per_revolution": 1, "modulus": -1}):
-        with pytest.raises(ValueError, match="must be finite and"):
+    with pytest.raises(ValueError, match="wheel_encoders must say how many ticks a turn of right has"):
+        JointLog(path, CART, wheel_encoders={"left": Encoder(100)})
+    for bad in ({"resolution": 0}, {"modulus": -1}, {"gear": 0}, {"offset": math.inf}):
+        with pytest.raises(ValueError, match=f"{next(iter(bad))} must be finite"):
             Encoder(**bad)
+    rates = write(tmp_path / "rates.csv", "t,left [rpm]\n0,0\n1,1\n")
+    with pytest.raises(ValueError, match="must be left out where wheels are read as speeds"):
+        JointLog(rates, CART, wheel_encoders=Encoder(100))
+
+
+@given(
+    angles=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=20),
+    offset=st.floats(-3, 3),
+    chunk_rows=st.integers(1, 30),
+)
+def test_absolute_steering_encoders(
+    tmp_path_factory: pytest.TempPathFactory, angles: list[float], offset: float, chunk_rows: int
+) -> None:
+    # Whole counts of a 12 bit encoder that starts over anywhere, and a joint that stays within its range.
+    bicycle = sw.Rover.bicycle(1.0, 0.3)
+    wheel = bicycle.steered_names[0]
+    counts = np.round((np.array(angles) - offset) * 4096 / (2 * np.pi)) % 4096
+    lines = [f"{k},{count:.0f},0\n" for k, count in enumerate(counts)]
+    header = f"t,{wheel}_steering [ticks],rear [rad]\n"
+    path = write(tmp_path_factory.mktemp("steer") / "log.csv", header + "".join(lines))
+    with pytest.raises(ValueError, match="steering_encoders must say"):
+        JointLog(path, bicycle)
+    encoder = Encoder(4096, modulus=4096, offset=offset)
+    rows = rows_of(path, bicycle, chunk_rows, steering_encoders={wheel: encoder})
+    np.testing.assert_allclose(rows.steering[:, 0], angles, rtol=0, atol=0.5001 * 2 * np.pi / 4096)
 
 
 @pytest.mark.parametrize("chunk_rows", [1, 3, 1000])
@@ -450,7 +480,7 @@ def test_named_columns_read_as_the_reader_of_the_format_does(tmp_path: Path, rob
     named = write(tmp_path / "log.csv", header + "\n" + path.read_text())
     counts = {name: float(words[0]) for name, *words in map(str.split, metadata_of(path)) if words}
     ticks = counts["ngear"] * counts["encRes"]
-    with JointLog(named, rover, encoder=Encoder(ticks, per_sample=True)) as joint_log:
+    with JointLog(named, rover, wheel_encoders=Encoder(ticks), increments=True) as joint_log:
         log = joint_log.read()
         assert joint_log.findings.listed == []
     np.testing.assert_array_equal(log.stamps, expected.stamps)
