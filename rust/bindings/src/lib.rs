@@ -3,13 +3,16 @@
 mod admissible;
 mod batch;
 mod convert;
+mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod profiles;
 mod rover;
+mod sensitivity;
 mod suspension;
 mod wheel;
 
@@ -21,8 +24,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
+    kinematics::install(module.py())?;
+    admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
