@@ -1,4 +1,4 @@
-"""Files of ROS 2 bags: which there are, what is whole of one that was cut off, and rosbags, which reads them."""
+"""Files of ROS 2 bags: which there are, what is whole of one that was cut off, and how rosbags is loaded."""
 
 from pathlib import Path
 from types import SimpleNamespace
