@@ -54,8 +54,9 @@ class Timing:
         # To do it once, untimed; gives its value.
         self.once: Callable[[], Any] = eval(f"lambda: {statement}", names)
         self._number = 0
+        self._loop = float("inf")
+        self._times: list[float] = []
         self.items = items
-        self.times: list[float] = []
 
     @classmethod
     def of(cls, function: Callable[..., Any], *arguments: Any, items: int = 1, **keywords: Any) -> Self:
@@ -64,25 +65,28 @@ class Timing:
         words = [*values, *(f"{name}={name}" for name in keywords)]
         return cls(f"call({', '.join(words)})", {"call": function, **values, **keywords}, items=items)
 
-    def measure(self) -> float:
-        """Time it as often as fills `SPAN`; seconds per item, without the loop around it."""
+    def measure(self) -> None:
+        """Time it as often as fills `SPAN`, and the loop around it."""
         if not self._number:
             self._timer.timeit(1)  # the first time may compile, or fault pages in
-            self._number = max(1, round(SPAN / max(self._timer.timeit(1), 1e-7)))
-        loop = self._empty.timeit(self._number) if self._number > 10 else 0.0
-        seconds = (self._timer.timeit(self._number) - loop) / self._number / self.items
-        self.times.append(seconds)
-        return seconds
+            self._number = max(1, round(SPAN / max(min(self._timer.repeat(3, 1)), 1e-7)))
+        self._times.append(self._timer.timeit(self._number) / self._number)
+        # The least of its own: what else the machine did meanwhile must not be taken off the time of a call.
+        self._loop = min(self._loop, self._empty.timeit(self._number) / self._number)
 
     @property
     def best(self) -> float:
-        """Least time per item so far [s]."""
-        return min(self.times, default=float("inf"))
+        """Least time per item so far [s], without the loop."""
+        return (min(self._times) - self._loop) / self.items
 
     @property
     def median(self) -> float:
-        """Median time per item [s]."""
-        return statistics.median(self.times)
+        """Median time per item [s], without the loop."""
+        return (statistics.median(self._times) - self._loop) / self.items
+
+    def __len__(self) -> int:
+        """How often it was timed."""
+        return len(self._times)
 
 
 @dataclass
