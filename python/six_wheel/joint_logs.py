@@ -14,13 +14,13 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Rover
+from six_wheel._core import Encoder, Rover
 from six_wheel._joint_columns import Reading, joint_columns, truth_columns
 from six_wheel._joint_tables import Batch, Finding, Findings, Sieve, Source, TolerantTable
 from six_wheel.logs import TIME, Column, TableError, Unit, find_columns
 from six_wheel.recordings import Log, Truth
 
-__all__ = ["Encoder", "Finding", "JointLog", "JointRows", "Reading", "read_truth"]
+__all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
 
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
 BAGS = (".mcap", ".db3")
@@ -28,42 +28,6 @@ BAGS = (".mcap", ".db3")
 LONGEST_RUN = 1e6  # [s]
 Floats = NDArray[np.float64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
-
-
-@dataclass(frozen=True)
-class Encoder:
-    """What an encoder counts.
-
-    Parameters
-    ----------
-    resolution : float, optional
-        Counts per turn of the shaft it sits on; None if it reads radians.
-    gear : float
-        Turns of that shaft per turn of the joint; negative if it runs the other way round.
-    modulus : float, optional
-        Counts after which the counter starts over, 65536 for 16 bits. Steps are the shorter way round.
-    offset : float
-        Angle of the joint where the counter is zero [rad]; it matters to steering joints.
-    """
-
-    resolution: float | None = None
-    gear: float = 1.0
-    modulus: float | None = None
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name, value in (("resolution", self.resolution), ("modulus", self.modulus)):
-            if value is not None and not 0 < value < math.inf:
-                raise ValueError(f"{name} must be finite and positive, got {value}")
-        if not math.isfinite(self.gear) or self.gear == 0:
-            raise ValueError(f"gear must be finite and not 0, got {self.gear}")
-        if not math.isfinite(self.offset):
-            raise ValueError(f"offset must be finite, got {self.offset}")
-
-    @property
-    def angle_per_count(self) -> float:
-        """Angle of the joint per count [rad]."""
-        return (1.0 if self.resolution is None else 2 * math.pi / self.resolution) / self.gear
 
 
 @dataclass(frozen=True)
