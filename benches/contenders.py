@@ -152,7 +152,7 @@ def _stateful(update, here):
     jobs = [Job("odometry update", update)]
     if hasattr(sw, "Controller"):
         limits = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
-        controller = sw.Controller(ROVER, limits, timeout=1e300)
+        controller = sw.Controller(ROVER, limits, timeout=1e9)
         controller.command(TWIST, 0.0)
         names = {"step": controller.step, **stamps}
         jobs.append(
