@@ -152,9 +152,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--markdown", action="store_true", help="tables as Markdown, not for a terminal")
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, help="some of the tables")
-    parser.add_argument(
-        "--rounds", type=int, default=30, help="timings of each; a third of them for growth"
-    )
+    parser.add_argument("--rounds", type=int, default=30, help="timings of each; a third of them for growth")
     parser.add_argument(
         "--most", type=lambda text: int(float(text)), default=10**7, help="rows of the largest batch"
     )
