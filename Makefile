@@ -15,7 +15,7 @@ WATCHED = LD_PRELOAD=$$($(CC) -print-file-name=libasan.so) ASAN_OPTIONS=detect_l
 PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_tricks.as_strided(np.zeros(2), (4,), (8,)); \
 	sw.Rover.preset('perseverance').forward(angles, np.zeros(6))
 
-.PHONY: demo test test-rust test-python soak sanitize bench lint format wheel clean
+.PHONY: demo test test-rust test-python soak sanitize bench bench-suites lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -39,7 +39,10 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
 	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
 
-bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
+bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
+	$(BIN)/python benches/run.py $(BENCH)
+
+bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
 
@@ -71,6 +74,12 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 	$(BIN)/maturin build --release --locked --out $(VENV)/wheels
 	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --force-reinstall --no-deps "$$wheel" \
 		&& $(BIN)/python -m pip install --quiet "$$wheel[cli]"
+	touch $@
+
+# Without a wheel of a peer for this machine the others still run: what is missing is left out with a word.
+$(VENV)/peers: $(VENV)/installed
+	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --only-binary :all: "$$wheel[bench]" \
+		|| for peer in numba robotpy-wpimath; do $(BIN)/python -m pip install --quiet --only-binary :all: $$peer; done || true
 	touch $@
 
 clean:
