@@ -36,6 +36,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
+    module.add_class::<profiles::BodyTransition>()?;
+    module.add_class::<profiles::ModuleTransition>()?;
+    module.add_class::<profiles::IcrTransition>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
