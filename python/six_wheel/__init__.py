@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from six_wheel._core import (
     Fit,
     FourAxle,
+    Limits,
     Link,
     Mobility,
     RockerBogie,
@@ -45,6 +46,7 @@ __all__ = [
     "FourAxleState",
     "FourAxleStep",
     "InfeasibleMotionError",
+    "Limits",
     "Link",
     "Mobility",
     "Pose",
