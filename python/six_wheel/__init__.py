@@ -11,6 +11,7 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from six_wheel import profiles
 from six_wheel._core import (
     Fit,
     FourAxle,
@@ -19,6 +20,7 @@ from six_wheel._core import (
     Mobility,
     RockerBogie,
     Rover,
+    Sensitivity,
     SteeringCommand,
     Wheel,
     __version__,
@@ -52,6 +54,7 @@ __all__ = [
     "Pose",
     "RockerBogie",
     "Rover",
+    "Sensitivity",
     "SteeringCommand",
     "Twist",
     "UnderdeterminedError",
@@ -65,6 +68,7 @@ __all__ = [
     "kernels",
     "load",
     "log",
+    "profiles",
     "rollout",
     "set_default_threads",
     "wrap_angle",

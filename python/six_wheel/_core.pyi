@@ -12,6 +12,7 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.profiles import Peaks, State
 
 __all__ = [
     "Fit",
@@ -19,8 +20,10 @@ __all__ = [
     "Limits",
     "Link",
     "Mobility",
+    "Profile",
     "RockerBogie",
     "Rover",
+    "Sensitivity",
     "SteeringCommand",
     "Wheel",
     "__version__",
@@ -43,6 +46,20 @@ _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
+_Quantity: TypeAlias = Literal[
+    "speeds",
+    "steering",
+    "steering_rates",
+    "slip",
+    "side_slip",
+    "x",
+    "y",
+    "heading",
+    "radius",
+    "scrub",
+    "trail",
+    "roller_angle",
+]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -111,6 +128,75 @@ class Fit:
     def worst_wheel(
         self,
     ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+
+@final
+class Sensitivity:  # what was not asked for is None
+    @property
+    def twist(self) -> _Floats: ...  # (..., 3)
+    @property
+    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    @property
+    def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def steering_rates(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def slip(self) -> _Floats: ...
+    @property
+    def side_slip(self) -> _Floats: ...
+    @property
+    def x(self) -> _Floats: ...
+    @property
+    def y(self) -> _Floats: ...
+    @property
+    def heading(self) -> _Floats: ...
+    @property
+    def radius(self) -> _Floats: ...
+    @property
+    def scrub(self) -> _Floats: ...
+    @property
+    def trail(self) -> _Floats: ...
+    @property
+    def roller_angle(self) -> _Floats: ...
+
+@final
+class Profile:
+    @staticmethod
+    def linear(start: ArrayLike, end: ArrayLike, duration: float) -> Profile: ...
+    @staticmethod
+    def trapezoid(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def s_curve(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def time_optimal(
+        start: ArrayLike,
+        end: ArrayLike,
+        *,
+        velocity: ArrayLike,
+        acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        start_velocity: ArrayLike | None = None,
+        start_acceleration: ArrayLike | None = None,
+        end_velocity: ArrayLike | None = None,
+        end_acceleration: ArrayLike | None = None,
+        minimum_velocity: ArrayLike | None = None,
+        minimum_acceleration: ArrayLike | None = None,
+        duration: float | None = None,
+        synchronise: Literal["time", "phase", "none"] = "time",
+    ) -> Profile: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def durations(self) -> float | _Floats: ...
+    @property
+    def peaks(self) -> Peaks: ...
+    def at(self, times: ArrayLike) -> State: ...
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class Mobility:
@@ -254,6 +340,14 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
     ) -> Fit: ...
+    def sensitivity(
+        self,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        *,
+        steering_rates: ArrayLike | None = None,
+        quantities: Sequence[_Quantity] | None = None,
+    ) -> Sensitivity: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
     def project(

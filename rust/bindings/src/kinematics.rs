@@ -1,5 +1,7 @@
 //! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
 
+mod quick;
+
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Log};
@@ -8,6 +10,8 @@ use six_wheel_core::{Inputs, Twist, Unseen};
 use crate::batch::workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
+
+pub use quick::install;
 
 /// What a log holds, as read from Python.
 pub struct Readings<'py> {
@@ -175,8 +179,12 @@ impl Rover {
         };
         let workers = workers(rows.len(), threads, kernel)?;
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, rows.len(), || {
-            batch::inverse(&self.core, rows, inputs, angles, rotations, workers)
+        compute(py, rows.len(), || match rows {
+            [row] if kernel.is_none() => {
+                batch::inverse_one(&self.core, Twist::from(*row), inputs, angles, rotations)
+                    .map_err(|error| error.at_row(0))
+            }
+            _ => batch::inverse(&self.core, rows, inputs, angles, rotations, workers),
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -236,8 +244,11 @@ impl Rover {
         let (log, target) = (readings.log(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = workers(target.len(), threads, kernel)?;
-        compute(py, target.len(), || {
-            batch::forward(&self.core, log, unseen, target, workers)
+        compute(py, target.len(), || match target {
+            [twist] if kernel.is_none() => batch::forward_one(&self.core, log.only(), unseen)
+                .map(|found| *twist = found.into())
+                .map_err(|error| error.at_row(0)),
+            _ => batch::forward(&self.core, log, unseen, target, workers),
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()

@@ -1,5 +1,7 @@
 //! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
 
+pub mod sensitivity;
+
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Vector3};
@@ -78,8 +80,8 @@ pub struct Fit {
 }
 
 /// Both rows of one wheel with their right-hand sides.
-#[derive(Clone, Copy)]
-struct Reading {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
     rolling: Vector3<f64>,
     side_slip: Vector3<f64>,
     rolled: f64,
@@ -87,7 +89,7 @@ struct Reading {
 }
 
 impl Reading {
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         rolling: Vector3::new(0.0, 0.0, 0.0),
         side_slip: Vector3::new(0.0, 0.0, 0.0),
         rolled: 0.0,
@@ -95,7 +97,7 @@ impl Reading {
     };
 
     /// Length of the two residuals: how fast the contact slides under this twist [m/s].
-    fn residual(&self, twist: &Vector3<f64>) -> f64 {
+    pub(crate) fn residual(&self, twist: &Vector3<f64>) -> f64 {
         let along = self.rolling.dot(twist) - self.rolled;
         let across = self.side_slip.dot(twist) - self.slipped;
         along.hypot(across)
@@ -219,10 +221,10 @@ impl Rover {
     }
 
     /// Puts the readings into the wheel equation.
-    fn read<'r>(
+    pub(crate) fn read<'r>(
         &self,
         measured: Measured<'_>,
-        readings: &'r mut [Reading; MAX_WHEELS],
+        readings: &'r mut [Reading],
     ) -> &'r [Reading] {
         let mut joint = 0;
         let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
@@ -282,7 +284,7 @@ impl Rover {
         }
     }
 
-    fn solve_for_twist(
+    pub(crate) fn solve_for_twist(
         &self,
         solution: &Matrix3<f64>,
         readings: &[Reading],
@@ -294,13 +296,17 @@ impl Rover {
             let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
             gradient += (rolling + side_slip) * weight(i);
         }
-        let centred = solution * gradient;
+        self.unshifted(&(solution * gradient)).into()
+    }
+
+    /// The twist whose unknowns about the centre of the pivots these are.
+    pub(crate) fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
-        Twist {
-            vx: centred.x + omega * self.centre.y,
-            vy: centred.y - omega * self.centre.x,
+        Vector3::new(
+            centred.x + omega * self.centre.y,
+            centred.y - omega * self.centre.x,
             omega,
-        }
+        )
     }
 
     /// Least squares, every wheel alike.
@@ -310,11 +316,21 @@ impl Rover {
         measured: Measured<'_>,
         unseen: Unseen,
     ) -> Result<Twist, Error> {
-        let solution = match self.solution.filter(|_| measured.is_complete()) {
-            Some(solution) => solution,
-            None => self.solution(self.normal(readings, |_| 1.0), unseen)?,
-        };
+        let solution = self.solution_for(readings, measured, unseen)?;
         Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
+    }
+
+    /// The solution of the normal equations, every wheel alike.
+    pub(crate) fn solution_for(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        unseen: Unseen,
+    ) -> Result<Matrix3<f64>, Error> {
+        match self.solution.filter(|_| measured.is_complete()) {
+            Some(solution) => Ok(solution),
+            None => self.solution(self.normal(readings, |_| 1.0), unseen),
+        }
     }
 
     /// Weighted least squares.
@@ -330,13 +346,7 @@ impl Rover {
 
     /// Names the motion that no reading sees.
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
-        let unseen = Jacobi::new(&normal).turn.column(2).into_owned();
-        let omega = unseen.z / self.size;
-        let twist = Vector3::new(
-            unseen.x + omega * self.centre.y,
-            unseen.y - omega * self.centre.x,
-            omega,
-        );
+        let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
         // To be read: the largest component is 1, and what vanishes beside it is 0.
         let largest = twist[twist.iamax()];
         let twist: [f64; 3] = (twist / largest)

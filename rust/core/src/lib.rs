@@ -26,6 +26,7 @@ mod jacobi;
 pub mod layouts;
 pub mod mobility;
 pub mod presets;
+pub mod profiles;
 pub mod rover;
 pub mod steering;
 pub mod suspension;
@@ -34,7 +35,7 @@ pub mod wheels;
 pub use admissible::Keep;
 pub use controller::Limits;
 pub use error::{Error, ErrorKind};
-pub use estimate::{Fit, Method, Unseen};
+pub use estimate::{Fit, Measured, Method, Unseen};
 
 pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};

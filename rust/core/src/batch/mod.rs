@@ -6,6 +6,8 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
 mod vector;
 mod weave;
@@ -13,11 +15,14 @@ mod workers;
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
+use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use single::{check_one, inverse_one, project_one};
+pub use single_forward::forward_one;
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
@@ -45,6 +50,15 @@ pub struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
+    /// The instant of a log that has just one.
+    pub fn only(&self) -> Measured<'a> {
+        Measured {
+            steering: self.steering,
+            speeds: self.speeds,
+            steering_rates: self.steering_rates,
+        }
+    }
+
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
@@ -245,6 +259,39 @@ pub fn project(
     for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
         let found = rover.project(Twist::from(*twist), keep);
         *projected = found.map_err(|error| error.at_row(k))?.into();
+    }
+    Ok(())
+}
+
+/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
+/// steered wheels` for quantities of the steering.
+pub fn sensitivity(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+) -> Result<(), Error> {
+    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
+    for (k, twist) in twists.iter_mut().enumerate() {
+        let differentiate = |linearised: &Linearised<'_>| {
+            *twist = linearised.twist().into();
+            for (quantity, target) in targets.iter_mut() {
+                let wheels = match quantity {
+                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                    _ => &wheels,
+                };
+                let target = row_mut(target, 3 * wheels.len(), k);
+                for (column, wheel) in wheels.iter().enumerate() {
+                    let derivative = linearised.derivative(*wheel, *quantity);
+                    for (row, value) in derivative.iter().enumerate() {
+                        target[row * wheels.len() + column] = *value;
+                    }
+                }
+            }
+        };
+        rover
+            .sensitivity(log.row(rover, k), differentiate)
+            .map_err(|error| error.at_row(k))?;
     }
     Ok(())
 }
