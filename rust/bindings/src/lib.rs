@@ -2,6 +2,7 @@
 
 mod admissible;
 mod batch;
+mod controller;
 mod convert;
 mod fast;
 mod fit;
@@ -43,6 +44,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
+    module.add_class::<controller::limits::Limits>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;
