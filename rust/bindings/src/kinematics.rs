@@ -5,9 +5,9 @@ mod quick;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
-use six_wheel_core::{Inputs, Twist, Unseen};
+use six_wheel_core::{Twist, Unseen};
 
-use crate::batch::workers;
+use crate::batch::any_workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
 
@@ -186,23 +186,13 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Rows::table),
             steering_rates: rates.as_ref().map(Rows::table),
         };
-        let one = (count == 1 && kernel.is_none()).then(|| Inputs {
-            previous: previous.as_ref().map(Rows::flat),
-            previous_speeds: rolling.as_ref().map(Rows::flat),
-            steering_rates: rates.as_ref().map(Rows::flat),
-        });
         let workers = Workers {
             fresh: out.is_none(),
-            ..workers(count, threads, kernel)?
+            ..any_workers(threads, kernel)?
         };
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, count, || match (one, rows) {
-            (Some(inputs), Table::Flat(&[vx, vy, omega])) => {
-                let twist = Twist { vx, vy, omega };
-                batch::inverse_one(&self.core, twist, inputs, angles, rotations)
-                    .map_err(|error| error.at_row(0))
-            }
-            _ => batch::inverse(&self.core, rows, beside, angles, rotations, workers),
+        compute(py, count, || {
+            batch::inverse(&self.core, rows, beside, angles, rotations, workers)
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -260,17 +250,13 @@ impl Rover {
         ];
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
         let (tables, target) = (readings.tables(), twists.triples());
-        let one = (target.len() == 1 && kernel.is_none()).then(|| readings.log().only());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers {
             fresh: out.is_none(),
-            ..workers(target.len(), threads, kernel)?
+            ..any_workers(threads, kernel)?
         };
-        compute(py, target.len(), || match (one, &mut *target) {
-            (Some(measured), [twist]) => batch::forward_one(&self.core, measured, unseen)
-                .map(|found| *twist = found.into())
-                .map_err(|error| error.at_row(0)),
-            _ => batch::forward(&self.core, tables, unseen, target, workers),
+        compute(py, target.len(), || {
+            batch::forward(&self.core, tables, unseen, target, workers)
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()

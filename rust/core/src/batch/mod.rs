@@ -49,15 +49,6 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
-    /// The instant of a log that has just one.
-    pub fn only(&self) -> Measured<'a> {
-        Measured {
-            steering: self.steering,
-            speeds: self.speeds,
-            steering_rates: self.steering_rates,
-        }
-    }
-
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::level::Level;
 use super::table::{Beside, Log, Readings, Table};
 use super::workers::{self, Workers};
-use super::{BLOCK_ROWS, forward as estimate, inverse as command};
+use super::{BLOCK_ROWS, forward as estimate, inverse as command, single, single_forward};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
 use crate::geometry::Twist;
@@ -77,9 +77,7 @@ impl<'a> Commands<'a> {
         }
         for (k, twist) in twists.iter().enumerate() {
             let inputs = inputs.row(self.rover, k);
-            inputs
-                .check()
-                .and_then(|()| self.rover.check(Twist::from(*twist), inputs.steering_rates))
+            single::check_row(self.level, self.rover, Twist::from(*twist), inputs)
                 .map_err(|error| error.at_row(first + k))?;
         }
         Ok(())
@@ -100,8 +98,8 @@ impl<'a> Commands<'a> {
         for (k, (twist, speeds)) in twists.iter().zip(speeds).enumerate() {
             let steering = &mut steering[k * joints..(k + 1) * joints];
             let inputs = inputs.row(self.rover, k);
-            self.rover
-                .solve(Twist::from(*twist), inputs, steering, speeds);
+            let twist = Twist::from(*twist);
+            single::solve_row(self.level, self.rover, twist, inputs, steering, speeds);
         }
     }
 }
@@ -230,10 +228,9 @@ impl<'a> Reports<'a> {
             return plan.solve(self.level, log, 0, self.unseen, twists);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
-            *twist = self
-                .rover
-                .forward(log.row(self.rover, k), self.unseen)?
-                .into();
+            let measured = log.row(self.rover, k);
+            *twist =
+                single_forward::solve_row(self.level, self.rover, measured, self.unseen)?.into();
         }
         Ok(())
     }
