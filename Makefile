@@ -38,6 +38,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
 	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
