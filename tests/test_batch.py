@@ -216,6 +216,27 @@ def test_threads_change_no_bit(kernel, threads):
     np.testing.assert_array_equal(sw.rollout(controls, 0.1, kernel=kernel, threads=threads), poses)
 
 
+@ALL_KERNELS
+@pytest.mark.parametrize("threads", [1, 3])
+def test_what_is_too_large_for_the_caches_is_its_parts(kernel, threads):
+    rover = ROVERS["perseverance"]
+    count = 450_001  # 36 MB of output
+    twists = random_twists(np.random.default_rng(7), 9001)
+    twists = np.resize(possible(rover, twists)[:5003], (count, 3))
+    memory = np.full(10 * count + 16, np.inf)
+    first = 5  # neither output begins with a line of the caches
+    out = (
+        memory[first : first + 4 * count].reshape(count, 4),
+        memory[first + 4 * count : first + 10 * count].reshape(count, 6),
+    )
+    rover.inverse(twists, out=out, kernel=kernel, threads=threads)
+    assert np.isposinf(memory[:first]).all() and np.isposinf(memory[first + 10 * count :]).all()
+    for k in range(0, count, 100_003):
+        rows = slice(k, k + 100_003)
+        parts = rover.inverse(twists[rows], kernel=kernel)
+        assert all(np.array_equal(whole[rows], part) for whole, part in zip(out, parts, strict=True))
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_the_first_bad_row_is_named_whatever_the_threads(threads):
     twists = np.tile([0.5, 0.0, 0.2], (50_000, 1))

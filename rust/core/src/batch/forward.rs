@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use pulp::Simd;
-
 use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
 use super::polynomials::{LARGEST_ANGLE, sin_cos};
+use super::stream::{Output, fetch_ahead};
 use super::vector::Vector;
 use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use super::{Log, row};
@@ -95,22 +94,22 @@ impl<'a> Plan<'a> {
         level.run(check).unwrap_or(Ok(()))
     }
 
-    /// Solves rows that have been checked, from `first` on.
+    /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
     pub fn solve(
         &self,
         level: Level,
         log: Log<'_>,
-        first: usize,
         unseen: Unseen,
         twists: &mut [[f64; 3]],
+        past: bool,
     ) -> Result<(), Error> {
         with_columns(self.joints + self.parts.len(), |columns| {
             let solve = Solve {
                 plan: self,
                 log,
-                first,
                 unseen,
                 twists,
+                past,
                 columns,
             };
             level.run(solve).unwrap_or(Ok(()))
@@ -179,9 +178,9 @@ impl Kernel for Check<'_> {
 struct Solve<'a> {
     plan: &'a Plan<'a>,
     log: Log<'a>,
-    first: usize,
     unseen: Unseen,
     twists: &'a mut [[f64; 3]],
+    past: bool,
     /// One per steering angle and one per speed.
     columns: &'a mut [Column],
 }
@@ -195,17 +194,24 @@ impl Kernel for Solve<'_> {
         let (joints, wheels) = (plan.joints, plan.parts.len());
         let (steering, speeds) = self.columns.split_at_mut(joints);
         let mut twists = [Column::ZERO; 3];
-        for (block, rows) in self.twists.chunks_mut(BLOCK).enumerate() {
-            let first = self.first + block * BLOCK;
-            let end = first + rows.len();
-            unweave(simd, &log.steering[first * joints..end * joints], steering);
-            unweave(simd, &log.speeds[first * wheels..end * wheels], speeds);
-            let usual = solve_block(simd, plan, steering, speeds, &mut twists);
-            weave(simd, &twists, rows.as_flattened_mut());
+        let count = self.twists.len();
+        let numbers = self.twists.as_flattened_mut();
+        let mut output = Output::new(simd, numbers, 3 * BLOCK, self.past);
+        for first in (0..count).step_by(BLOCK) {
+            let end = count.min(first + BLOCK);
+            let rows = [
+                &log.steering[first * joints..end * joints],
+                &log.speeds[first * wheels..end * wheels],
+            ];
+            unweave(simd, rows[0], steering);
+            unweave(simd, rows[1], speeds);
+            let usual = solve_block(simd, plan, steering, speeds, &mut twists, rows);
+            let rows = output.next(3 * (end - first));
+            weave(simd, &twists, rows);
             if usual {
                 continue;
             }
-            for (k, twist) in rows.iter_mut().enumerate() {
+            for (k, twist) in rows.as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 let within = |column: &Column, largest| column.0[k].abs() <= largest;
                 let usual = steering[..joints]
                     .iter()
@@ -223,20 +229,24 @@ impl Kernel for Solve<'_> {
     }
 }
 
-/// Solves a block. Whether all of its readings are of a usual size.
+/// Solves a block, `rows` taken apart. Whether all of its readings are of a usual size.
 #[inline(always)]
-fn solve_block<S: Simd>(
+fn solve_block<S: Vector>(
     simd: S,
     plan: &Plan<'_>,
     steering: &[Column],
     speeds: &[Column],
     twists: &mut [Column; 3],
+    rows: [&[f64]; 2],
 ) -> bool {
     let zero = Lanes::splat(simd, 0.0);
     let largest_angle = Lanes::splat(simd, LARGEST_ANGLE / 2.0);
     let largest_speed = Lanes::splat(simd, LARGEST_SPEED);
     let mut usual: Mask<S> = zero.at_most(zero);
     for k in 0..BLOCK / S::F64_LANES {
+        for rows in rows {
+            fetch_ahead(simd, rows, k, BLOCK / S::F64_LANES);
+        }
         let [mut x, mut y, mut z] = [zero; 3];
         let mut joint = 0;
         for (part, speeds) in plan.parts.iter().zip(speeds) {

@@ -2,6 +2,7 @@
 
 use super::lanes::Lanes;
 use super::level::{Kernel, Level};
+use super::stream::{Output, fetch_ahead};
 use super::tile::{LANES, LARGEST_HEADING, PerStep, STEPS, Sums, Tile, WIDTH, columns, durations};
 use super::vector::Vector;
 use crate::geometry::{Steps, Sum, Walk};
@@ -43,6 +44,7 @@ pub(crate) fn follow(
     twists: &[[f64; 3]],
     steps: Steps<'_>,
     poses: &mut [[f64; 3]],
+    past: bool,
     walk: &mut Walk,
 ) {
     if level == Level::Plain {
@@ -52,6 +54,7 @@ pub(crate) fn follow(
         twists,
         steps,
         poses,
+        past,
         walk,
     });
 }
@@ -60,6 +63,7 @@ struct Follow<'a> {
     twists: &'a [[f64; 3]],
     steps: Steps<'a>,
     poses: &'a mut [[f64; 3]],
+    past: bool,
     walk: &'a mut Walk,
 }
 
@@ -72,8 +76,11 @@ impl Kernel for Follow<'_> {
         let constant = durations(simd, self.steps, 0);
         let mut tile = Tile::new(simd);
         let mut spare = [[0.0; WIDTH]; LANES];
-        let pieces = self.twists.chunks(size).zip(self.poses.chunks_mut(size));
-        for (k, (twists, poses)) in pieces.enumerate() {
+        let poses = self.poses.as_flattened_mut();
+        let mut output = Output::new(simd, poses, 3 * size, self.past);
+        for (k, twists) in self.twists.chunks(size).enumerate() {
+            fetch_ahead(simd, twists.as_flattened(), 0, 1);
+            let poses = output.next(3 * twists.len());
             let steps = match self.steps {
                 Steps::Constant(dt) => Steps::Constant(dt),
                 Steps::Each(dts) => Steps::Each(&dts[k * size..k * size + twists.len()]),
@@ -85,7 +92,7 @@ impl Kernel for Follow<'_> {
                     Steps::Each(each) => dts(each.as_chunks().0),
                 };
                 let twists = twists.as_flattened().as_chunks().0;
-                let poses = poses.as_flattened_mut().as_chunks_mut().0;
+                let poses = poses.as_chunks_mut().0;
                 place(simd, &mut tile, twists, &dts, poses, &mut spare, self.walk)
             } else {
                 // The last steps: those that are missing stand still.
@@ -109,12 +116,11 @@ impl Kernel for Follow<'_> {
                     &mut spare,
                     self.walk,
                 );
-                let poses = poses.as_flattened_mut();
                 poses.copy_from_slice(&placed.as_flattened()[..poses.len()]);
                 done
             };
             if !done {
-                self.walk.follow(twists, steps, poses);
+                self.walk.follow(twists, steps, poses.as_chunks_mut().0);
             }
         }
     }

@@ -6,6 +6,7 @@ use pulp::Simd;
 use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
 use super::steered::{Reach, Steer, Steered, absolute, load};
+use super::stream::{Output, fetch_ahead};
 use super::vector::Vector;
 use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::admissible::SLIP_TOLERANCE;
@@ -90,13 +91,14 @@ impl<'a> Plan<'a> {
             .unwrap_or_else(|| self.check_rows(twists, first))
     }
 
-    /// Solves rows that have been checked.
+    /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
     pub fn solve(
         &self,
         level: Level,
         twists: &[[f64; 3]],
         steering: &mut [f64],
         speeds: &mut [f64],
+        past: bool,
     ) {
         with_columns(self.joints + self.parts.len(), |columns| {
             level.run(Solve {
@@ -104,6 +106,7 @@ impl<'a> Plan<'a> {
                 twists,
                 steering,
                 speeds,
+                past,
                 columns,
             })
         });
@@ -207,6 +210,7 @@ struct Solve<'a> {
     twists: &'a [[f64; 3]],
     steering: &'a mut [f64],
     speeds: &'a mut [f64],
+    past: bool,
     /// One per steering angle and one per speed.
     columns: &'a mut [Column],
 }
@@ -220,12 +224,14 @@ impl Kernel for Solve<'_> {
         let (joints, wheels) = (plan.joints, plan.parts.len());
         let mut twists = [Column::ZERO; 3];
         let (steering, speeds) = self.columns.split_at_mut(joints);
-        for (block, rows) in self.twists.chunks(BLOCK).enumerate() {
-            let first = block * BLOCK;
-            let end = first + rows.len();
+        let output = |target, width| Output::new(simd, target, width * BLOCK, self.past);
+        let mut all_steering = output(self.steering, joints);
+        let mut all_speeds = output(self.speeds, wheels);
+        for rows in self.twists.chunks(BLOCK) {
+            fetch_ahead(simd, rows.as_flattened(), 0, 1);
             unweave(simd, rows.as_flattened(), &mut twists);
-            let steering_rows = &mut self.steering[first * joints..end * joints];
-            let speed_rows = &mut self.speeds[first * wheels..end * wheels];
+            let steering_rows = all_steering.next(rows.len() * joints);
+            let speed_rows = all_speeds.next(rows.len() * wheels);
             let brisk = solve_block(simd, plan, &twists, steering, speeds);
             let doubtful = !brisk && hold_still(simd, plan, &twists, steering, speeds);
             weave(simd, steering, steering_rows);

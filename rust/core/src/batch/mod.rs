@@ -13,6 +13,7 @@ mod rows;
 pub(crate) mod single;
 pub(crate) mod single_forward;
 mod steered;
+mod stream;
 mod table;
 mod tile;
 mod vector;

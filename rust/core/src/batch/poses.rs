@@ -6,6 +6,7 @@ use super::BLOCK_ROWS;
 use super::integrate::{LARGEST_TOTAL, follow, sum_of_sizes};
 use super::level::Level;
 use super::logs::{self, Logs};
+use super::stream::is_large;
 use super::table::{Durations, Table};
 use super::workers::{self, Workers};
 use crate::error::Error;
@@ -31,6 +32,8 @@ pub(crate) struct Journey<'a> {
     pub largest: f64,
     /// Whose wheel speeds have to be finite too.
     pub rover: Option<&'a Rover>,
+    /// Whether poses of a log on its own are written past the caches.
+    pub past: bool,
 }
 
 /// Memory of one thread for what has to be read.
@@ -56,6 +59,7 @@ impl<'a> Journey<'a> {
             longest: steps.check(count, BLOCK_ROWS)?,
             largest: LARGEST_TOTAL,
             rover: None,
+            past: false,
         })
     }
 
@@ -210,13 +214,13 @@ impl<'a> Journey<'a> {
         for (k, poses) in poses.chunks_mut(BLOCK_ROWS).enumerate() {
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
             if checked || bound.holds(level, twists) {
-                follow(level, twists, steps, poses, &mut walk);
+                follow(level, twists, steps, poses, self.past, &mut walk);
                 continue;
             }
             self.check_steps(log, buffers)?;
             checked = true;
             let (twists, steps) = self.piece(log, k * BLOCK_ROWS, buffers);
-            follow(level, twists, steps, poses, &mut walk);
+            follow(level, twists, steps, poses, self.past, &mut walk);
         }
         Ok(())
     }
@@ -258,7 +262,10 @@ pub fn integrate<'a>(
     workers: Workers,
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
-    let journey = Journey::new(twists.into(), count, steps.into(), starts)?;
+    let journey = Journey {
+        past: is_large(poses.as_flattened().len()),
+        ..Journey::new(twists.into(), count, steps.into(), starts)?
+    };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
     let side_by_side = journey.is_side_by_side(level, logs);

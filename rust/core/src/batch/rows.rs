@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::level::Level;
+use super::stream::is_large;
 use super::table::{Beside, Log, Readings, Table};
 use super::workers::{self, Workers};
 use super::{BLOCK_ROWS, forward as estimate, inverse as command, single, single_forward};
@@ -28,6 +29,8 @@ struct Commands<'a> {
     level: Level,
     twists: Table<'a>,
     beside: Beside<'a>,
+    /// Whether what is written goes past the caches.
+    past: bool,
 }
 
 impl<'a> Commands<'a> {
@@ -91,7 +94,7 @@ impl<'a> Commands<'a> {
         speeds: &mut [f64],
     ) {
         if let Some(plan) = &self.plan {
-            return plan.solve(self.level, twists, steering, speeds);
+            return plan.solve(self.level, twists, steering, speeds, self.past);
         }
         let joints = self.rover.steered().len();
         let speeds = speeds.chunks_exact_mut(self.rover.wheels().len());
@@ -123,6 +126,7 @@ pub fn inverse<'a>(
         level,
         twists: twists.into(),
         beside,
+        past: is_large(steering.len() + speeds.len()),
     };
     let share = workers.share(count);
     let block = commands.block(share);
@@ -170,6 +174,8 @@ struct Reports<'a> {
     level: Level,
     readings: Readings<'a>,
     unseen: Unseen,
+    /// Whether what is written goes past the caches.
+    past: bool,
 }
 
 impl<'a> Reports<'a> {
@@ -225,7 +231,7 @@ impl<'a> Reports<'a> {
 
     fn solve(&self, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
         if let Some(plan) = &self.plan {
-            return plan.solve(self.level, log, 0, self.unseen, twists);
+            return plan.solve(self.level, log, self.unseen, twists, self.past);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
@@ -253,6 +259,7 @@ pub fn forward<'a>(
         level,
         readings,
         unseen,
+        past: is_large(twists.as_flattened().len()),
     };
     let share = workers.share(count);
     let block = reports.block(share);

@@ -27,11 +27,28 @@ pub(crate) trait Vector: Simd {
 
     /// The last lane.
     fn last(self, register: Self::f64s) -> f64;
+
+    /// Whether [`Self::stream`] goes past the caches.
+    const STREAMS: bool;
+
+    /// Writes a register past the caches.
+    ///
+    /// # Safety
+    ///
+    /// `target` begins where a register may be stored whole, at a multiple of its size, and nobody looks at it
+    /// before this thread has called [`Self::fence`].
+    unsafe fn stream(self, target: &mut Self::f64s, register: Self::f64s);
+
+    /// Waits until what [`Self::stream`] wrote is there for all to see.
+    fn fence(self);
+
+    /// Asks for the line of an address, which need not be one.
+    fn fetch(self, address: *const f64);
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::{__m256d, __m512d};
+    use std::arch::x86_64::{__m256d, __m512d, _MM_HINT_T0};
 
     use pulp::bytemuck::cast;
     use pulp::x86::{V3, V4};
@@ -128,6 +145,25 @@ mod x86 {
         #[inline(always)]
         fn last(self, register: f64x8) -> f64 {
             register.7
+        }
+
+        const STREAMS: bool = true;
+
+        #[inline(always)]
+        unsafe fn stream(self, target: &mut f64x8, register: f64x8) {
+            let target: *mut _ = target;
+            // SAFETY: a reference's memory may be written, and the caller sees to its alignment and the fence.
+            unsafe { self.avx512f._mm512_stream_pd(target.cast(), cast(register)) }
+        }
+
+        #[inline(always)]
+        fn fence(self) {
+            self.sse._mm_sfence();
+        }
+
+        #[inline(always)]
+        fn fetch(self, address: *const f64) {
+            self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
         }
     }
 
@@ -252,6 +288,25 @@ mod x86 {
         fn last(self, register: f64x4) -> f64 {
             register.3
         }
+
+        const STREAMS: bool = true;
+
+        #[inline(always)]
+        unsafe fn stream(self, target: &mut f64x4, register: f64x4) {
+            let target: *mut _ = target;
+            // SAFETY: a reference's memory may be written, and the caller sees to its alignment and the fence.
+            unsafe { self.avx._mm256_stream_pd(target.cast(), cast(register)) }
+        }
+
+        #[inline(always)]
+        fn fence(self) {
+            self.sse._mm_sfence();
+        }
+
+        #[inline(always)]
+        fn fetch(self, address: *const f64) {
+            self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
+        }
     }
 }
 
@@ -299,5 +354,18 @@ mod aarch64 {
         fn last(self, register: f64x2) -> f64 {
             register.1
         }
+
+        const STREAMS: bool = false;
+
+        #[inline(always)]
+        unsafe fn stream(self, target: &mut f64x2, register: f64x2) {
+            *target = register;
+        }
+
+        #[inline(always)]
+        fn fence(self) {}
+
+        #[inline(always)]
+        fn fetch(self, _: *const f64) {}
     }
 }
