@@ -230,7 +230,8 @@ def test_what_is_too_large_for_the_caches_is_its_parts(kernel, threads):
         memory[first + 4 * count : first + 10 * count].reshape(count, 6),
     )
     rover.inverse(twists, out=out, kernel=kernel, threads=threads)
-    assert np.isposinf(memory[:first]).all() and np.isposinf(memory[first + 10 * count :]).all()
+    assert np.isposinf(memory[:first]).all()
+    assert np.isposinf(memory[first + 10 * count :]).all()
     for k in range(0, count, 100_003):
         rows = slice(k, k + 100_003)
         parts = rover.inverse(twists[rows], kernel=kernel)
