@@ -10,6 +10,7 @@ mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod odometry;
 mod profiles;
 mod rover;
 mod sensitivity;
@@ -29,6 +30,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<odometry::Odometry>()?;
+    module.add_class::<odometry::values::OdometryState>()?;
+    module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;

@@ -11,7 +11,7 @@
 //!
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
-//! vehicles), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`mobility`] (rank of the
+//! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits, projection), [`mobility`] (rank of the
 //! constraints), [`batch`] (whole arrays), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
 //! pivots: brakes, sequences, simulation).
 
@@ -24,6 +24,7 @@ pub mod geometry;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod odometry;
 pub mod presets;
 pub mod profiles;
 pub mod rover;
@@ -39,6 +40,7 @@ pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};
 pub use layouts::{Drive, SkidCentres};
 pub use mobility::Mobility;
+pub use odometry::Odometry;
 pub use rover::{Inputs, Rover};
 pub use steering::SteeringRange;
 pub use suspension::RockerBogie;

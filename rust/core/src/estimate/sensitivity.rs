@@ -117,7 +117,7 @@ impl Linearised<'_> {
     }
 
     /// What turns a gradient of the normal equations into a twist.
-    pub(crate) fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
+    fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
         let centred = self.solution * self.rover.shifted(&gradient);
         self.rover.unshifted(&centred)
     }
