@@ -264,7 +264,7 @@ def test_bad_tables_are_one_line_and_leave_the_output_alone(
 @pytest.mark.parametrize(
     ("output", "words"),
     [
-        ("run.txt", 'must be .csv or .parquet, got ".txt"'),
+        ("run.txt", 'must be .csv, .parquet or .mcap, got ".txt"'),
         ("commands.csv", "must be another file than commands.csv"),
         ("none/run.csv", "the folder of the output must exist"),
     ],

@@ -79,7 +79,7 @@ def drive(
         Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
     ],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv or .parquet.")
+        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture of the path: .png, .svg or .pdf.")] = None,
     keep: Annotated[
