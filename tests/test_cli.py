@@ -17,7 +17,7 @@ pytest.importorskip("rich")
 pytest.importorskip("pyarrow")
 
 import six_wheel as sw
-from six_wheel import __main__, __version__, cli
+from six_wheel import __main__, __version__, _cli_shared, cli
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 ROVER = """\
@@ -290,8 +290,8 @@ def test_progress_is_shown_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPat
 
     screen = io.StringIO()
     console = Console(file=screen, force_terminal=True, width=100)
-    monkeypatch.setattr(cli, "_console", lambda stderr=False: console)
-    monkeypatch.setattr(cli, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr(_cli_shared, "new_console", lambda stderr=False: console)
+    monkeypatch.setattr(_cli_shared, "PROGRESS_AFTER", 0.0)
     run("drive", "rover.yaml", "commands.csv", "--chunk-rows", "1")
     assert "driving commands.csv" in screen.getvalue()
     assert "100%" in screen.getvalue()
