@@ -42,6 +42,15 @@ def _joints(joints: dict[str, str]) -> str:
     return ", ".join(joint if wheel in joint else f"{joint} ({wheel})" for joint, wheel in joints.items())
 
 
+def _given(values: dict[str, Any]) -> str | None:
+    """What a group of keys holds, in one line; None if nothing."""
+    words = (
+        f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in values.items()
+    )
+    return ", ".join(words) or None
+
+
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:
     """What a rover can do, as rows for `grid`."""
     rover, parameters = chosen.rover, chosen.parameters
@@ -55,12 +64,14 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
     if parameters:
-        limits = ", ".join(f"{name} {value:g}" for name, value in parameters.limits.items())
         kind, controller = parameters.kind, parameters.controller
         rows += [
             ("kind", f"{kind}, as {controller} has it" if controller else kind),
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
-            ("limits", limits or None),
+            *(
+                (group, _given(getattr(parameters, group)))
+                for group in ("limits", "noise", "encoders", "odometry")
+            ),
         ]
     return rows

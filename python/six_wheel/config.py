@@ -35,7 +35,7 @@ from six_wheel._core import Rover, Wheel
 from six_wheel._forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
 from six_wheel._joints import JointList, wheel_said_by, wheels_of_joints
 from six_wheel._nodes import PARAMETERS, Section, closest, section
-from six_wheel._schema import Form, Values, as_argument, check_values
+from six_wheel._schema import GROUPS, Form, Values, as_argument, check_values
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -92,6 +92,9 @@ class Parameters:
     limits : dict of str to float
         Of ``speed`` [m/s], ``acceleration`` [m/s^2], ``jerk`` [m/s^3], ``wheel_speed`` [rad/s] and
         ``steering_rate`` [rad/s] those the file gives.
+    noise, encoders, odometry : dict
+        What the file says about dead reckoning: arguments of `Noise`; ``resolution``, ``gear``, ``modulus``,
+        ``per_sample`` and ``reversed`` of the wheels' encoders; options of `Odometry`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str
@@ -106,6 +109,9 @@ class Parameters:
     odom_frame_id: str = "odom"
     base_frame_id: str = "base_link"
     limits: dict[str, float] = field(default_factory=dict)
+    noise: dict[str, float] = field(default_factory=dict)
+    encoders: Values = field(default_factory=dict)
+    odometry: Values = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
@@ -271,9 +277,11 @@ def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
     form.check(found, values, log.error, log.warning)
     values = form.complete(found, values)
     rover = _rover(found, form, values, log)
+    if rover is not None:
+        _check_reversed(found, values, rover, log)
     if rover is None or log.has_errors:
         raise log.failure()
-    named = {key: values[key] for key in ("odom_frame_id", "base_frame_id", "limits") if key in values}
+    named = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
     controller = form.name if form.controller else None
     return Parameters(
         path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
@@ -389,6 +397,16 @@ def _joints(
             message = f"wheel_of_joint names {_yaml.one_line(joint)}, which is in neither list of joints"
             log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
+
+
+def _check_reversed(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    known = {*rover.wheel_names, *rover.traction_joints}
+    for index, name in enumerate(values.get("encoders", {}).get("reversed", ())):
+        if name not in known:
+            at, guess = ("encoders", "reversed", index), closest(name, known)
+            message = f"encoders.reversed names {_yaml.one_line(name)}, which is no wheel and no joint of one"
+            remedy = f"did you mean {guess}?" if guess else f"the wheels are {', '.join(rover.wheel_names)}"
+            log.error(section.line_of(at), at, message, remedy)
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:
