@@ -49,11 +49,11 @@ class Health(enum.IntFlag):
     BACKWARDS = 64
     """Left out: its stamp is before that of the sample before."""
     JUMP = 128
-    """Left out: the rover would have moved faster than `max_speed` or steered faster than `max_steering_rate`."""
+    """Left out: the rover would have moved or steered faster than `max_speed` or `max_steering_rate`."""
     UNDETERMINED = 256
     """Left out: its wheels do not determine the motion."""
     RESTARTED = 512
-    """The clock or the counters went on from another value for good; the sample follows the one left out before."""
+    """Clock or counters went on from another value for good; it counts from the sample left out before."""
 
     LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED
 
@@ -133,8 +133,8 @@ class Track:
         """One line per kind of flag: how many rows, and the first of them."""
         lines = []
         for flag in Health:
-            rows = self.rows(flag) if flag is not Health.LEFT_OUT else []
-            if flag and len(rows):
+            rows = self.rows(flag)
+            if flag and len(rows) > 0:
                 shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
                 lines.append(f"{flag.name}: {len(rows)} of {len(self)} rows ({shown})")
         return lines
@@ -147,7 +147,7 @@ class Track:
         Parameters
         ----------
         threshold : float, optional
-            Residual from which on a wheel counts as slipping [m/s]; by default the rows flagged `Health.SLIP`.
+            Residual from which on a wheel slips [m/s]; by default the rows flagged `Health.SLIP` count.
         gap : float
             Rows of slip that lie no further apart than this are one window [s].
         shortest : int
@@ -193,8 +193,8 @@ class SlipWindow:
 class SlipReport:
     """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
 
-    A residual is a speed: how fast the contact slides if the fitted twist is the rover's. In a slip of one wheel
-    the fit gives way a little, so others seem to slide as well; the one that slides most is named.
+    A residual is a speed: how fast the contact slides if the fitted twist is the rover's. When one wheel
+    slips the fit gives way a little, so others seem to slide as well; the one that slides most is named.
     """
 
     wheels: tuple[WheelSlip, ...]
@@ -240,10 +240,8 @@ class SlipReport:
                     None if weights is None else float(weights[i]),
                 )
             )
-        if threshold is None:
-            slips = (track.health[used] & int(Health.SLIP)) != 0
-        else:
-            slips = largest > threshold
+        flagged = (track.health[used] & int(Health.SLIP)) != 0
+        slips = flagged if threshold is None else largest > threshold
         windows = []
         places = np.flatnonzero(slips)
         if len(places):
@@ -335,8 +333,8 @@ def dead_reckon(
     covariances, residuals : bool
         Whether to compute these; what is not is None.
     **options
-        Those of `Odometry`: `readings`, `wheel_encoders`, `steering_encoders`, `method`, `inflate`, `max_gap`,
-        `max_speed`, ...
+        Those of `Odometry`: `readings`, `wheel_encoders`, `steering_encoders`, `method`, `inflate`, `max_gap`
+        and the others.
 
     Returns
     -------
