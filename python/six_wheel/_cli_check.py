@@ -44,11 +44,17 @@ def _joints(joints: dict[str, str]) -> str:
 
 def _given(values: dict[str, Any]) -> str | None:
     """What a group of keys holds, in one line; None if nothing."""
-    words = (
-        f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
-        for name, value in values.items()
-    )
-    return ", ".join(words) or None
+    return ", ".join(f"{name} {_written(value)}" for name, value in values.items()) or None
+
+
+def _written(value: Any) -> str:
+    """A value as a parameter file has it."""
+    match value:
+        case bool():
+            return str(value).lower()
+        case list():
+            return f"[{', '.join(value)}]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:

@@ -1,0 +1,215 @@
+"""Any log that the command line reads, by what the file is: a table, a ROS 2 bag or an OptiOdom run."""
+
+import difflib
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal, Self, TypeAlias, get_args
+
+import numpy as np
+
+from six_wheel import optiodom
+from six_wheel._core import Rover
+from six_wheel._joint_columns import Reading
+from six_wheel._joint_tables import Findings
+from six_wheel.joint_logs import BAGS, Encoder, JointLog, JointRows, read_truth
+from six_wheel.logs import FORMATS, TableError
+from six_wheel.recordings import Log, Truth
+
+__all__ = ["AnyLog", "LogFormat", "LogOptions", "log_format", "metadata_of", "open_log", "read_log"]
+
+LogFormat: TypeAlias = Literal["table", "bag", "optiodom"]
+AnyLog: TypeAlias = "JointLog | OptiOdomLog"
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """What a log does not say by itself; see `JointLog`. `encoders` are those of a parameter file."""
+
+    format: LogFormat | None = None
+    reading: Reading | None = None
+    encoders: Mapping[str, Any] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    topics: Sequence[str] = ()
+    truth_topic: str | None = None
+
+
+def metadata_of(path: Path) -> Path | None:
+    """The metadata beside an OptiOdom run, or the path itself if it is one; None for other files."""
+    if path.stem.endswith("_metadata"):
+        return path
+    session, run, _ = path.stem.rpartition("_run-")
+    metadata = path.with_name(f"{session}_metadata.csv")
+    return metadata if run and metadata.is_file() else None
+
+
+def log_format(path: Path) -> LogFormat:
+    """What a file is, by its ending and what stands beside it.
+
+    Raises
+    ------
+    TableError
+        If nothing here reads such a file.
+    """
+    if not path.exists():
+        raise TableError(f"{path}: no such file{_instead_of(path)}")
+    if metadata_of(path) is not None:
+        return "optiodom"
+    if path.is_dir() or path.suffix.lower() in BAGS:
+        return "bag"
+    if path.suffix.lower() in FORMATS:
+        return "table"
+    endings = ", ".join([*FORMATS, *BAGS])
+    raise TableError(f'{path}: a log must be a bag\'s folder or end in {endings}, got "{path.suffix}"')
+
+
+def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
+    """Open a log for reading in chunks.
+
+    Raises
+    ------
+    TableError
+        If the file is no such log of this rover.
+    """
+    kind = options.format or log_format(path)
+    if kind not in get_args(LogFormat):
+        raise ValueError(f'format must be one of {", ".join(get_args(LogFormat))}, got "{kind}"')
+    if kind == "optiodom":
+        return OptiOdomLog(path, rover)
+    if (path.is_dir() or path.suffix.lower() in BAGS) != (kind == "bag"):
+        what = (
+            "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {' or '.join(FORMATS)}"
+        )
+        raise TableError(f"{path}: the format {kind} is {what}")
+    encoders = _encoders(rover, options.encoders)
+    counts = "resolution" in options.encoders
+
+    def open_(encoder: Mapping[str, Encoder] | None) -> JointLog:
+        columns, topics = options.columns or None, options.topics or None
+        return JointLog(path, rover, reading=options.reading, encoder=encoder, columns=columns, topics=topics)
+
+    try:
+        log = open_(None)
+    except TableError:
+        raise
+    except ValueError as error:
+        if not str(error).startswith("encoder must say"):
+            raise
+        if not counts:
+            what = "the wheels are in ticks, and how many a turn has must be said"
+            remedy = "give --resolution, or encoders.resolution in the parameter file"
+            raise TableError(f"{path}: {what}; {remedy}") from None
+        return open_(encoders)
+    if log.reading == "angle" and encoders and not counts:
+        log.close()
+        return open_(encoders)
+    return log
+
+
+def _encoders(rover: Rover, values: Mapping[str, Any]) -> dict[str, Encoder]:
+    """Encoders by wheel, from the keys of a parameter file; without resolution they read radians."""
+    if not values:
+        return {}
+    per_turn = values.get("resolution", math.tau) * values.get("gear", 1.0)
+    wheel_of = dict(rover.traction_joints)
+    turned = {wheel_of.get(name, name) for name in values.get("reversed", ())}
+    modulus, per_sample = values.get("modulus"), values.get("per_sample", False)
+    return {
+        wheel: Encoder(-per_turn if wheel in turned else per_turn, modulus, per_sample)
+        for wheel in rover.wheel_names
+    }
+
+
+def _instead_of(path: Path) -> str:
+    """A hint at a file whose name is like that of one that is missing."""
+    folder = path.parent
+    names = [each.name for each in folder.iterdir()] if folder.is_dir() else []
+    close = difflib.get_close_matches(path.name, names, 1)
+    return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
+
+
+def read_log(
+    path: Path,
+    rover: Rover,
+    options: LogOptions,
+    *,
+    truth: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Log, AnyLog]:
+    """A whole log with its truth, and the (closed) reader with its findings.
+
+    Raises
+    ------
+    TableError
+        If log or truth cannot be used.
+    """
+    with open_log(path, rover, options) as log:
+        whole = log.read(truth=truth, truth_topic=options.truth_topic, progress=progress)
+    return whole, log
+
+
+class OptiOdomLog:
+    """An OptiOdom run, with the face of a `JointLog`.
+
+    Parameters
+    ----------
+    path : Path
+        A ``_run-NN.csv`` with its metadata beside it.
+    rover : Rover
+        With the wheels of that robot, in its order.
+
+    Raises
+    ------
+    TableError
+        If the file is no such run, or of another robot.
+    """
+
+    reading: Reading = "ticks"
+    origin = 0
+    truth_findings: Findings | None = None
+
+    def __init__(self, path: Path, rover: Rover) -> None:
+        self.path, self.rover = path, rover
+        self.findings, self.warnings = Findings(path), list[str]()
+        self.position = 0
+        try:
+            nominal = optiodom.read_rover(path)
+            self._log = optiodom.read(path)
+        except OSError as error:
+            name = Path(error.filename or path).name
+            raise TableError(f"{path}: an OptiOdom run needs its {name}: {error.strerror}") from None
+        except ValueError as error:
+            raise TableError(f"{path}: not a readable OptiOdom run: {error}") from None
+        if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+            theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
+            raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
+        self.size = len(self._log)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """The file is closed already."""
+
+    def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
+        """The rows in order, at most `chunk_rows` at a time."""
+        log, truth = self._log, self._log.truth
+        for start in range(0, len(log), chunk_rows):
+            part = slice(start, start + chunk_rows)
+            rows = np.arange(start, min(start + chunk_rows, len(log))) + 1
+            steering = None if log.steering is None else log.steering[part]
+            poses = None if truth is None else truth.poses[part]
+            self.position = int(rows[-1])
+            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses)
+
+    def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> Log:
+        """The whole run, with its own truth unless another is given."""
+        self.position = self.size
+        if truth is None:
+            return self._log
+        stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
+        return replace(self._log, truth=Truth(stamps, poses))
