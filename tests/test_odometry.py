@@ -36,8 +36,8 @@ def test_a_motion_held_over_every_step_is_found_exactly(name):
             assert state.residual.max() < 1e-11
 
 
-def crab(rate: float, span: float, dt: float = 0.05) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """2 m sideways on a rover whose wheels all steer at `rate` [rad/s] back and forth by `span` [rad] meanwhile."""
+def crab(rate: float, span: float, dt: float = 0.05) -> tuple[np.ndarray, ...]:
+    """2 m, all wheels steering at `rate` [rad/s] back and forth by `span` [rad] meanwhile."""
     speed = 1.0
     stamps = np.arange(0.0, 2.0 + dt / 2, dt)
     phase = rate * stamps
@@ -63,9 +63,7 @@ def test_steering_moves_during_the_step(span):
         step = rover.forward(steering[k], angles[k] - angles[k - 1])
         ended = sw.compose(ended, sw.exp(step))
     by_end_angles = np.hypot(*(ended[:2] - truth))
-    print(
-        f"span {span} rad: {1e3 * error:.2g} mm, with the angles at the ends of the steps {1e3 * by_end_angles:.1f} mm"
-    )
+    print(f"span {span} rad: {1e3 * error:.2g} mm, with end angles {1e3 * by_end_angles:.1f} mm")
     assert error < 1e-7  # the truth's own integral, 1 us steps
     assert error < 1e-4 * by_end_angles
 
@@ -102,8 +100,8 @@ def test_poses_and_covariance_are_those_of_the_reference(name):
     poses = oracle.dead_reckon(rover, steering, angles)
     np.testing.assert_allclose(state.pose, poses[-1], rtol=0, atol=1e-13)
     expected = oracle.covariance(rover, steering, angles, log.stamps, oracle.Noise(**noise))
-    # The core leaves out how the chord of a steering wheel's arc answers to its angles, which is of the order of
-    # the change of the angle in one step (here 0.03) beside the angle's own effect.
+    # The core leaves out how the chord of a steering wheel's arc answers to its angles, which is of the order
+    # of the change of the angle in one step (here 0.03) beside the angle's own effect.
     np.testing.assert_allclose(state.covariance, expected, rtol=0.02, atol=2e-3 * np.abs(expected).max())
 
 
@@ -154,11 +152,9 @@ def test_monte_carlo_the_error_is_what_it_is_said_to_be(name):
     poses, covariances = simulate(log, noise, runs, np.random.default_rng(17))
     errors = poses - log.poses[-1]
     squared = np.einsum("ni,nij,nj->n", errors, np.linalg.inv(covariances), errors)
-    # Normalised error squared: chi-square with 3 degrees of freedom, so its mean has deviation sqrt(6 / runs).
+    # Normalised error squared: chi-square, 3 degrees of freedom, so its mean has deviation sqrt(6 / runs).
     band = 1.96 * math.sqrt(6.0 / runs)
-    print(
-        f"{name}: mean normalised error squared {squared.mean():.3f}, 95 % band {3 - band:.3f} to {3 + band:.3f}"
-    )
+    print(f"{name}: mean normalised error squared {squared.mean():.3f}, 95 % band 3 +- {band:.3f}")
     assert abs(squared.mean() - 3.0) < band
     assert 0.92 < np.mean(squared < 7.815) < 0.98
 

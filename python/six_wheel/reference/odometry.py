@@ -29,7 +29,7 @@ class Noise:
 def displacement(rover: Rover, before: Floats, after: Floats, rolled: Floats, slid: Floats) -> Floats:
     """Displacement in body axes whose exponential is the step, angles taken in its middle.
 
-    `rolled` (wheels,) [m] is the way along the rim; `slid` (wheels,) [m] how far each contact slid to its left.
+    `rolled` (wheels,) [m] is the way along the rim; `slid` (wheels,) [m] how far each contact slid left.
     A pivot whose wheel steers by ``d`` goes along an arc, whose chord is ``sin(d/2) / (d/2)`` of its length.
     """
     radii = np.array([wheel.radius for wheel in rover.wheels])
