@@ -39,6 +39,10 @@ class Chosen(NamedTuple):
 def choose(argument: str, node: str | None) -> Chosen:
     """The rover of a parameter file, or a preset if there is no such file."""
     path = Path(argument)
+    if path.name.endswith("_metadata.csv"):
+        from six_wheel.optiodom import read_rover
+
+        return Chosen(read_rover(path), path.stem, path)
     if path.is_file() or path.suffix:
         from six_wheel.config import read_parameters
 

@@ -213,3 +213,9 @@ class OptiOdomLog:
             return self._log
         stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
         return replace(self._log, truth=Truth(stamps, poses))
+
+
+def example_run() -> Path:
+    """The run that comes with this package; see data/README.md."""
+    (run,) = optiodom.runs(Path(__file__).parent / "data" / "optiodom")
+    return run

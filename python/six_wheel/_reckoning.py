@@ -5,7 +5,7 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 
 import contextlib
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Odometry, Rover
 from six_wheel._log_files import AnyLog, LogOptions, open_log
+from six_wheel._pages import reporting
 from six_wheel._poses import Floats
 from six_wheel._slip_sum import SlipSum
 from six_wheel.drive import TableWriter, Trace, replacing
@@ -179,9 +180,8 @@ class _Run:
         result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
         upper = [covariances[:, i, j] for i, j in UPPER]
         health = track.health.astype(np.int64)
-        return [
-            self._times(chunk.stamps), chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health
-        ]  # fmt: skip
+        times = self._times(chunk.stamps)
+        return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
 
     def _times(self, stamps: Floats) -> NDArray[Any]:
         if not self.log.origin:
@@ -231,6 +231,8 @@ def reckon(
     output: Path | None = None,
     *,
     truth: Path | None = None,
+    plot: Path | None = None,
+    report: Path | None = None,
     log_options: LogOptions | None = None,
     settings: Settings | None = None,
     length: float = 0.5,
@@ -238,7 +240,7 @@ def reckon(
     sources: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Reckoned:
-    """Dead-reckon a log and write the track. The output is replaced only if all went well.
+    """Dead-reckon a log and write what comes of it. Outputs are replaced only if all went well.
 
     Parameters
     ----------
@@ -250,6 +252,10 @@ def reckon(
         Times, poses, twists, covariances, residuals and health, .csv or .parquet.
     truth : Path, optional
         Where the rover was, if the log does not say.
+    plot : Path, optional
+        A picture of the path, the errors and how the wheels slid.
+    report : Path, optional
+        A written report, .md; the picture goes beside it, under the same name.
     log_options, settings
         How to read the log, and how to reckon.
     length : float
@@ -272,12 +278,14 @@ def reckon(
     with contextlib.ExitStack() as stack:
         if output is not None:
             table_format(output)
-        log = stack.enter_context(open_log(path, rover, options))
+        log: AnyLog = open_log(path, rover, options)
+        stack.callback(log.close)
         run = _Run(log, settings or Settings())
-        taken = [path, *([truth] if truth else []), *sources]
+        pages = stack.enter_context(reporting(plot, report, [path, truth, *sources]))
+        taken = [each for each in (path, truth, *sources) if each is not None]
+        target = stack.enter_context(replacing(output, taken)) if output else None
         writer: TableWriter | None = None
         known: Truth | None = None
-        target = stack.enter_context(replacing(output, taken)) if output else None
         for chunk in log.chunks(chunk_rows):
             if truth is not None and known is None:
                 known = _read_truth(truth, log, options, run.result)
@@ -289,6 +297,13 @@ def reckon(
             if progress is not None:
                 progress(log.position, log.size)
         result = run.finish(length, known)
+        if pages is not None:
+            from six_wheel._reckoning_plot import reckoning_figure
+            from six_wheel._reckoning_report import written
+
+            pages.write(
+                [("", reckoning_figure(result, title=result.name))], lambda names: written(result, names[0])
+            )
     result.elapsed = time.perf_counter() - begin
     return result
 
@@ -303,9 +318,3 @@ def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) 
         return Truth(stamps, poses)
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None
-
-
-def reasons(result: Reckoned) -> Iterator[tuple[str, Count]]:
-    """Everything there is to say about rows: why it is said, and of which."""
-    yield from ((f"left out: {reason}", count) for reason, count in result.left_out.items())
-    yield from ((REMARKS[flag], count) for flag, count in result.flags.items())

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
+from six_wheel._cli_calibrate import calibrate
 from six_wheel._cli_check import abilities, wheels_table
+from six_wheel._cli_odometry import odometry
 from six_wheel._cli_shared import (
     NodeOption,
     RoverArgument,
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from six_wheel._core import Rover
     from six_wheel.drive import Peak, Summary
 
-EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
+EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "scipy", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
 
 app = typer.Typer(
@@ -108,6 +110,10 @@ def drive(
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
     limits = chosen.parameters.limits if chosen.parameters else {}
     console.print(grid([*_summary(summary, limits), ("results", output), ("picture", plot)]))
+
+
+app.command(help=COMMANDS["odometry"])(odometry)
+app.command(help=COMMANDS["calibrate"])(calibrate)
 
 
 @app.command(help=COMMANDS["show"])
