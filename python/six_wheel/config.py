@@ -150,6 +150,11 @@ def read_parameters(path: str | os.PathLike[str], *, node: str | None = None) ->
     return _read(path, _text(path, log), node, log)
 
 
+def parse_parameters(text: str, *, node: str | None = None, path: Path = Path("rover")) -> Parameters:
+    """The same from the text of a parameter file, which messages call `path`."""
+    return _read(path, text, node, _Log(str(path)))
+
+
 def dump(
     rover: Rover, *, node: str | None = None, odom_frame_id: str = "odom", base_frame_id: str = "base_link"
 ) -> str:
@@ -174,7 +179,7 @@ def dump(
         text = _yaml.write(values | frames if node is None else {node: {PARAMETERS: values | frames}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
         try:
-            if values and _read(Path("rover"), text, node, _Log("rover")).rover == rover:
+            if values and parse_parameters(text, node=node).rover == rover:
                 return text
         except ParameterFileError:
             continue
