@@ -225,7 +225,7 @@ def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover
 def did_you_mean(names: Sequence[str], given: Sequence[str]) -> str:
     """The pair of a name that is missing and one that is there which are most alike, as a question."""
     likeness = {
-        (difflib.SequenceMatcher(None, words(there), words(name)).ratio(), name, there)
+        (difflib.SequenceMatcher(None, words(BRACKETS.sub(r"\1", there)), words(name)).ratio(), name, there)
         for name in names
         for there in given
     }

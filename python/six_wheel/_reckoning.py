@@ -209,8 +209,10 @@ class _Run:
         result.left_out = by_reader | result.left_out
         result.warnings += self.log.warnings
         if self._used < 2:
-            why = "; ".join(f"{reason}: {count}" for reason, count in result.left_out.items())
-            raise TableError(f"{path}: the log must have at least two rows that can be used, got none; {why}")
+            reasons = [f"; {reason}: {count}" for reason, count in result.left_out.items()]
+            why = "".join([*reasons, *(f"; {warning}" for warning in self.log.warnings)])
+            rule = "the log must have at least two rows that can be used"
+            raise TableError(f"{path}: {rule}, got {self._used}{why}")
         result.slip = self._slip.report(result.rover)
         if self._known:
             result.estimate, result.truth = (np.concatenate(part) for part in zip(*self._known, strict=True))
