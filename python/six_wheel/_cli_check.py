@@ -54,6 +54,8 @@ def _written(value: Any) -> str:
             return str(value).lower()
         case list():
             return f"[{', '.join(value)}]"
+        case dict():
+            return f"{{{_given(value)}}}"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -69,8 +69,8 @@ def new_console(stderr: bool = False) -> "Console":
 
 
 @contextlib.contextmanager
-def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A function to call with how much of how much is done; it draws a bar once that takes long."""
+def progress_bar(what: str) -> Iterator[Callable[..., None]]:
+    """A function to call with how much of how much is done (and of what); draws a bar once that takes long."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     console = new_console(stderr=True)
@@ -79,8 +79,8 @@ def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
     task = bar.add_task(what, total=None)
     begin = time.monotonic()
 
-    def update(done: int, total: int) -> None:
-        bar.update(task, completed=done, total=total)
+    def update(done: int, total: int, doing: str | None = None) -> None:
+        bar.update(task, completed=done, total=total, description=doing or what)
         if time.monotonic() - begin > PROGRESS_AFTER:
             bar.start()  # which does nothing the second time
 

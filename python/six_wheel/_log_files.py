@@ -13,12 +13,25 @@ from six_wheel import optiodom
 from six_wheel._core import Rover
 from six_wheel._joint_columns import Reading
 from six_wheel._joint_tables import Findings
+from six_wheel._poses import Floats
 from six_wheel.joint_logs import BAGS, Encoder, JointLog, JointRows, read_truth
 from six_wheel.logs import FORMATS, TableError
 from six_wheel.recordings import Log, Truth
 
-__all__ = ["AnyLog", "LogFormat", "LogOptions", "log_format", "metadata_of", "open_log", "read_log"]
+__all__ = [
+    "AnyLog",
+    "LogFormat",
+    "LogOptions",
+    "corrections",
+    "example_run",
+    "log_format",
+    "metadata_of",
+    "open_log",
+    "read_log",
+]
 
+# Of the keys of encoders those that hold for angles too, however they were read.
+CORRECTIONS = frozenset({"scale", "steering_gain"})
 LogFormat: TypeAlias = Literal["table", "bag", "optiodom"]
 AnyLog: TypeAlias = "JointLog | OptiOdomLog"
 
@@ -109,7 +122,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
 
 def _encoders(rover: Rover, values: Mapping[str, Any]) -> dict[str, Encoder]:
     """Encoders by wheel, from the keys of a parameter file; without resolution they read radians."""
-    if not values:
+    if not values.keys() - CORRECTIONS:
         return {}
     per_turn = values.get("resolution", math.tau) * values.get("gear", 1.0)
     wheel_of = dict(rover.traction_joints)
@@ -119,6 +132,13 @@ def _encoders(rover: Rover, values: Mapping[str, Any]) -> dict[str, Encoder]:
         wheel: Encoder(-per_turn if wheel in turned else per_turn, modulus, per_sample)
         for wheel in rover.wheel_names
     }
+
+
+def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]:
+    """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
+    gains = values.get("steering_gain", {})
+    named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
+    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
 
 
 def _instead_of(path: Path) -> str:
@@ -144,9 +164,12 @@ def read_log(
     TableError
         If log or truth cannot be used.
     """
+    session = str(path.parent)
     with open_log(path, rover, options) as log:
-        whole = log.read(truth=truth, truth_topic=options.truth_topic, progress=progress)
-    return whole, log
+        whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
+    gains, scale = corrections(rover, options.encoders)
+    steering = None if whole.steering is None else whole.steering * gains
+    return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale), log
 
 
 class OptiOdomLog:

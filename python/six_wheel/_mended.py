@@ -5,6 +5,7 @@ and the keys are those for which it gives the wheels that are wanted. So every f
 """
 
 import itertools
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,13 +24,18 @@ from six_wheel.config import Parameters, dump, parse_parameters
 
 __all__ = ["text_for"]
 
-QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail")
+QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough
 COUNTS = frozenset({"wheels_per_side"})
 
 
-def text_for(rover: Rover, parameters: Parameters | None = None, remarks: Sequence[str] = ()) -> str:
+def text_for(
+    rover: Rover,
+    parameters: Parameters | None = None,
+    encoders: Values | None = None,
+    remarks: Sequence[str] = (),
+) -> str:
     """The text of a parameter file for a rover.
 
     Parameters
@@ -39,6 +45,8 @@ def text_for(rover: Rover, parameters: Parameters | None = None, remarks: Sequen
     parameters : Parameters, optional
         The file to mend. If its keys cannot say what the rover is, the result has ``kind: custom``, and the
         frames, limits and so on of the file.
+    encoders : dict, optional
+        What the file's key ``encoders`` shall hold; what it holds now without it.
     remarks : sequence of str
         Comments for the top of the file.
 
@@ -48,8 +56,10 @@ def text_for(rover: Rover, parameters: Parameters | None = None, remarks: Sequen
         If no parameter file can say what the rover is.
     """
     head = "".join(f"# {remark}\n" for remark in remarks)
-    mended = None if parameters is None else _mended(parameters, rover)
-    return head + (mended or _plain(rover, parameters))
+    if encoders is None:
+        encoders = {} if parameters is None else parameters.encoders
+    mended = None if parameters is None else _mended(parameters, rover, encoders)
+    return head + (mended or _plain(rover, parameters, encoders))
 
 
 def _same(rover: Rover, other: Rover) -> bool:
@@ -62,20 +72,24 @@ def _same(rover: Rover, other: Rover) -> bool:
 
 
 def _quantities(rover: Rover) -> Floats:
-    return np.array([getattr(wheel, name) for wheel in rover.wheels for name in QUANTITIES], dtype=float)
+    return np.array(
+        [getattr(wheel, name) or 0.0 for wheel in rover.wheels for name in QUANTITIES], dtype=float
+    )
 
 
-def _plain(rover: Rover, parameters: Parameters | None) -> str:
+def _plain(rover: Rover, parameters: Parameters | None, encoders: Values) -> str:
     """A file of our own keys, with what the old file says beside the rover."""
-    if parameters is None:
-        return dump(rover)
-    frames = {"odom_frame_id": parameters.odom_frame_id, "base_frame_id": parameters.base_frame_id}
-    groups = {name: getattr(parameters, name) for name in GROUPS if getattr(parameters, name)}
-    for node in (parameters.node, None):
+    frames: dict[str, str] = {}
+    groups: Values = {"encoders": encoders} if encoders else {}
+    if parameters is not None:
+        frames = {"odom_frame_id": parameters.odom_frame_id, "base_frame_id": parameters.base_frame_id}
+        groups = {name: getattr(parameters, name) for name in GROUPS if getattr(parameters, name)} | groups
+    for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
         data = _yaml.parse(dump(rover, node=node, **frames), _unheard).data
-        values = data if node is None else data[node][PARAMETERS]
-        text = _yaml.write({**values, **groups} if node is None else {node: {PARAMETERS: values | groups}})
-        if parse_parameters(text, node=node).rover == rover:
+        values = (data if node is None else data[node][PARAMETERS]) | groups
+        text = _yaml.write(values if node is None else {node: {PARAMETERS: values}})
+        found = parse_parameters(text, node=node)
+        if found.rover == rover and found.encoders == encoders:
             return text
     raise ValueError(f"rover must be one that a parameter file can describe, got {rover}")
 
@@ -94,7 +108,7 @@ class _File:
     values: Values
 
 
-def _mended(parameters: Parameters, rover: Rover) -> str | None:
+def _mended(parameters: Parameters, rover: Rover, encoders: Values) -> str | None:
     """The file's own text with other numbers; None if that cannot say what the rover is."""
     file = _take_apart(parameters)
     if file is None:
@@ -106,9 +120,12 @@ def _mended(parameters: Parameters, rover: Rover) -> str | None:
         values = _solve(candidate, few, rover) or (_solve(candidate, paths, rover) if factors else None)
         if values is None:
             continue
+        if encoders != parameters.encoders:
+            values["encoders"] = encoders
         text = _edit(file, values)
         try:
-            if text is not None and _same(parse_parameters(text, node=parameters.node).rover, rover):
+            found = None if text is None else parse_parameters(text, node=parameters.node)
+            if found is not None and _same(found.rover, rover) and found.encoders == encoders:
                 return text
         except config.ParameterFileError:
             continue
@@ -215,8 +232,13 @@ def _edit(file: _File, values: Values) -> str | None:
     edits: list[tuple[int, int, str]] = []
     for key, value in values.items():
         if key not in before:
-            edits.append(_insertion(file, nodes, absolute, key, value))
+            edit = _insertion(file, nodes, absolute, key, value)
+            if edit is None:
+                return None
+            edits.append(edit)
             continue
+        if key in GROUPS and value != before[key]:
+            return None
         if isinstance(value, list) != isinstance(before[key], list):
             places: list[tuple[Path, Any]] = [((key,), value)]
         else:
@@ -234,7 +256,14 @@ def _edit(file: _File, values: Values) -> str | None:
 
 
 def _written(value: Any) -> str:
-    return f"[{', '.join(map(_written, value))}]" if isinstance(value, list) else repr(float(value))
+    match value:
+        case dict():
+            return f"{{{', '.join(f'{json.dumps(key)}: {_written(each)}' for key, each in value.items())}}}"
+        case list():
+            return f"[{', '.join(map(_written, value))}]"
+        case bool() | str():
+            return json.dumps(value)
+    return repr(float(value))
 
 
 def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, yaml.Node]]:
@@ -247,10 +276,13 @@ def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, yaml.Node]]:
 
 
 def _insertion(
-    file: _File, nodes: dict[Path, yaml.Node], absolute: dict[int, Path], key: str, value: float
-) -> tuple[int, int, str]:
-    """A line for a new key, below the wheels' radius and as far in."""
-    beside = nodes[absolute[id(file.section.places[("wheel_radius",)])]]
+    file: _File, nodes: dict[Path, yaml.Node], absolute: dict[int, Path], key: str, value: Any
+) -> tuple[int, int, str] | None:
+    """A line for a new key, below the first number of the rover and as far in."""
+    alone = (path for path in _leaves(file.values) if len(path) == 1 and path in file.section.places)
+    if (first := next(alone, None)) is None:
+        return None
+    beside = nodes[absolute[id(file.section.places[first])]]
     line = file.text.rfind("\n", 0, beside.start_mark.index) + 1
     indent = file.text[line : len(file.text) - len(file.text[line:].lstrip())]
     end = file.text.find("\n", beside.end_mark.index)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Odometry, Rover
-from six_wheel._log_files import AnyLog, LogOptions, open_log
+from six_wheel._log_files import AnyLog, LogOptions, corrections, open_log
 from six_wheel._pages import reporting
 from six_wheel._poses import Floats
 from six_wheel._slip_sum import SlipSum
@@ -135,8 +135,9 @@ REMARKS = {
 class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
-    def __init__(self, log: AnyLog, settings: Settings) -> None:
+    def __init__(self, log: AnyLog, settings: Settings, encoders: Mapping[str, Any]) -> None:
         self.log = log
+        self._gains, self._scale = corrections(log.rover, encoders)
         self.result = Reckoned(log.path.name, log.rover)
         self._odometry = Odometry(log.rover, settings.noise, **settings.options)
         self._odometry.reset(settings.start)
@@ -161,7 +162,8 @@ class _Run:
     def advance(self, chunk: JointRows, truth: Truth | None) -> list[NDArray[Any]]:
         """Reckon the rows of a chunk; one array (n,) for each of `units`."""
         result = self.result
-        track = self._odometry.run(chunk.steering, chunk.wheel_angles, chunk.stamps)
+        steering = None if chunk.steering is None else chunk.steering * self._gains
+        track = self._odometry.run(steering, chunk.wheel_angles * self._scale, chunk.stamps)
         covariances, residuals = track.covariances, track.residuals
         if covariances is None or residuals is None:
             raise RuntimeError("a track without covariances or residuals")  # they were not declined
@@ -282,7 +284,7 @@ def reckon(
             table_format(output)
         log: AnyLog = open_log(path, rover, options)
         stack.callback(log.close)
-        run = _Run(log, settings or Settings())
+        run = _Run(log, settings or Settings(), options.encoders)
         pages = stack.enter_context(reporting(plot, report, [path, truth, *sources]))
         taken = [each for each in (path, truth, *sources) if each is not None]
         target = stack.enter_context(replacing(output, taken)) if output else None

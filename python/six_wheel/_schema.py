@@ -145,6 +145,8 @@ class EncoderKeys(BaseModel):
     )
     per_sample: Flag = optional("whether a row counts from the row before")
     reversed: list[Name] = optional("a list of the wheels whose readings fall as the rover drives forward")
+    scale: Positive = optional("a factor for the angles of all wheels")
+    steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
 
 
 class OdometryKeys(BaseModel):

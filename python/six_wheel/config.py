@@ -94,7 +94,7 @@ class Parameters:
         ``steering_rate`` [rad/s] those the file gives.
     noise, encoders, odometry : dict
         What the file says about dead reckoning: arguments of `Noise`; ``resolution``, ``gear``, ``modulus``,
-        ``per_sample`` and ``reversed`` of the wheels' encoders; options of `Odometry`.
+        ``per_sample``, ``reversed``, ``scale`` and ``steering_gain``; options of `Odometry`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str
@@ -283,7 +283,7 @@ def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
     values = form.complete(found, values)
     rover = _rover(found, form, values, log)
     if rover is not None:
-        _check_reversed(found, values, rover, log)
+        _check_encoders(found, values, rover, log)
     if rover is None or log.has_errors:
         raise log.failure()
     named = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
@@ -404,13 +404,20 @@ def _joints(
     return joints
 
 
-def _check_reversed(section: Section, values: Values, rover: Rover, log: _Log) -> None:
-    known = {*rover.wheel_names, *rover.traction_joints}
-    for index, name in enumerate(values.get("encoders", {}).get("reversed", ())):
+def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    """The wheels that the keys of encoders name are there."""
+    encoders = values.get("encoders", {})
+    steered = {*rover.steered_names, *rover.steering_joints}
+    wheels = {*rover.wheel_names, *rover.traction_joints}
+    named = [("reversed", index, name, wheels) for index, name in enumerate(encoders.get("reversed", ()))]
+    named += [("steering_gain", name, name, steered) for name in encoders.get("steering_gain", ())]
+    for key, place, name, known in named:
         if name not in known:
-            at, guess = ("encoders", "reversed", index), closest(name, known)
-            message = f"encoders.reversed names {_yaml.one_line(name)}, which is no wheel and no joint of one"
-            remedy = f"did you mean {guess}?" if guess else f"the wheels are {', '.join(rover.wheel_names)}"
+            at, guess = ("encoders", key, place), closest(name, known)
+            what = "wheel that steers" if known is steered else "wheel"
+            message = f"encoders.{key} names {_yaml.one_line(name)}, which is no {what} and no joint of one"
+            there = ", ".join(rover.steered_names if known is steered else rover.wheel_names)
+            remedy = f"did you mean {guess}?" if guess else f"there are {there or 'none'}"
             log.error(section.line_of(at), at, message, remedy)
 
 
