@@ -70,7 +70,7 @@ def new_console(stderr: bool = False) -> "Console":
 
 @contextlib.contextmanager
 def progress_bar(what: str) -> Iterator[Callable[..., None]]:
-    """A function to call with how much of how much is done (and of what); draws a bar once that takes long."""
+    """A function to call with how much of how much is done, and what; it draws a bar once that is long."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     console = new_console(stderr=True)
