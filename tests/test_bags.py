@@ -3,13 +3,14 @@
 import re
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
@@ -121,6 +122,7 @@ def test_joints_in_any_order(tmp_path: Path, storage: str, chunk_rows: int) -> N
         np.testing.assert_array_equal(steered, steering)
 
 
+@settings(max_examples=30)
 @given(order=st.randoms(use_true_random=False), chunk_rows=st.integers(1, 30), topics=st.booleans())
 def test_joints_in_messages_of_their_own(
     tmp_path_factory: pytest.TempPathFactory, order: Any, chunk_rows: int, topics: bool
@@ -248,7 +250,7 @@ def test_bags_that_are_none(tmp_path: Path, storage: str) -> None:
     with pytest.raises(TableError, match="no such file"):
         JointLog(tmp_path / "none.mcap", CART)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(TableError, match=r"empty: metadata.yaml is missing"):
+    with pytest.raises(TableError, match=r"empty: the folder must hold metadata.yaml or .mcap or .db3 files"):
         JointLog(tmp_path / "empty", CART)
     messages = [joints(START + k, ["left"], [k]) for k in range(1000)]
     bag = write(tmp_path / "bag", states(messages), storage)
@@ -266,6 +268,36 @@ def test_bags_that_are_none(tmp_path: Path, storage: str) -> None:
             message = str(error)
         assert message.startswith(f"{bag}")
         assert "\n" not in message
+
+
+LONG = 30_000  # messages, in blocks of 2^20 bytes
+
+
+@pytest.fixture(scope="module")
+def long_recording(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    messages = [joints(START + k * 10**6, ["left", "right"], [k, -k]) for k in range(LONG)]
+    (file,) = write(tmp_path_factory.mktemp("long") / "bag", states(messages)).glob("*.mcap")
+    return file.read_bytes()
+
+
+@pytest.mark.parametrize("share", [0.4, 0.7, 0.999])
+def test_a_recorder_that_lost_power_leaves_what_is_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, long_recording: bytes, share: float
+) -> None:
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "bag_0.mcap").write_bytes(long_recording[: int(share * len(long_recording))])
+    for path in (bag, bag / "bag_0.mcap"):
+        with JointLog(path, CART) as log:
+            rows = np.concatenate([part.rows for part in log.chunks(1000)])
+            flaws = [str(each) for each in log.findings.listed]
+        np.testing.assert_array_equal(rows, np.arange(1, len(rows) + 1))
+        # All but the block that was cut, of 2^20 bytes and an index of 16 bytes a message.
+        assert share * LONG - 1.3 * 2**20 / len(long_recording) * LONG < len(rows) <= LONG
+        assert flaws == [f"{path}: row {len(rows) + 1}: the recording was cut off here"]
+        assert list((tmp_path / "temporary").iterdir()) == []
 
 
 # --- truth -----------------------------------------------------------------------------------------------

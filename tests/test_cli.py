@@ -317,14 +317,7 @@ def test_bench_compares_both_sides(run: Run, monkeypatch: pytest.MonkeyPatch) ->
     assert code == 0
     for name in ("inverse, one call", "forward, batch of 500 rows", "integrate, batch"):
         assert name in out
-    assert all(job.core_time < float("inf") for job in benchmark.measure())
-
-
-def test_best_of_times_one_call() -> None:
-    from six_wheel.benchmark import best_of
-
-    assert 0.01 <= best_of(time.sleep, 0.01) < 0.5
-    assert best_of(sorted, [3, 1, 2], repeat=2, reverse=True) < 1e-3
+    assert all(0 < timing.best < 1 for job in benchmark.measure() for timing in job.timings.values())
 
 
 @pytest.mark.parametrize("name", sw.Rover.presets())

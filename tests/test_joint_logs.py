@@ -15,10 +15,14 @@ import six_wheel as sw
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
+import optiodom_data  # noqa: E402
+
+from six_wheel import optiodom  # noqa: E402
+from six_wheel._core import Encoder  # noqa: E402
 from six_wheel._joint_columns import joint_columns  # noqa: E402
 from six_wheel._joint_tables import MOST_FINDINGS  # noqa: E402
 from six_wheel.drive import drive  # noqa: E402
-from six_wheel.joint_logs import Encoder, JointLog, JointRows, read_truth  # noqa: E402
+from six_wheel.joint_logs import JointLog, JointRows, read_truth  # noqa: E402
 from six_wheel.logs import TableError  # noqa: E402
 
 CART = sw.Rover.differential(0.5, 0.1)
@@ -160,9 +164,14 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
     for column, encoder in {
         "a": Encoder(4000),
         "b": Encoder(4000, modulus=1 << bits),
-        "c": Encoder(4000, per_sample=True),
+        "c": Encoder(4000),
     }.items():
-        rows = rows_of(path, chunk_rows=chunk_rows, columns={column: "left [ticks]"}, encoder=encoder)
+        options = {
+            "columns": {column: "left [ticks]"},
+            "wheel_encoders": encoder,
+            "increments": column == "c",
+        }
+        rows = rows_of(path, chunk_rows=chunk_rows, **options)
         turned = rows.wheel_angles[:, 0] - rows.wheel_angles[0, 0]
         # Ticks are whole and exact; one rounding in the scale, one in the product.
         np.testing.assert_allclose(turned, (totals - offset) * 2 * np.pi / 4000, rtol=1e-15, atol=1e-15)
@@ -171,14 +180,39 @@ def test_counters_that_wrap_and_counts_per_row_are_the_same_angle(
 
 def test_encoders_per_wheel_and_backwards(tmp_path: Path) -> None:
     path = write(tmp_path / "log.csv", "t,left [ticks],right [ticks]\n0,0,0\n1,100,-100\n")
-    encoders = {"left": Encoder(100), "right": Encoder(-50)}
-    rows = rows_of(path, encoder=encoders)
+    encoders = {"left": Encoder(100), "right": Encoder(25, gear=-2)}
+    rows = rows_of(path, wheel_encoders=encoders)
     np.testing.assert_allclose(rows.wheel_angles[1], [2 * np.pi, 4 * np.pi])
-    with pytest.raises(ValueError, match="how many ticks a turn of right has"):
-        JointLog(path, CART, encoder={"left": Encoder(100)})
-    for bad in ({"ticks_per_revolution": 0}, {"ticks_per_revolution": 1, "modulus": -1}):
-        with pytest.raises(ValueError, match="must be finite and"):
+    with pytest.raises(ValueError, match="wheel_encoders must say how many ticks a turn of right has"):
+        JointLog(path, CART, wheel_encoders={"left": Encoder(100)})
+    for bad in ({"resolution": 0}, {"modulus": -1}, {"gear": 0}, {"offset": math.inf}):
+        with pytest.raises(ValueError, match=f"{next(iter(bad))} must be finite"):
             Encoder(**bad)
+    rates = write(tmp_path / "rates.csv", "t,left [rpm]\n0,0\n1,1\n")
+    with pytest.raises(ValueError, match="must be left out where wheels are read as speeds"):
+        JointLog(rates, CART, wheel_encoders=Encoder(100))
+
+
+@given(
+    angles=st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=20),
+    offset=st.floats(-3, 3),
+    chunk_rows=st.integers(1, 30),
+)
+def test_absolute_steering_encoders(
+    tmp_path_factory: pytest.TempPathFactory, angles: list[float], offset: float, chunk_rows: int
+) -> None:
+    # Whole counts of a 12 bit encoder that starts over anywhere, and a joint that stays within its range.
+    bicycle = sw.Rover.bicycle(1.0, 0.3)
+    wheel = bicycle.steered_names[0]
+    counts = np.round((np.array(angles) - offset) * 4096 / (2 * np.pi)) % 4096
+    lines = [f"{k},{count:.0f},0\n" for k, count in enumerate(counts)]
+    header = f"t,{wheel}_steering [ticks],rear [rad]\n"
+    path = write(tmp_path_factory.mktemp("steer") / "log.csv", header + "".join(lines))
+    with pytest.raises(ValueError, match="steering_encoders must say"):
+        JointLog(path, bicycle)
+    encoder = Encoder(4096, modulus=4096, offset=offset)
+    rows = rows_of(path, bicycle, chunk_rows, steering_encoders={wheel: encoder})
+    np.testing.assert_allclose(rows.steering[:, 0], angles, rtol=0, atol=0.5001 * 2 * np.pi / 4096)
 
 
 @pytest.mark.parametrize("chunk_rows", [1, 3, 1000])
@@ -428,3 +462,37 @@ def test_memory_does_not_grow_with_the_log(tmp_path: Path) -> None:
         peaks.append(int(done[2]) / 1024)
     assert path.stat().st_size > 25e6
     assert peaks[1] - peaks[0] < 12  # [MB]; the file has grown by 18 MB, its columns by 19
+
+
+# --- a real recording ------------------------------------------------------------------------------------
+
+
+@optiodom_data.REQUIRED
+@pytest.mark.parametrize(
+    ("robot", "header"),
+    [
+        ("diff", "time,x,y,heading,right [ticks],left [ticks]"),
+        ("tricyc", "time,x,y,heading,front [ticks],front_steering [rad]"),
+    ],
+)
+def test_named_columns_read_as_the_reader_of_the_format_does(tmp_path: Path, robot: str, header: str) -> None:
+    path = optiodom.runs(optiodom_data.FOLDER / robot)[0]
+    rover, expected = optiodom.read_rover(path), optiodom.read(path)
+    named = write(tmp_path / "log.csv", header + "\n" + path.read_text())
+    counts = {name: float(words[0]) for name, *words in map(str.split, metadata_of(path)) if words}
+    ticks = counts["ngear"] * counts["encRes"]
+    with JointLog(named, rover, wheel_encoders=Encoder(ticks), increments=True) as joint_log:
+        log = joint_log.read()
+        assert joint_log.findings.listed == []
+    np.testing.assert_array_equal(log.stamps, expected.stamps)
+    np.testing.assert_array_equal(log.truth.poses, expected.truth.poses)
+    if robot == "tricyc":
+        np.testing.assert_array_equal(log.steering, expected.steering)
+    steps = expected.wheel_angles - expected.wheel_angles[0]
+    np.testing.assert_allclose(log.wheel_angles, steps, rtol=0, atol=1e-9)  # [rad], of sums of thousands
+    assert np.isnan(log.wheel_angles).sum() == (len(log) if robot == "tricyc" else 0)
+
+
+def metadata_of(path: Path) -> list[str]:
+    text = next(path.parent.glob("*_metadata.csv")).read_text()
+    return [line.replace(",", " ") for line in text.splitlines() if line.startswith(("ngear", "encRes"))]

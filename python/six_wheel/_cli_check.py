@@ -72,14 +72,13 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
     if parameters:
+        limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
         kind, controller = parameters.kind, parameters.controller
         rows += [
             ("kind", f"{kind}, as {controller} has it" if controller else kind),
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
-            *(
-                (group, _given(getattr(parameters, group)))
-                for group in ("limits", "noise", "encoders", "odometry")
-            ),
+            ("limits", limits or None),
+            *((group, _given(getattr(parameters, group))) for group in ("noise", "encoders", "odometry")),
         ]
     return rows

@@ -130,7 +130,7 @@ def joint_columns(
                 continue
             name, rest = f"{part} {named[0]}", named[1]
             meaning = _reading(rest, given, "angle" if part == "steering" else reading)
-            if meaning is None or (part == "steering" and meaning[0] != "angle"):
+            if meaning is None or (part == "steering" and meaning[0] == "speed"):
                 if meaning is None and (given or not rest):
                     doubts.setdefault(name, _doubt(header, text, given, part))
                 break
@@ -154,7 +154,11 @@ def joint_columns(
             for kind, column in kinds.items()
         )
         raise TableError(f"wheels must be read in one way, all as angle, speed or ticks, got {shown}")
-    found |= {name: kinds["angle"] for name, kinds in by_reading.items() if name not in wheel_columns}
+    found |= {
+        name: kinds.get("angle") or kinds["ticks"]
+        for name, kinds in by_reading.items()
+        if name not in wheel_columns
+    }
     found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
     silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
     return JointColumns(found, chosen, silent)
@@ -187,7 +191,7 @@ def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str] | None:
 
 
 def _doubt(header: str, text: str, given: str | None, part: str) -> str:
-    kinds: Sequence[Reading] = ("angle",) if part == "steering" else READINGS
+    kinds: Sequence[Reading] = ("angle", "ticks") if part == "steering" else READINGS
     known = ", ".join(each.symbol for kind in kinds for each in _UNITS[kind])
     such = f'"{text.strip()} [{"rad" if part == "steering" else "rad/s"}]"'
     got = "none" if given is None else f'"{given}"'

@@ -79,14 +79,16 @@ def _quantities(rover: Rover) -> Floats:
 
 def _plain(rover: Rover, parameters: Parameters | None, encoders: Values) -> str:
     """A file of our own keys, with what the old file says beside the rover."""
-    frames: dict[str, str] = {}
+    said: Values = {}
     groups: Values = {"encoders": encoders} if encoders else {}
     if parameters is not None:
-        frames = {"odom_frame_id": parameters.odom_frame_id, "base_frame_id": parameters.base_frame_id}
-        groups = {name: getattr(parameters, name) for name in GROUPS if getattr(parameters, name)} | groups
+        kept = ("odom_frame_id", "base_frame_id", "limits", "control")
+        said = {name: getattr(parameters, name) for name in kept}
+        groups = {name: getattr(parameters, name) for name in ("noise", "odometry")} | groups
     for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
-        data = _yaml.parse(dump(rover, node=node, **frames), _unheard).data
-        values = (data if node is None else data[node][PARAMETERS]) | groups
+        data = _yaml.parse(dump(rover, node=node, **said), _unheard).data
+        values = data if node is None else data[node][PARAMETERS]
+        values |= {name: value for name, value in groups.items() if value}
         text = _yaml.write(values if node is None else {node: {PARAMETERS: values}})
         found = parse_parameters(text, node=node)
         if found.rover == rover and found.encoders == encoders:

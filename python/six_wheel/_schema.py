@@ -7,7 +7,7 @@ there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, ValidationError
 from pydantic.fields import FieldInfo
@@ -27,7 +27,6 @@ __all__ = [
     "Form",
     "Joints",
     "Length",
-    "Limits",
     "Name",
     "Number",
     "NumberOrPair",
@@ -107,14 +106,35 @@ def _any_of(schema: type[BaseModel]) -> str:
     return f"a mapping with any of {', '.join(schema.model_fields)}"
 
 
-class Limits(BaseModel):
-    """What `Parameters.limits` can hold."""
+class LimitKeys(BaseModel):
+    """The keys of `limits`: the keywords of `six_wheel.Limits`."""
 
     speed: Positive = optional("a speed in m/s")
+    yaw_rate: Positive = optional("a rate of turn in rad/s")
     acceleration: Positive = optional("an acceleration in m/s^2")
+    deceleration: Positive = optional("an acceleration in m/s^2")
     jerk: Positive = optional("a jerk in m/s^3")
+    angular_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_deceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_jerk: Positive = optional("an angular jerk in rad/s^3")
+    lateral_acceleration: Positive = optional("an acceleration in m/s^2")
     wheel_speed: Positive = optional("a rate of turn in rad/s")
+    wheel_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    steering_limit: Positive = optional("an angle in radians")
     steering_rate: Positive = optional("a rate of turn in rad/s")
+    steering_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+
+
+class ControlKeys(BaseModel):
+    """The keys of `control`: the keywords of `six_wheel.Controller`."""
+
+    timeout: Positive = optional("a time in s")
+    period: Positive = optional("a time in s")
+    max_step: Positive = optional("a time in s")
+    mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
+    align: Literal["cosine", "hold", "none"] = optional("cosine, hold or none")
+    align_tolerance: Positive = optional("an angle in radians")
+    discretise: Flag = optional("true or false")
 
 
 _AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
@@ -173,7 +193,8 @@ class Common(BaseModel):
     wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
     odom_frame_id: Name = optional("the name of a frame, such as odom")
     base_frame_id: Name = optional("the name of a frame, such as base_link")
-    limits: Limits = optional(_any_of(Limits))
+    limits: LimitKeys = optional(_any_of(LimitKeys))
+    control: ControlKeys = optional(_any_of(ControlKeys))
     noise: NoiseKeys = optional(_any_of(NoiseKeys))
     encoders: EncoderKeys = optional(_any_of(EncoderKeys))
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
@@ -249,6 +270,7 @@ _RULES = {
     "greater_than_equal": "at least {ge}",
     "less_than_equal": "at most {le}",
     "finite_number": "finite and positive",
+    "literal_error": "one of {expected}",
 }
 
 
@@ -260,7 +282,8 @@ def describe(form: Form, at: Path) -> str:
 
 
 GROUPS: dict[str, type[BaseModel]] = {
-    "limits": Limits,
+    "limits": LimitKeys,
+    "control": ControlKeys,
     "noise": NoiseKeys,
     "encoders": EncoderKeys,
     "odometry": OdometryKeys,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._bag_files import files_of, one_line, rosbags_names, whole_part
 from six_wheel._core import Rover
 from six_wheel._joint_columns import Reading, did_you_mean
 from six_wheel._joint_tables import Batch, Findings
@@ -22,7 +23,6 @@ from six_wheel.logs import TIME_UNITS, TableError
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
-INSTALL = 'pip install "six-wheel[bags]"'
 JOINT_STATE = "sensor_msgs/msg/JointState"
 POSES = (
     "nav_msgs/msg/Odometry",
@@ -52,24 +52,51 @@ class Bag:
         self.path = path
         self.findings = Findings(path)
         self.position = 0
-        rosbags = _rosbags()
-        try:
-            store = rosbags.get_typestore(rosbags.Stores.LATEST)
-            self._reader: AnyReader = rosbags.AnyReader([path], default_typestore=store)
-            self._reader.open()
-        except FileNotFoundError:
-            missing = "metadata.yaml is missing" if path.is_dir() else "no such file"
-            raise TableError(f"{path}: {missing}") from None
-        except Exception as error:  # sqlite, YAML and zstd have their own, and a cut file meets all of them
-            raise TableError(
-                f"{path}: not a readable bag: {one_line(error)}; was the recorder stopped in time? "
-                "`ros2 bag reindex` or `mcap recover` may mend it"
-            ) from None
         self._topics: list[Any] = []
+        self._whole: tempfile.TemporaryDirectory[str] | None = None
+        rosbags = rosbags_names()
+        try:
+            self._reader = self._open(rosbags)
+        except BaseException:
+            self._forget()
+            raise
+
+    def _open(self, rosbags: Any) -> "AnyReader":
+        """A reader of the bag, or of what is whole of it."""
+        store = rosbags.get_typestore(rosbags.Stores.LATEST)
+
+        def reader(paths: Sequence[Path]) -> "AnyReader":
+            opened: AnyReader = rosbags.AnyReader(paths, default_typestore=store)
+            opened.open()
+            return opened
+
+        if not self.path.exists():
+            raise TableError(f"{self.path}: no such file")
+        files = files_of(self.path)
+        # The index of a folder is written when the recorder stops; the files serve without.
+        bags = files if self.path.is_dir() and not (self.path / "metadata.yaml").exists() else [self.path]
+        if not bags:
+            raise TableError(
+                f"{self.path}: the folder must hold metadata.yaml or .mcap or .db3 files, got none"
+            )
+        try:
+            return reader(bags)
+        except Exception as error:  # sqlite, YAML and zstd have their own, and a cut file meets all of them
+            refused = TableError(f"{self.path}: not a readable bag: {one_line(error)}")
+        self._whole = tempfile.TemporaryDirectory()
+        try:
+            return reader([whole_part(file, Path(self._whole.name)) for file in files])
+        except Exception:
+            raise refused from None
 
     def close(self) -> None:
         """Close the files."""
         self._reader.close()
+        self._forget()
+
+    def _forget(self) -> None:
+        if self._whole is not None:
+            self._whole.cleanup()
 
     @property
     def size(self) -> int:
@@ -106,8 +133,10 @@ class Bag:
                 stamp = message.header.stamp
                 yield number, (stamp.sec * 1_000_000_000 + stamp.nanosec) or received, message
         except Exception as error:
-            what = f"the rest of the bag cannot be read: {one_line(error)}"
-            self.findings.add(number + 1, what)
+            self.findings.add(number + 1, f"the rest of the bag cannot be read: {one_line(error)}")
+        else:
+            if self._whole is not None:
+                self.findings.add(number + 1, "the recording was cut off here")
 
 
 class JointBag(Bag):
@@ -333,7 +362,7 @@ class JointCommandWriter:
     def __init__(
         self, path: Path, steering: Sequence[str], traction: Sequence[str], topic: str = "/joint_commands"
     ) -> None:
-        rosbags = _rosbags()
+        rosbags = rosbags_names()
         self._path, self._names = path, [*steering, *traction]
         self._steering, self._traction = len(steering), len(traction)
         self._store = rosbags.get_typestore(rosbags.Stores.LATEST)
@@ -381,27 +410,3 @@ class JointCommandWriter:
                 self._writer.abort()
         finally:
             self._folder.cleanup()
-
-
-def one_line(error: Exception) -> str:
-    """What an error says, without line ends."""
-    return " ".join(str(error).split()) or type(error).__name__
-
-
-def _rosbags() -> Any:
-    """The names of rosbags that are used here."""
-    try:
-        import rosbags.highlevel
-        import rosbags.rosbag2
-        import rosbags.typesys
-    except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"bags need {error.name}: {INSTALL}", name=error.name) from None
-    from types import SimpleNamespace
-
-    return SimpleNamespace(
-        AnyReader=rosbags.highlevel.AnyReader,
-        Stores=rosbags.typesys.Stores,
-        get_typestore=rosbags.typesys.get_typestore,
-        Writer=rosbags.rosbag2.Writer,
-        StoragePlugin=rosbags.rosbag2.StoragePlugin,
-    )

@@ -26,10 +26,10 @@ from six_wheel._cli_shared import (
 )
 
 if TYPE_CHECKING:
-    from six_wheel._core import Rover
+    from six_wheel._core import Limits, Rover
     from six_wheel.drive import Peak, Summary
 
-EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "scipy", "yaml")
+EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
 
 app = typer.Typer(
@@ -108,7 +108,9 @@ def drive(
     console = new_console()
     for warning in summary.warnings:
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
-    limits = chosen.parameters.limits if chosen.parameters else {}
+    from six_wheel._core import Limits
+
+    limits = chosen.parameters.limits if chosen.parameters else Limits()
     console.print(grid([*_summary(summary, limits), ("results", output), ("picture", plot)]))
 
 
@@ -161,7 +163,7 @@ def _left_turn(rover: "Rover") -> tuple[float, float, float]:
     return vx, vy, omega
 
 
-def _summary(summary: "Summary", limits: dict[str, float]) -> list[tuple[str, object]]:
+def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
     """What a drive came to, as rows for `grid`."""
 
     def at(peak: "Peak", value: str, limit: float | None = None) -> str | None:
@@ -179,8 +181,8 @@ def _summary(summary: "Summary", limits: dict[str, float]) -> list[tuple[str, ob
         ("path length", f"{summary.path_length:.6g} m"),
         ("end pose", f"x {x:.6g} m, y {y:.6g} m, yaw {angle_text(yaw)}"),
         ("largest steering angle", at(angle, angle_text(angle.value))),
-        ("largest steering rate", at(rate, f"{rate.value:.4g} rad/s", limits.get("steering_rate"))),
-        ("largest wheel speed", at(speed, f"{speed.value:.4g} rad/s", limits.get("wheel_speed"))),
+        ("largest steering rate", at(rate, f"{rate.value:.4g} rad/s", limits.steering_rate)),
+        ("largest wheel speed", at(speed, f"{speed.value:.4g} rad/s", limits.wheel_speed)),
         ("largest residual", at(residual, f"{residual.value:.2g} m/s")),
         ("projected rows", changes if summary.projected_rows else summary.projected_rows),
         ("took", f"{summary.elapsed:.3g} s, {summary.rows / summary.elapsed:,.0f} rows/s"),

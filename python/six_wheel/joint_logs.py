@@ -9,50 +9,25 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Rover
+from six_wheel._core import Encoder, Rover
 from six_wheel._joint_columns import Reading, joint_columns, truth_columns
 from six_wheel._joint_tables import Batch, Finding, Findings, Sieve, Source, TolerantTable
 from six_wheel.logs import TIME, Column, TableError, Unit, find_columns
 from six_wheel.recordings import Log, Truth
 
-__all__ = ["Encoder", "Finding", "JointLog", "JointRows", "Reading", "read_truth"]
+__all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
 
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
 BAGS = (".mcap", ".db3")
 # Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
 LONGEST_RUN = 1e6  # [s]
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Encoder:
-    """How the readings of a wheel become its angle.
-
-    Parameters
-    ----------
-    ticks_per_revolution : float
-        Of the wheel: ticks per turn of the motor times the gear ratio. Negative if it counts backwards.
-    modulus : float, optional
-        Where the counter begins again, such as 2**16. Steps are then read as the shorter way round.
-    per_sample : bool
-        Whether a row holds what was counted since the row before, and not the total.
-    """
-
-    ticks_per_revolution: float
-    modulus: float | None = None
-    per_sample: bool = False
-
-    def __post_init__(self) -> None:
-        if not math.isfinite(self.ticks_per_revolution) or self.ticks_per_revolution == 0:
-            got = self.ticks_per_revolution
-            raise ValueError(f"ticks_per_revolution must be finite and not zero, got {got}")
-        if self.modulus is not None and not 0 < self.modulus < math.inf:
-            raise ValueError(f"modulus must be finite and positive, got {self.modulus}")
+Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
 
 
 @dataclass(frozen=True)
@@ -91,8 +66,10 @@ class JointLog:
         Whose joints and wheels the columns or messages name.
     reading : {"angle", "speed", "ticks"}, optional
         What the wheels' columns hold if their headers do not say, and what to take where there are several.
-    encoder : Encoder or mapping of wheel to Encoder, optional
+    wheel_encoders, steering_encoders : Encoder or mapping of wheel to Encoder, optional
         For readings that are no running total in radians; needed for ticks.
+    increments : bool
+        Whether a row holds what a wheel has turned since the row before, and not the total.
     columns : mapping, optional
         Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``.
     topics : sequence of str, optional
@@ -126,7 +103,9 @@ class JointLog:
         rover: Rover,
         *,
         reading: Reading | None = None,
-        encoder: Encoder | Mapping[str, Encoder] | None = None,
+        wheel_encoders: Encoders = None,
+        steering_encoders: Encoders = None,
+        increments: bool = False,
         columns: Mapping[str, str] | None = None,
         topics: Sequence[str] | None = None,
     ) -> None:
@@ -134,6 +113,7 @@ class JointLog:
         self.warnings: list[str] = []
         self._stated = True
         self._names: Sequence[str] = ()
+        self._counted: set[str] = set()  # steered wheels whose angle is read in ticks
         self._source: Source
         if self.path.is_dir() or self.path.suffix.lower() in BAGS:
             from six_wheel.bags import JointBag
@@ -145,15 +125,30 @@ class JointLog:
             table, found = _joint_table(self.path, rover, reading, columns)
             self._source, self.reading, self._names = table, found.reading, list(found.columns)
             self._stated = found.columns["time"].stated
+            columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
+            self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
             self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
             silent = list(found.silent)
         self.findings = self._source.findings
         if silent:
             self.warnings.append(f"{self.path}: no readings of {', '.join(silent)}: taken as without encoder")
+        ticks = self.reading == "ticks"
         try:
-            self._totals = [
-                _Total(self.reading, _encoder_of(encoder, wheel, self.reading)) for wheel in rover.wheel_names
-            ]
+            if self.reading == "speed" and (wheel_encoders is not None or increments):
+                rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
+                raise ValueError(rule)
+            self._wheels = {
+                wheel: _Total(encoder, increments) if self.reading != "speed" else _Integral()
+                for wheel in rover.wheel_names
+                if f"wheel {wheel}" in self._names
+                for encoder in [_encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
+            }
+            counted = self._counted
+            self._steering = {
+                wheel: _Total(encoder, increments=False, absolute=True)
+                for wheel in rover.steered_names
+                for encoder in [_encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
+            }
         except BaseException:
             self.close()
             raise
@@ -257,11 +252,13 @@ class JointLog:
 
     def _rows(self, batch: Batch) -> JointRows:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
-        steering = [batch.values[f"steering {wheel}"] for wheel in self.rover.steered_names]
-        angles = np.full((len(batch), len(self._totals)), np.nan)
-        for k, (wheel, total) in enumerate(zip(self.rover.wheel_names, self._totals, strict=True)):
-            if (readings := batch.values.get(f"wheel {wheel}")) is not None:
-                angles[:, k] = total.advance(readings, stamps)
+        steering = [
+            total.advance(batch.values[f"steering {w}"], stamps) for w, total in self._steering.items()
+        ]
+        angles = np.full((len(batch), len(self.rover.wheel_names)), np.nan)
+        for k, wheel in enumerate(self.rover.wheel_names):
+            if wheel in self._wheels:
+                angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
         truth = poses_of(batch.values) if "x" in batch.values else None
         return JointRows(batch.rows, stamps, np.stack(steering, axis=1) if steering else None, angles, truth)
 
@@ -376,44 +373,57 @@ def poses_of(values: Mapping[str, Floats]) -> Floats:
     return np.stack([values["x"], values["y"], yaw], axis=1)
 
 
-def _encoder_of(
-    encoder: Encoder | Mapping[str, Encoder] | None, wheel: str, reading: Reading
-) -> Encoder | None:
-    found = encoder.get(wheel) if isinstance(encoder, Mapping) else encoder
-    if found is None and reading == "ticks":
-        raise ValueError(f"encoder must say how many ticks a turn of {wheel} has, got none")
-    if found is not None and reading == "speed":
-        raise ValueError("encoder must be left out where wheels are read as speeds, got one")
+def _encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
+    found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
+    if found is None and needed:
+        raise ValueError(f"{name} must say how many ticks a turn of {wheel} has, got none")
     return found
 
 
 class _Total:
-    """The running total of a wheel's angle, from one chunk to the next."""
+    """The angle of a joint from the readings of its encoder, from one chunk to the next."""
 
-    def __init__(self, reading: Reading, encoder: Encoder | None) -> None:
-        self._reading, self._encoder = reading, encoder
-        self._sum = 0.0
-        self._last: tuple[float, float] | None = None  # reading and stamp
+    def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
+        self._encoder, self._increments, self._absolute = encoder, increments, absolute
+        self._counts, self._last = 0.0, math.nan
 
     def advance(self, readings: Floats, stamps: Floats) -> Floats:
-        """Angles (n,) [rad] at the stamps."""
-        if self._reading != "speed" and self._encoder is None:
+        """Angles (n,) [rad]."""
+        encoder = self._encoder
+        if encoder is None and not self._increments:
             return readings
-        last = self._last or (readings[0], stamps[0])
-        first = self._last is None
-        self._last = float(readings[-1]), float(stamps[-1])
-        if self._encoder is None:
-            # A measured rate is that of an instant: between two of them the wheel turns by their mean.
-            held = np.concatenate([[last[0]], readings])
-            steps = (held[1:] + held[:-1]) / 2 * np.diff(stamps, prepend=last[1])
-            scale = 1.0
-        else:
-            scale = 2 * math.pi / self._encoder.ticks_per_revolution
-            steps = readings.copy() if self._encoder.per_sample else np.diff(readings, prepend=last[0])
-            if self._encoder.per_sample and first:
-                steps[0] = 0.0  # counted before the log begins
-            if (modulus := self._encoder.modulus) is not None:
-                steps -= modulus * np.round(steps / modulus)
-        totals = self._sum + np.cumsum(steps)
-        self._sum = float(totals[-1])
-        return totals * scale
+        encoder = encoder or Encoder()
+        if first := math.isnan(self._last):
+            # A wheel has turned since anywhere: from zero on no digit is lost to a large count.
+            self._counts = self._first(encoder, readings[0]) if self._absolute else 0.0
+        steps = readings.copy() if self._increments else np.diff(readings, prepend=self._last)
+        if first:
+            steps[0] = 0.0  # turned before the log begins
+        if encoder.modulus is not None:
+            steps -= encoder.modulus * np.round(steps / encoder.modulus)
+        counts = self._counts + np.cumsum(steps)
+        self._counts, self._last = float(counts[-1]), float(readings[-1])
+        return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)
+
+    @staticmethod
+    def _first(encoder: Encoder, reading: float) -> float:
+        """The counts to begin with: an absolute counter that starts over has no turns to tell."""
+        if encoder.modulus is None:
+            return reading
+        zero = encoder.offset / encoder.angle_per_count
+        return reading - encoder.modulus * round((reading + zero) / encoder.modulus)
+
+
+class _Integral:
+    """The angle of a wheel from its rate, from one chunk to the next."""
+
+    def __init__(self) -> None:
+        self._sum, self._last = 0.0, (math.nan, math.nan)
+
+    def advance(self, readings: Floats, stamps: Floats) -> Floats:
+        """Angles (n,) [rad]. A measured rate is that of an instant: from one to the next their mean holds."""
+        rate, stamp = (readings[0], stamps[0]) if math.isnan(self._last[0]) else self._last
+        held = np.concatenate([[rate], readings])
+        totals: Floats = self._sum + np.cumsum((held[1:] + held[:-1]) / 2 * np.diff(stamps, prepend=stamp))
+        self._sum, self._last = float(totals[-1]), (float(readings[-1]), float(stamps[-1]))
+        return totals

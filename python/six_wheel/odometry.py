@@ -161,7 +161,7 @@ class Track:
         if len(self):
             x, y, yaw = self.poses[-1]
             lines[0] += f", {self.stamps[-1] - self.stamps[0]:.6g} s, ends at ({x:.4f}, {y:.4f}, {yaw:.4f})"
-        return "\n  ".join([lines[0] + ")", *self.findings()])
+        return "\n  ".join([lines[0], *self.findings()]) + ")"
 
 
 @dataclass(frozen=True, slots=True)

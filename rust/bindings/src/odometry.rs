@@ -1,5 +1,6 @@
 //! `six_wheel.Odometry`.
 
+mod quick;
 pub mod values;
 
 use std::str::FromStr;
@@ -12,6 +13,8 @@ use six_wheel_core::Method;
 use six_wheel_core::odometry::{
     Encoder as CoreEncoder, Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
 };
+
+pub use quick::install;
 
 use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
@@ -272,6 +275,7 @@ impl Odometry {
     #[pyo3(signature = (steering, wheels, stamp, *, yaw=None, yaw_rate=None))]
     fn update(
         &mut self,
+        py: Python<'_>,
         steering: &Bound<'_, PyAny>,
         wheels: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
@@ -290,7 +294,7 @@ impl Odometry {
         self.core
             .update(sample)
             .map_err(|error| raise(error, &[]))?;
-        Ok(self.state())
+        Ok(self.state(py))
     }
 
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
@@ -425,6 +429,7 @@ impl Odometry {
     ///     If a value is not finite or the stamp not later than the last one.
     fn command(
         &mut self,
+        py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
     ) -> PyResult<OdometryState> {
@@ -432,7 +437,7 @@ impl Odometry {
         self.core
             .command(twist.into(), stamp)
             .map_err(|error| raise(error, &[]))?;
-        Ok(self.state())
+        Ok(self.state(py))
     }
 
     /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.
@@ -453,6 +458,7 @@ impl Odometry {
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
     fn correct(
         &mut self,
+        py: Python<'_>,
         pose: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
         covariance: &Bound<'_, PyAny>,
@@ -462,7 +468,7 @@ impl Odometry {
         self.core
             .correct(pose.into(), stamp, matrix)
             .map_err(|error| raise(error, &[]))?;
-        Ok(self.state())
+        Ok(self.state(py))
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -510,8 +516,8 @@ impl Odometry {
 
     /// Where the rover is after the last sample.
     #[getter]
-    fn state(&self) -> OdometryState {
-        OdometryState::of(&self.core)
+    fn state(&self, py: Python<'_>) -> OdometryState {
+        OdometryState::of(&self.core, self.rover.clone_ref(py))
     }
 
     /// The rover.
@@ -527,7 +533,7 @@ impl Odometry {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let state = Py::new(py, self.state())?;
+        let state = Py::new(py, self.state(py))?;
         Ok(format!("Odometry({})", state.bind(py).repr()?))
     }
 }

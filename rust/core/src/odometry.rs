@@ -8,6 +8,7 @@ pub mod encoder;
 pub mod health;
 mod history;
 pub mod noise;
+mod spread;
 mod step;
 mod tolerant;
 mod uncertainty;
@@ -299,8 +300,7 @@ impl Odometry {
         if dt == 0.0 {
             return [[0.0; 3]; 3];
         }
-        let total = self.work.noise.total() / (dt * dt);
-        ((total + total.transpose()) / 2.0).into()
+        (self.work.noise.total().matrix() / (dt * dt)).into()
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
@@ -627,7 +627,7 @@ fn advance(
     let step = <[f64; 3]>::from(displacement);
     let twist = Twist::from(step.map(|part| part / motion.dt));
     let finite = step.iter().all(|part| part.abs() < HUGE)
-        && work.noise.own.amax() < HUGE
+        && work.noise.own.is_below(HUGE)
         && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
     if !finite {
         let rule = "be small enough for a finite pose and covariance";

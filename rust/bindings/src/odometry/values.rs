@@ -3,9 +3,11 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
+use six_wheel_core::Method;
 use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise, Odometry};
 
 use crate::convert::{number, raise};
+use crate::rover::Rover;
 use crate::wheel::reduce;
 
 /// How far readings and wheels may err: standard deviations.
@@ -308,20 +310,16 @@ pub struct OdometryState {
     velocity: [f64; 3],
     covariance: [[f64; 3]; 3],
     twist_covariance: [[f64; 3]; 3],
-    residual: Vec<f64>,
-    weights: Vec<f64>,
+    residual: Box<[f64]>,
+    /// None where all count alike.
+    weights: Option<Box<[f64]>>,
     health: u32,
-    worst_wheel: Option<String>,
+    rover: Py<Rover>,
 }
 
 impl OdometryState {
-    pub fn of(odometry: &Odometry) -> Self {
-        let residual = odometry.residual();
-        let worst = residual
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(b.1))
-            .filter(|(_, residual)| **residual > 0.0);
+    pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
+        let alike = odometry.settings().method == Method::LeastSquares;
         Self {
             stamp: odometry.stamp(),
             pose: odometry.pose().into(),
@@ -329,10 +327,10 @@ impl OdometryState {
             velocity: odometry.velocity().into(),
             covariance: odometry.covariance(),
             twist_covariance: odometry.twist_covariance(),
-            residual: residual.to_vec(),
-            weights: odometry.weights().to_vec(),
+            residual: odometry.residual().into(),
+            weights: (!alike).then(|| odometry.weights().into()),
             health: odometry.health().0,
-            worst_wheel: worst.map(|(i, _)| odometry.rover().wheels()[i].name.clone()),
+            rover,
         }
     }
 }
@@ -413,15 +411,19 @@ impl OdometryState {
     /// Say of each wheel over the last step, shape (wheels,), 0 to 1.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.weights)
+        match &self.weights {
+            Some(weights) => PyArray1::from_slice(py, weights),
+            None => PyArray1::from_vec(py, vec![1.0; self.residual.len()]),
+        }
     }
 
     /// Name of the wheel that disagrees most; None if none does.
     #[getter]
     fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
-        self.worst_wheel
-            .as_ref()
-            .map(|name| PyString::new(py, name))
+        let residuals = self.residual.iter().enumerate();
+        let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
+        let name = &self.rover.get().core.wheels()[worst].name;
+        (*residual > 0.0).then(|| PyString::new(py, name))
     }
 
     /// Flags of the sample, a `Health`.

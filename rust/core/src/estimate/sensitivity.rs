@@ -193,12 +193,11 @@ impl Linearised<'_> {
         if quantity == Quantity::SideSlip {
             return self.weight(i);
         }
-        match self
-            .rover
-            .banks
-            .iter()
-            .find(|bank| bank.wheels.contains(&i))
-        {
+        if !matches!(self.rover.mounts[i], Mount::Fixed(_)) {
+            return self.weight(i);
+        }
+        let mut banks = self.rover.banks.iter();
+        match banks.find(|bank| bank.wheels.contains(&i)) {
             Some(bank) => {
                 let own = Direction::from(self.rover.wheels()[i].heading);
                 let same_way = (bank.row.y * own.cos - bank.row.x * own.sin).signum();

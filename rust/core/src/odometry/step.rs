@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::noise::Noise;
+use super::spread::Spread;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::error::Error;
 use crate::estimate::sensitivity::{Linearised, Quantity};
@@ -76,7 +77,7 @@ impl Workspace {
             weights: vec![1.0; wheels],
             slid: vec![0.0; wheels],
             noise: StepNoise {
-                own: Matrix3::zeros(),
+                own: Spread::default(),
                 old: shared.clone(),
                 new: shared,
             },
@@ -127,7 +128,9 @@ impl Workspace {
         };
         let displacement = Vector3::from(by_wheels);
         for (reading, slid) in self.readings.iter().zip(&mut self.slid) {
-            *slid = reading.residual(&displacement);
+            let along = reading.rolling.dot(&displacement) - reading.rolled;
+            let across = reading.side_slip.dot(&displacement) - reading.slipped;
+            *slid = (along * along + across * across).sqrt();
         }
         let linearised = Linearised {
             rover,
@@ -165,9 +168,9 @@ impl Workspace {
         // The reading at each end counts for half the step.
         let deviation = noise.yaw_rate * noise.sharing(dt).sqrt() * dt / 2.0;
         let total = self.noise.total();
-        let spread = total[(2, 2)] + 2.0 * deviation * deviation;
+        let spread = total.zz() + 2.0 * deviation * deviation;
         let gain = if spread > 0.0 {
-            total.column(2) / spread
+            total.with_z() / spread
         } else {
             Vector3::z()
         };
@@ -196,7 +199,7 @@ fn errors(
     let steering_deviation = sharing.sqrt() * noise.steering;
     let steering_variance = steering_deviation * steering_deviation;
     let displacement = Twist::from(linearised.twist);
-    let mut gradients = Matrix3::zeros();
+    let mut gradients = Spread::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
     // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
@@ -226,8 +229,8 @@ fn errors(
             }
             None => along + reading_variance,
         };
-        gradients +=
-            rolling * rolling.transpose() * own + side_slip * side_slip.transpose() * across;
+        gradients.add(&rolling, own);
+        gradients.add(&side_slip, across);
         let steering = if wheel.steering().is_some() {
             steering_variance * reading.rolled * reading.rolled
         } else {
@@ -263,16 +266,21 @@ fn errors(
             .zip(linearised.weights.unwrap_or(&[]))
         {
             let (rolling, side_slip) = (reading.rolling * *weight, reading.side_slip * *weight);
-            gradients +=
-                (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * excess;
+            gradients.add(&rolling, excess);
+            gradients.add(&side_slip, excess);
         }
     }
-    into.own = inverse * gradients * inverse;
+    into.own = gradients.image(inverse);
     for (joint, &wheel) in rover.steered().iter().enumerate() {
         let by_angle = linearised.gradient(wheel, Quantity::Steering);
-        let by_change = linearised.gradient(wheel, Quantity::SteeringRate);
-        into.old[joint] = inverse * (by_angle / 2.0 - by_change) * steering_deviation;
-        into.new[joint] = inverse * (by_angle / 2.0 + by_change) * steering_deviation;
+        let half = inverse * by_angle * (steering_deviation / 2.0);
+        (into.old[joint], into.new[joint]) = (half, half);
+        if !rover.wheels()[wheel].is_centred() {
+            let by_change = linearised.gradient(wheel, Quantity::SteeringRate);
+            let change = inverse * by_change * steering_deviation;
+            into.old[joint] -= change;
+            into.new[joint] += change;
+        }
     }
     for columns in [&mut into.old, &mut into.new] {
         if let Some(gyro) = columns.last_mut() {
@@ -288,32 +296,61 @@ fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    let square = half * half;
-    // sin(x) / x up to x^12 / 13!, which is 1e-17 at the bound.
-    let terms = [6.0, 20.0, 42.0, 72.0, 110.0, 156.0];
+    series(half * half, &SINE)
+}
+
+/// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
+/// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
+#[inline(always)]
+fn series(square: f64, terms: &[f64; 6]) -> f64 {
     terms
         .iter()
         .rev()
-        .fold(1.0, |rest, term| 1.0 - square / term * rest)
+        .fold(1.0, |rest, term| 1.0 - square * term * rest)
 }
+
+const SINE: [f64; 6] = [
+    1.0 / 6.0,
+    1.0 / 20.0,
+    1.0 / 42.0,
+    1.0 / 72.0,
+    1.0 / 110.0,
+    1.0 / 156.0,
+];
+const COSINE: [f64; 6] = [
+    1.0 / 2.0,
+    1.0 / 12.0,
+    1.0 / 30.0,
+    1.0 / 56.0,
+    1.0 / 90.0,
+    1.0 / 132.0,
+];
+const SLOPE: [f64; 6] = [
+    1.0 / 10.0,
+    1.0 / 28.0,
+    1.0 / 54.0,
+    1.0 / 88.0,
+    1.0 / 130.0,
+    1.0 / 180.0,
+];
 
 /// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
 pub(crate) fn step_jacobian(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
     let Twist { vx, vy, omega } = displacement;
     let half = omega / 2.0;
-    let (sin, cos) = half.sin_cos();
-    let (length, slope) = if half.abs() < SMALL_TURN {
+    let (length, slope, sin, cos) = if half.abs() < SMALL_TURN {
         let square = half * half;
-        // sin(x) / x as above; its derivative, -x/3 (1 - x²/10 (1 - x²/28 (1 - x²/54 (1 - x²/88 (...))))).
-        let terms = [10.0, 28.0, 54.0, 88.0, 130.0];
-        let rest = terms
-            .iter()
-            .rev()
-            .fold(1.0, |rest, term| 1.0 - square / term * rest);
-        (chord(omega), -half / 3.0 * rest)
+        let length = series(square, &SINE);
+        (
+            length,
+            -half / 3.0 * series(square, &SLOPE),
+            half * length,
+            series(square, &COSINE),
+        )
     } else {
+        let (sin, cos) = half.sin_cos();
         let length = sin / half;
-        (length, (cos - length) / half)
+        (length, (cos - length) / half, sin, cos)
     };
     // The chord leaves at half the turn, in world axes.
     let [heading_sin, heading_cos] = heading;

@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::spread::Spread;
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -27,26 +28,26 @@ pub(crate) struct StepJacobian {
 }
 
 impl StepJacobian {
-    /// What an error of the start is at the end.
-    fn carry(&self, error: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(
-            error.x - self.shift[1] * error.z,
-            error.y + self.shift[0] * error.z,
-            error.z,
-        )
+    /// By what an error of the yaw at the start swings the end.
+    fn lever(&self) -> [f64; 2] {
+        [-self.shift[1], self.shift[0]]
     }
 
-    fn transition(&self) -> Matrix3<f64> {
-        Matrix3::new(
-            1.0,
-            0.0,
-            -self.shift[1], //
-            0.0,
-            1.0,
-            self.shift[0], //
-            0.0,
-            0.0,
-            1.0,
+    /// What an error of the start is at the end.
+    #[inline(always)]
+    fn carry(&self, error: &Vector3<f64>) -> Vector3<f64> {
+        let [x, y] = self.lever();
+        Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
+    }
+
+    /// What an error of the displacement is at the end. It leaves the yaw as it is.
+    #[inline(always)]
+    fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
+        let by = &self.by_displacement;
+        Vector3::new(
+            by.m11 * error.x + by.m12 * error.y + by.m13 * error.z,
+            by.m21 * error.x + by.m22 * error.y + by.m23 * error.z,
+            error.z,
         )
     }
 }
@@ -55,7 +56,7 @@ impl StepJacobian {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
-    pub own: Matrix3<f64>,
+    pub own: Spread,
     /// Per shared reading: its error at the start of the step, times its standard deviation.
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
@@ -64,14 +65,17 @@ pub(crate) struct StepNoise {
 
 impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
-    pub fn total(&self) -> Matrix3<f64> {
-        let columns = self.old.iter().chain(&self.new);
-        columns.fold(self.own, |sum, column| sum + column * column.transpose())
+    pub fn total(&self) -> Spread {
+        let mut total = self.own;
+        for column in self.old.iter().chain(&self.new) {
+            total.add(column, 1.0);
+        }
+        total
     }
 
     /// Applies what a correction leaves of every error.
     pub fn multiply(&mut self, rest: &Matrix3<f64>) {
-        self.own = rest * self.own * rest.transpose();
+        self.own = self.own.image(rest);
         for column in self.old.iter_mut().chain(&mut self.new) {
             *column = rest * *column;
         }
@@ -92,7 +96,7 @@ pub(crate) struct YawOffset {
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
-    pub settled: Matrix3<f64>,
+    pub settled: Spread,
     pub carried: Vec<Vector3<f64>>,
     pub yaw_offset: Option<YawOffset>,
 }
@@ -100,7 +104,7 @@ pub(crate) struct Uncertainty {
 impl Uncertainty {
     pub fn new(shared_readings: usize) -> Self {
         Self {
-            settled: Matrix3::zeros(),
+            settled: Spread::default(),
             carried: vec![Vector3::zeros(); shared_readings],
             yaw_offset: None,
         }
@@ -115,7 +119,7 @@ impl Uncertainty {
 
     /// Starts over from a known covariance.
     pub fn set(&mut self, covariance: Matrix3<f64>) {
-        self.settled = covariance;
+        self.settled = Spread::of(&covariance);
         self.carried.fill(Vector3::zeros());
         self.yaw_offset = None;
     }
@@ -128,31 +132,30 @@ impl Uncertainty {
     }
 
     /// Covariance of the pose.
-    pub fn covariance(&self) -> Matrix3<f64> {
-        let columns = self.carried.iter();
-        columns.fold(self.settled, |sum, column| {
-            sum + column * column.transpose()
-        })
+    pub fn covariance(&self) -> Spread {
+        let mut covariance = self.settled;
+        for column in &self.carried {
+            covariance.add(column, 1.0);
+        }
+        covariance
     }
 
     /// The same without a negative variance in any direction, rounding or not.
     pub fn reported(&self) -> Matrix3<f64> {
-        let covariance = self.covariance();
-        let symmetric = (covariance + covariance.transpose()) / 2.0;
-        symmetric + Matrix3::identity() * (ROUNDING * symmetric.trace())
+        let mut covariance = self.covariance();
+        covariance.add_to_diagonal(ROUNDING * covariance.trace());
+        covariance.matrix()
     }
 
     /// Goes along one step.
     pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
-        let transition = step.transition();
-        let by = &step.by_displacement;
-        let mut settled =
-            transition * self.settled * transition.transpose() + by * noise.own * by.transpose();
+        let mut settled = self.settled.swung(step.lever());
+        settled.add_spread(&noise.own.image(&step.by_displacement));
         let ends = noise.old.iter().zip(&noise.new);
         for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
-            let whole = step.carry(carried) + by * old;
-            settled += whole * whole.transpose();
-            *carried = by * new;
+            let whole = step.carry(carried) + step.map(old);
+            settled.add(&whole, 1.0);
+            *carried = step.map(new);
         }
         self.settled = settled;
         if let Some(offset) = &mut self.yaw_offset {
@@ -162,8 +165,8 @@ impl Uncertainty {
 
     /// The zero of a yaw sensor, from its first reading at this pose.
     pub fn set_yaw_offset(&mut self, value: f64, variance: f64) {
-        let cross = -self.settled.column(2).into_owned();
-        let variance = variance + self.settled[(2, 2)];
+        let cross = -self.settled.with_z();
+        let variance = variance + self.settled.zz();
         self.yaw_offset = Some(YawOffset {
             value,
             variance,
@@ -173,7 +176,7 @@ impl Uncertainty {
 
     /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
-        let along = self.covariance().column(2) + offset.cross;
+        let along = self.covariance().with_z() + offset.cross;
         let spread = along.z + offset.cross.z + offset.variance + variance;
         let gain = if spread > 0.0 {
             along / spread
@@ -183,8 +186,9 @@ impl Uncertainty {
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
-        self.settled +=
-            gain * gain.transpose() * (variance + offset.variance) - (mixed + mixed.transpose());
+        let settled = self.settled.matrix() - (mixed + mixed.transpose());
+        self.settled = Spread::of(&settled);
+        self.settled.add(&gain, variance + offset.variance);
         self.yaw_offset = Some(YawOffset {
             cross: rest * offset.cross - gain * offset.variance,
             ..offset
@@ -205,7 +209,7 @@ impl Uncertainty {
                 noise.column_mut(i).fill(0.0);
             }
         }
-        let covariance = self.covariance();
+        let covariance = self.covariance().matrix();
         let unknown = Matrix3::identity() - known;
         let spread = known * (covariance + noise) * known + unknown;
         let gain = if noise == Matrix3::zeros() {
@@ -218,13 +222,13 @@ impl Uncertainty {
         };
         let rest = Matrix3::identity() - gain * known;
         self.multiply(&rest);
-        self.settled += gain * noise * gain.transpose();
+        self.settled.add_spread(&Spread::of(&noise).image(&gain));
         gain
     }
 
     /// Applies what a correction leaves of every error.
     fn multiply(&mut self, rest: &Matrix3<f64>) {
-        self.settled = rest * self.settled * rest.transpose();
+        self.settled = self.settled.image(rest);
         for column in &mut self.carried {
             *column = rest * *column;
         }
