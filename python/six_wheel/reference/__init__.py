@@ -19,4 +19,4 @@ from six_wheel.reference.rover import Rover
 from six_wheel.reference.wheels import InfeasibleMotionError, UnderdeterminedError, Wheel
 
 __all__ = ["Fit", "InfeasibleMotionError", "Mobility", "Rover", "UnderdeterminedError", "Wheel"]
-__all__ += ["profiles", "compose", "differentiate", "exp", "integrate", "log", "wrap_angle"]
+__all__ += ["compose", "differentiate", "exp", "integrate", "log", "profiles", "wrap_angle"]

@@ -1,5 +1,6 @@
 """Profiles by plain integration: shapes of the velocity, summed up to a time."""
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ class Shape:
         """The velocity integrated by Simpson's rule, which is exact for the parabolas it is made of."""
         cuts = [0.0, *(b for b in self.breaks if 0.0 < b < time), time]
         parts = []
-        for a, b in zip(cuts, cuts[1:], strict=False):
+        for a, b in itertools.pairwise(cuts):
             ends = self.velocity(a) + self.velocity(b)
             parts.append((b - a) / 6 * (ends + 4 * self.velocity((a + b) / 2)))
         return self.start + math.fsum(parts)
@@ -27,16 +28,14 @@ class Shape:
 
 def shape(kind: str, start: float, end: float, duration: float, ramp: float | None = None) -> Shape:
     """'linear', 'trapezoid' or 's_curve' from `start` to `end` in `duration` [s], ramps of `ramp` [s]."""
-    if kind == "linear":
-        ramp, rise = 0.0, lambda share: 1.0
-    elif kind == "trapezoid":
-        ramp, rise = duration / 3 if ramp is None else ramp, lambda share: share
-    else:
-        # Two parabolas that meet halfway: constant jerk up, then down.
-        ramp = duration / 2 if ramp is None else ramp
+    if ramp is None:
+        ramp = {"linear": 0.0, "trapezoid": duration / 3, "s_curve": duration / 2}[kind]
 
-        def rise(share: float) -> float:
-            return 2 * share**2 if share < 0.5 else 1 - 2 * (1 - share) ** 2
+    def rise(share: float) -> float:
+        if kind == "trapezoid":
+            return share
+        # Two parabolas that meet halfway: constant jerk up, then down.
+        return 2 * share**2 if share < 0.5 else 1 - 2 * (1 - share) ** 2
 
     fastest = (end - start) / (duration - ramp)
 

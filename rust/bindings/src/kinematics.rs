@@ -7,7 +7,7 @@ use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Log};
 use six_wheel_core::{Inputs, Twist, Unseen};
 
-use crate::batch::workers;
+use crate::batch::any_workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
 
@@ -177,14 +177,10 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Rows::flat),
             steering_rates: rates.as_ref().map(Rows::flat),
         };
-        let workers = workers(rows.len(), threads, kernel)?;
+        let workers = any_workers(threads, kernel)?;
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, rows.len(), || match rows {
-            [row] if kernel.is_none() => {
-                batch::inverse_one(&self.core, Twist::from(*row), inputs, angles, rotations)
-                    .map_err(|error| error.at_row(0))
-            }
-            _ => batch::inverse(&self.core, rows, inputs, angles, rotations, workers),
+        compute(py, rows.len(), || {
+            batch::inverse(&self.core, rows, inputs, angles, rotations, workers)
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -243,12 +239,9 @@ impl Rover {
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
         let (log, target) = (readings.log(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = workers(target.len(), threads, kernel)?;
-        compute(py, target.len(), || match target {
-            [twist] if kernel.is_none() => batch::forward_one(&self.core, log.only(), unseen)
-                .map(|found| *twist = found.into())
-                .map_err(|error| error.at_row(0)),
-            _ => batch::forward(&self.core, log, unseen, target, workers),
+        let workers = any_workers(threads, kernel)?;
+        compute(py, target.len(), || {
+            batch::forward(&self.core, log, unseen, target, workers)
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()

@@ -2,6 +2,7 @@
 
 mod admissible;
 mod batch;
+mod controller;
 mod convert;
 mod fast;
 mod fit;
@@ -36,10 +37,14 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
+    module.add_class::<profiles::BodyTransition>()?;
+    module.add_class::<profiles::ModuleTransition>()?;
+    module.add_class::<profiles::IcrTransition>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
+    module.add_class::<controller::limits::Limits>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;

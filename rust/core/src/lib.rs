@@ -17,6 +17,7 @@
 
 pub mod admissible;
 pub mod batch;
+pub mod controller;
 pub mod error;
 pub mod estimate;
 pub mod four_axle;
@@ -33,6 +34,7 @@ pub mod suspension;
 pub mod wheels;
 
 pub use admissible::Keep;
+pub use controller::Limits;
 pub use error::{Error, ErrorKind};
 pub use estimate::{Fit, Measured, Method, Unseen};
 

@@ -50,15 +50,6 @@ pub struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
-    /// The instant of a log that has just one.
-    pub fn only(&self) -> Measured<'a> {
-        Measured {
-            steering: self.steering,
-            speeds: self.speeds,
-            steering_rates: self.steering_rates,
-        }
-    }
-
     fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
@@ -103,9 +94,7 @@ pub fn inverse(
         Some(plan) => plan.check(workers.level, rows, first),
         None => rows.iter().enumerate().try_for_each(|(k, twist)| {
             let inputs = inputs.row(rover, first + k);
-            inputs
-                .check()
-                .and_then(|()| rover.check(Twist::from(*twist), inputs.steering_rates))
+            single::check_row(workers.level, rover, Twist::from(*twist), inputs)
                 .map_err(|error| error.at_row(first + k))
         }),
     })?;
@@ -124,7 +113,8 @@ pub fn inverse(
             for (k, twist) in rows.iter().enumerate() {
                 let (steering, speeds) = (row_mut(steering, joints, k), row_mut(speeds, wheels, k));
                 let inputs = inputs.row(rover, first + k);
-                rover.solve(Twist::from(*twist), inputs, steering, speeds);
+                let twist = Twist::from(*twist);
+                single::solve_row(workers.level, rover, twist, inputs, steering, speeds);
             }
             Ok(())
         },
@@ -169,7 +159,8 @@ pub fn forward(
             return plan.solve(workers.level, log, first, unseen, twists);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
-            *twist = rover.forward(log.row(rover, first + k), unseen)?.into();
+            let measured = log.row(rover, first + k);
+            *twist = single_forward::solve_row(workers.level, rover, measured, unseen)?.into();
         }
         Ok(())
     })

@@ -29,6 +29,17 @@ pub struct Moving {
     pub acceleration: f64,
 }
 
+impl Moving {
+    /// Axes at rest.
+    pub fn resting(values: &[f64]) -> Vec<Self> {
+        let at_rest = |&value: &f64| Self {
+            value,
+            ..Self::default()
+        };
+        values.iter().map(at_rest).collect()
+    }
+}
+
 /// Limits of one axis; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -252,7 +263,8 @@ fn together(mut axes: Vec<Axis>) -> Vec<Axis> {
     axes
 }
 
-/// Asks the library in units made for the question, in which its fixed tolerances are small, then in others.
+/// Asks the library in the caller's units; where its fixed tolerances or largest duration stand in the way,
+/// in units made for the question.
 fn ask(
     start: &[Moving],
     end: &[Moving],
@@ -266,7 +278,7 @@ fn ask(
         time: 1.0,
         lengths: vec![1.0; start.len()],
     };
-    [short, plain, natural]
+    [plain, short, natural]
         .iter()
         .find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
 }
