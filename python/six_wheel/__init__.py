@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    Controller,
+    ControllerOutput,
     Fit,
     FourAxle,
     Limits,
@@ -35,6 +37,7 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
+from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
 
@@ -43,6 +46,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentTypeError",
+    "Controller",
+    "ControllerOutput",
     "Fit",
     "FourAxle",
     "FourAxleState",
@@ -52,6 +57,7 @@ __all__ = [
     "Link",
     "Mobility",
     "Pose",
+    "Reason",
     "RockerBogie",
     "Rover",
     "Sensitivity",
