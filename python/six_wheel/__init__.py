@@ -37,7 +37,10 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 
 if TYPE_CHECKING:
+    from six_wheel.calibration import calibrate
     from six_wheel.four_axle import FourAxleState, FourAxleStep
+    from six_wheel.recordings import Log, Truth
+    from six_wheel.square_test import umbmark
 
 __all__ = [
     "ArgumentTypeError",
@@ -47,16 +50,19 @@ __all__ = [
     "FourAxleStep",
     "InfeasibleMotionError",
     "Link",
+    "Log",
     "Mobility",
     "Pose",
     "RockerBogie",
     "Rover",
     "Sensitivity",
     "SteeringCommand",
+    "Truth",
     "Twist",
     "UnderdeterminedError",
     "Wheel",
     "__version__",
+    "calibrate",
     "compose",
     "default_threads",
     "differentiate",
@@ -67,6 +73,7 @@ __all__ = [
     "log",
     "rollout",
     "set_default_threads",
+    "umbmark",
     "wrap_angle",
 ]
 
@@ -102,7 +109,19 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
 
 
 def __getattr__(name: str) -> object:
-    """States and steps of `FourAxle`, loaded when asked for: dataclasses would double the import time."""
+    """What is loaded when asked for: dataclasses would double the import time, and calibration needs SciPy."""
+    if name in ("Log", "Truth"):
+        from six_wheel import recordings
+
+        return getattr(recordings, name)
+    if name == "umbmark":
+        from six_wheel.square_test import umbmark
+
+        return umbmark
+    if name == "calibrate":
+        from six_wheel.calibration import calibrate
+
+        return calibrate
     if name in ("FourAxleState", "FourAxleStep"):
         from six_wheel import four_axle
 
