@@ -20,8 +20,8 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
+soak: $(VENV)/installed ## kernels against the plain core, profiles against Ruckig, transitions: SOAK times as many cases
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_profiles.py tests/test_transitions.py -s -q
 
 bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q

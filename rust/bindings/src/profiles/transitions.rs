@@ -5,7 +5,7 @@ use std::str::FromStr;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles::{
-    self as core, IcrLimits, ModuleLimits, Modules, Moving, Shape, Synchronise, Wheels,
+    self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise, Wheels,
 };
 use six_wheel_core::{Error, Rover as CoreRover, Twist};
 
@@ -279,23 +279,23 @@ impl BodyTransition {
             .any(|limit| *limit != f64::INFINITY);
         let names = "acceleration, angular_acceleration, jerk or angular_jerk";
         one_of(duration, limited, names)?;
-        let profile = match duration {
-            Some(duration) => shape.between(&start, &end, duration),
+        let (core, previous) = (&rover.get().core, previous.as_deref());
+        let core = match duration {
+            Some(duration) => shape
+                .between(&start, &end, duration)
+                .and_then(|profile| core::BodyTransition::new(core, profile, previous)),
             None => {
-                let bounds = [linear, linear, angular]
-                    .map(|[first, second]| core::Bounds::symmetric(first, second, f64::INFINITY));
-                let (start, end) = (Moving::resting(&start), Moving::resting(&end));
-                core::time_optimal(&start, &end, &bounds, synchronise, None)
+                let ends = [start.into(), end.into()];
+                core::BodyTransition::within(core, ends, [linear, angular], synchronise, previous)
             }
         };
-        let core = profile.and_then(|profile| {
-            core::BodyTransition::new(&rover.get().core, profile, previous.as_deref())
-        });
         Ok(Self {
             core: core.map_err(plain)?,
             made: Made {
                 maker: "body_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?)
+                    .into_pyobject(py)?
+                    .unbind(),
                 keywords: keywords.0.unbind(),
             },
         })
@@ -553,7 +553,9 @@ impl IcrTransition {
             core: core.map_err(plain)?,
             made: Made {
                 maker: "icr_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?)
+                    .into_pyobject(py)?
+                    .unbind(),
                 keywords: keywords.0.unbind(),
             },
         })

@@ -116,7 +116,7 @@ fn rests(twist: Twist, x: f64, y: f64) -> bool {
 
 impl Chord {
     /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
-    pub fn new(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
+    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
         let mut aligned = angles.to_vec();
         let mut speeds = vec![0.0; rover.wheels().len()];
         let inputs = Inputs {

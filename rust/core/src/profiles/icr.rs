@@ -17,6 +17,9 @@ use crate::rover::{Inputs, Rover};
 /// Angles that differ by less are the same [rad].
 const SAME_ANGLE: f64 = 1e-12;
 
+/// Velocities whose squares are still numbers.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
 /// How far aside a detour's corner lies, as shares of the larger twist.
 const DETOURS: [f64; 6] = [0.3, -0.3, 0.7, -0.7, 1.4, -1.4];
 
@@ -170,7 +173,11 @@ impl IcrTransition {
         };
         // The end exactly, however the sum of the phases was rounded.
         let over = time >= self.duration;
-        let local = if over { phase.duration } else { time - phase.start };
+        let local = if over {
+            phase.duration
+        } else {
+            time - phase.start
+        };
         let twist = match &phase.motion {
             Motion::Along(chord, timing) => {
                 // A chord that takes no time is over when it begins, but not before.
@@ -209,7 +216,19 @@ fn along(chord: &Chord, [s, pace, second, _]: Derivatives, wheels: &mut Wheels<'
 }
 
 fn check_twist(rover: &Rover, argument: &'static str, twist: Twist) -> Result<(), Error> {
-    finite(argument, &<[f64; 3]>::from(twist))?;
+    let parts = <[f64; 3]>::from(twist);
+    finite(argument, &parts)?;
+    if parts
+        .iter()
+        .any(|part| *part != 0.0 && !SIZES.contains(&part.abs()))
+    {
+        let rule = format!(
+            "have parts between {:?} and {:?}, or 0",
+            SIZES.start(),
+            SIZES.end()
+        );
+        return Err(Error::value(argument, rule, numbers(&parts)));
+    }
     rover.check(twist, None).map_err(|error| Error {
         argument: argument.into(),
         ..error
@@ -292,7 +311,7 @@ impl Planner<'_> {
         aligned
     }
 
-    /// Two chords around what stands in the way of one, for a rover whose centre of rotation may be anywhere.
+    /// Two chords where one will not do, for a rover whose centre of rotation may be anywhere.
     fn detour(&self, plan: &Plan, start: Twist, end: Twist) -> Option<Plan> {
         if !self.rover.banks().is_empty() {
             return None;
@@ -320,14 +339,49 @@ impl Planner<'_> {
             let excess = (self.fastest(corner) / self.limits.wheel_speed).max(1.0);
             Twist::from(Vector3::from(corner) / excess)
         };
-        let around = |corner: Twist| {
+        let around = |planner: &Planner<'_>, corner: Twist, why: &str| {
             self.rover.check(corner, None).ok()?;
-            let why = "around what stands in the way of one chord";
-            let half = self.drive(plan.clone(), start, corner, why).ok()?;
-            self.drive(half, corner, end, why).ok()
+            let half = planner.drive(plan.clone(), start, corner, why).ok()?;
+            planner.drive(half, corner, end, why).ok()
         };
-        let found = DETOURS.iter().filter_map(|&share| around(corner(share)));
-        found.min_by(|a, b| a.duration.total_cmp(&b.duration))
+        // Which corner is best shows without the limits that take long to plan for.
+        let firm = IcrLimits {
+            steering_acceleration: f64::INFINITY,
+            steering_jerk: f64::INFINITY,
+            ..*self.limits
+        };
+        let quick = Planner {
+            rover: self.rover,
+            limits: &firm,
+        };
+        let tried = |corner: Twist, why: String| {
+            let duration = around(&quick, corner, &why)?.duration;
+            Some((duration, corner, why))
+        };
+        let beside = DETOURS.iter().filter_map(|&share| {
+            tried(
+                corner(share),
+                "around what stands in the way of one chord".into(),
+            )
+        });
+        // Right over a pivot its wheel comes to rest, and rolls away again however it is turned there.
+        let over = self.rover.steered().iter().filter_map(|&i| {
+            let wheel = &self.rover.wheels()[i];
+            let [from, to] = [start, end].map(|twist| twist.at(wheel.x, wheel.y));
+            let change = to - from;
+            let nearest = -from.dot(&change) / change.norm_squared();
+            let omega = start.omega + nearest * (end.omega - start.omega);
+            let about = Twist {
+                vx: omega * wheel.y,
+                vy: -omega * wheel.x,
+                omega,
+            };
+            let name = &wheel.name;
+            let why = format!("right over the pivot of {name:?}, past which no wheel turns");
+            (nearest > 0.0 && nearest < 1.0).then(|| tried(about, why))?
+        });
+        let (_, corner, why) = beside.chain(over).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        around(self, corner, &why)
     }
 
     /// Appends one chord, and before it what aligns the wheels whose pivots rest at its start.
@@ -335,7 +389,7 @@ impl Planner<'_> {
         if start == end {
             return self.hold(plan, start, end);
         }
-        let chord = match Chord::new(self.rover, start, end, &plan.angles) {
+        let chord = match Chord::between(self.rover, start, end, &plan.angles) {
             Way::Open(chord) => chord,
             Way::Closed(why) => return Err(Failure::Closed(why.into_owned())),
         };
@@ -372,7 +426,7 @@ impl Planner<'_> {
 
     /// Nothing to do.
     fn hold(&self, mut plan: Plan, start: Twist, end: Twist) -> Result<Plan, Failure> {
-        if let Way::Open(chord) = Chord::new(self.rover, start, end, &plan.angles) {
+        if let Way::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
             let timing = Timing::Binding {
                 bounds: Vec::new(),
                 duration: 0.0,

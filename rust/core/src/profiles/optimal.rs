@@ -76,8 +76,7 @@ impl Bounds {
             ("jerk", self.jerk, 1.0),
         ];
         for (argument, limit, sign) in limits {
-            // Not `limit * sign <= 0`: NaN is no limit either.
-            if !(limit * sign > 0.0) {
+            if limit.is_nan() || limit * sign <= 0.0 {
                 let rule = if sign > 0.0 {
                     "be positive"
                 } else {
