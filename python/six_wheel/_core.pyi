@@ -12,19 +12,26 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.odometry import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 
 __all__ = [
     "BodyTransition",
+    "Encoder",
     "Fit",
     "FourAxle",
     "IcrTransition",
+    "Limits",
     "Link",
     "Mobility",
     "ModuleTransition",
+    "Noise",
+    "Odometry",
+    "OdometryState",
     "Profile",
     "RockerBogie",
     "Rover",
+    "Sensitivity",
     "SteeringCommand",
     "Wheel",
     "__version__",
@@ -47,6 +54,20 @@ _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
+_Quantity: TypeAlias = Literal[
+    "speeds",
+    "steering",
+    "steering_rates",
+    "slip",
+    "side_slip",
+    "x",
+    "y",
+    "heading",
+    "radius",
+    "scrub",
+    "trail",
+    "roller_angle",
+]
 _Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 
 __version__: str
@@ -115,6 +136,35 @@ class Fit:
     def worst_wheel(
         self,
     ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
+
+@final
+class Sensitivity:  # what was not asked for is None
+    @property
+    def twist(self) -> _Floats: ...  # (..., 3)
+    @property
+    def speeds(self) -> _Floats: ...  # (..., 3, wheels), as all but the next two
+    @property
+    def steering(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def steering_rates(self) -> _Floats: ...  # (..., 3, steered wheels)
+    @property
+    def slip(self) -> _Floats: ...
+    @property
+    def side_slip(self) -> _Floats: ...
+    @property
+    def x(self) -> _Floats: ...
+    @property
+    def y(self) -> _Floats: ...
+    @property
+    def heading(self) -> _Floats: ...
+    @property
+    def radius(self) -> _Floats: ...
+    @property
+    def scrub(self) -> _Floats: ...
+    @property
+    def trail(self) -> _Floats: ...
+    @property
+    def roller_angle(self) -> _Floats: ...
 
 @final
 class Profile:
@@ -380,6 +430,14 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
     ) -> Fit: ...
+    def sensitivity(
+        self,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        *,
+        steering_rates: ArrayLike | None = None,
+        quantities: Sequence[_Quantity] | None = None,
+    ) -> Sensitivity: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
     def project(
@@ -406,6 +464,142 @@ class Rover:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Noise:
+    def __new__(
+        cls,
+        speed: float = 0.01,
+        steering: float = 0.009,
+        *,
+        slip: float = 0.0,
+        side_slip: float = 0.0,
+        yaw: float = 0.0,
+        yaw_rate: float = 0.0,
+        period: float | None = None,
+    ) -> Noise: ...
+    @property
+    def speed(self) -> float: ...  # [m/s]
+    @property
+    def steering(self) -> float: ...  # [rad]
+    @property
+    def slip(self) -> float: ...  # [m per root m]
+    @property
+    def side_slip(self) -> float: ...
+    @property
+    def yaw(self) -> float: ...  # [rad]
+    @property
+    def yaw_rate(self) -> float: ...  # [rad/s]
+    @property
+    def period(self) -> float | None: ...  # [s]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Encoder:
+    def __new__(
+        cls,
+        resolution: float | None = None,
+        *,
+        gear: float = 1.0,
+        modulus: float | None = None,
+        offset: float = 0.0,
+    ) -> Encoder: ...
+    @property
+    def resolution(self) -> float | None: ...
+    @property
+    def gear(self) -> float: ...
+    @property
+    def modulus(self) -> float | None: ...
+    @property
+    def offset(self) -> float: ...  # [rad]
+    @property
+    def angle_per_count(self) -> float: ...  # [rad]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class OdometryState:
+    @property
+    def stamp(self) -> float | None: ...
+    @property
+    def pose(self) -> _Floats: ...  # (3,)
+    @property
+    def yaw(self) -> float: ...
+    @property
+    def twist(self) -> _Floats: ...  # (3,)
+    @property
+    def velocity(self) -> _Floats: ...  # (3,)
+    @property
+    def covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def twist_covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    @property
+    def weights(self) -> _Floats: ...  # (wheels,)
+    @property
+    def worst_wheel(self) -> str | None: ...
+    @property
+    def health(self) -> Health: ...
+    def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+    def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+
+_Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
+
+@final
+class Odometry:
+    def __new__(
+        cls,
+        rover: Rover,
+        noise: Noise | None = None,
+        *,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        method: _Method = "least_squares",
+        inflate: bool = False,
+        slip_threshold: float | None = None,
+        max_gap: float | None = None,
+        max_speed: float | None = None,
+        max_steering_rate: float | None = None,
+        smoothing: float = 0.0,
+        lag: float = 0.0,
+        history: int = 1024,
+    ) -> Odometry: ...
+    def update(
+        self,
+        steering: ArrayLike | None,
+        wheels: ArrayLike,
+        stamp: float,
+        *,
+        yaw: float | None = None,
+        yaw_rate: float | None = None,
+    ) -> OdometryState: ...
+    def run(
+        self,
+        steering: ArrayLike | None,
+        wheels: ArrayLike,
+        stamps: ArrayLike,
+        *,
+        yaw: ArrayLike | None = None,
+        yaw_rate: ArrayLike | None = None,
+        errors: Literal["flag", "raise"] = "flag",
+        covariances: bool = True,
+        residuals: bool = True,
+    ) -> Track: ...
+    def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
+    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
+    def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
+    @property
+    def state(self) -> OdometryState: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def noise(self) -> Noise: ...
 
 @final
 class Link:
@@ -538,6 +732,59 @@ class FourAxle:
     def steering_range(self) -> tuple[float, float]: ...
     @property
     def tolerance(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Limits:
+    def __new__(
+        cls,
+        *,
+        speed: float | None = None,
+        yaw_rate: float | None = None,
+        acceleration: float | None = None,
+        deceleration: float | None = None,
+        jerk: float | None = None,
+        angular_acceleration: float | None = None,
+        angular_deceleration: float | None = None,
+        angular_jerk: float | None = None,
+        lateral_acceleration: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        steering_limit: float | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+    ) -> Limits: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def yaw_rate(self) -> float: ...
+    @property
+    def acceleration(self) -> float: ...
+    @property
+    def deceleration(self) -> float: ...
+    @property
+    def jerk(self) -> float: ...
+    @property
+    def angular_acceleration(self) -> float: ...
+    @property
+    def angular_deceleration(self) -> float: ...
+    @property
+    def angular_jerk(self) -> float: ...
+    @property
+    def lateral_acceleration(self) -> float: ...
+    @property
+    def wheel_speed(self) -> float: ...
+    @property
+    def wheel_acceleration(self) -> float: ...
+    @property
+    def steering_limit(self) -> float: ...
+    @property
+    def steering_rate(self) -> float: ...
+    @property
+    def steering_acceleration(self) -> float: ...
+    def stopping_distance(self, speed: float) -> float: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...

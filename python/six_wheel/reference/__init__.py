@@ -7,7 +7,8 @@ with one wheel equation (`Wheel.rows`). x forward, y left, angles counter-clockw
 
 Rooms, in the order in which they build on each other: `geometry` (poses), `wheels` (the wheel equation),
 `layouts` (the named lists of wheels), `estimate` (wheels to twist), `admissible` (which twists are possible),
-`mobility`, and `rover`, where they come together; `suspension`, `four_axle` and `profiles` beside them.
+`mobility`, and `rover`, where they come together; `odometry`, `suspension`, `four_axle` and `profiles` beside
+them.
 """
 
 from six_wheel.reference import profiles

@@ -1,13 +1,17 @@
 //! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
 
+mod quick;
+
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
 use six_wheel_core::batch::{self, Log};
 use six_wheel_core::{Inputs, Twist, Unseen};
 
-use crate::batch::workers;
+use crate::batch::any_workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
+
+pub use quick::install;
 
 /// What a log holds, as read from Python.
 pub struct Readings<'py> {
@@ -173,7 +177,7 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Rows::flat),
             steering_rates: rates.as_ref().map(Rows::flat),
         };
-        let workers = workers(rows.len(), threads, kernel)?;
+        let workers = any_workers(threads, kernel)?;
         let (angles, rotations) = (steering.flat(), speeds.flat());
         compute(py, rows.len(), || {
             batch::inverse(&self.core, rows, inputs, angles, rotations, workers)
@@ -235,7 +239,7 @@ impl Rover {
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
         let (log, target) = (readings.log(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = workers(target.len(), threads, kernel)?;
+        let workers = any_workers(threads, kernel)?;
         compute(py, target.len(), || {
             batch::forward(&self.core, log, unseen, target, workers)
         })

@@ -2,15 +2,19 @@
 
 mod admissible;
 mod batch;
+mod controller;
 mod convert;
+mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
 mod kinematics;
 mod layouts;
 mod mobility;
+mod odometry;
 mod profiles;
 mod rover;
+mod sensitivity;
 mod suspension;
 mod wheel;
 
@@ -22,8 +26,16 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
+    kinematics::install(module.py())?;
+    admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<mobility::Mobility>()?;
+    module.add_class::<odometry::Odometry>()?;
+    odometry::install(module.py())?;
+    module.add_class::<odometry::values::OdometryState>()?;
+    module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
     module.add_class::<profiles::BodyTransition>()?;
     module.add_class::<profiles::ModuleTransition>()?;
@@ -32,6 +44,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
+    module.add_class::<controller::limits::Limits>()?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;

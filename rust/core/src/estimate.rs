@@ -1,5 +1,7 @@
 //! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
 
+pub mod sensitivity;
+
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Vector3};
@@ -78,16 +80,16 @@ pub struct Fit {
 }
 
 /// Both rows of one wheel with their right-hand sides.
-#[derive(Clone, Copy)]
-struct Reading {
-    rolling: Vector3<f64>,
-    side_slip: Vector3<f64>,
-    rolled: f64,
-    slipped: f64,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    pub rolling: Vector3<f64>,
+    pub side_slip: Vector3<f64>,
+    pub rolled: f64,
+    pub slipped: f64,
 }
 
 impl Reading {
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         rolling: Vector3::new(0.0, 0.0, 0.0),
         side_slip: Vector3::new(0.0, 0.0, 0.0),
         rolled: 0.0,
@@ -95,7 +97,7 @@ impl Reading {
     };
 
     /// Length of the two residuals: how fast the contact slides under this twist [m/s].
-    fn residual(&self, twist: &Vector3<f64>) -> f64 {
+    pub(crate) fn residual(&self, twist: &Vector3<f64>) -> f64 {
         let along = self.rolling.dot(twist) - self.rolled;
         let across = self.side_slip.dot(twist) - self.slipped;
         along.hypot(across)
@@ -185,9 +187,30 @@ impl Rover {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
+        let twist = self.estimate(readings, measured, method, unseen, weights)?;
+        for (reading, residual) in readings.iter().zip(residual) {
+            *residual = reading.residual(&twist.into());
+        }
+        let (rank, sigma_min) = self.singular_values(readings, weights);
+        Ok(Fit {
+            twist,
+            rank,
+            sigma_min,
+        })
+    }
+
+    /// The twist by any method, and the weights it gave the wheels.
+    pub(crate) fn estimate(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        method: Method,
+        unseen: Unseen,
+        weights: &mut [f64],
+    ) -> Result<Twist, Error> {
         weights.fill(1.0);
-        let twist = match method {
-            Method::LeastSquares => self.least_squares(readings, measured, unseen)?,
+        match method {
+            Method::LeastSquares => self.least_squares(readings, measured, unseen),
             Method::MiddleWheels => {
                 for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
                     *weight = if wheel.pivot == Pivot::Fixed {
@@ -200,29 +223,20 @@ impl Rover {
                     let rule = "be another one for a rover without unsteered wheels";
                     return Err(Error::value("method", rule, "'middle_wheels'"));
                 }
-                self.weighted(readings, weights, unseen)?
+                self.weighted(readings, weights, unseen)
             }
             Method::Robust => {
                 let start = self.least_squares(readings, measured, unseen)?;
-                self.reweigh(readings, measured.speeds, start, weights, unseen)?
+                self.reweigh(readings, measured.speeds, start, weights, unseen)
             }
-        };
-        for (reading, residual) in readings.iter().zip(residual) {
-            *residual = reading.residual(&twist.into());
         }
-        let (rank, sigma_min) = self.singular_values(readings, weights);
-        Ok(Fit {
-            twist,
-            rank,
-            sigma_min,
-        })
     }
 
     /// Puts the readings into the wheel equation.
-    fn read<'r>(
+    pub(crate) fn read<'r>(
         &self,
         measured: Measured<'_>,
-        readings: &'r mut [Reading; MAX_WHEELS],
+        readings: &'r mut [Reading],
     ) -> &'r [Reading] {
         let mut joint = 0;
         let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
@@ -243,6 +257,9 @@ impl Rover {
             if speed.is_finite() {
                 reading.rolling = rows.rolling;
                 reading.rolled = wheel.radius * speed + wheel.scrub * rate;
+            } else {
+                reading.rolling = Vector3::zeros();
+                reading.rolled = 0.0;
             }
         }
         &readings[..self.wheels().len()]
@@ -255,7 +272,7 @@ impl Rover {
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+    pub(crate) fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
             let (rolling, side_slip) = (
@@ -269,7 +286,7 @@ impl Rover {
     }
 
     /// What turns the right-hand side of the normal equations into their solution.
-    fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+    pub(crate) fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
@@ -282,7 +299,7 @@ impl Rover {
         }
     }
 
-    fn solve_for_twist(
+    pub(crate) fn solve_for_twist(
         &self,
         solution: &Matrix3<f64>,
         readings: &[Reading],
@@ -294,13 +311,27 @@ impl Rover {
             let side_slip = self.shifted(&reading.side_slip) * reading.slipped;
             gradient += (rolling + side_slip) * weight(i);
         }
-        let centred = solution * gradient;
+        self.unshifted(&(solution * gradient)).into()
+    }
+
+    /// The twist whose unknowns about the centre of the pivots these are.
+    pub(crate) fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
-        Twist {
-            vx: centred.x + omega * self.centre.y,
-            vy: centred.y - omega * self.centre.x,
+        Vector3::new(
+            centred.x + omega * self.centre.y,
+            centred.y - omega * self.centre.x,
             omega,
-        }
+        )
+    }
+
+    /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
+    pub(crate) fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
+        let turn = Matrix3::new(
+            1.0, 0.0, self.centre.y / self.size, //
+            0.0, 1.0, -self.centre.x / self.size, //
+            0.0, 0.0, 1.0 / self.size,
+        );
+        turn * solution * turn.transpose()
     }
 
     /// Least squares, every wheel alike.
@@ -310,11 +341,21 @@ impl Rover {
         measured: Measured<'_>,
         unseen: Unseen,
     ) -> Result<Twist, Error> {
-        let solution = match self.solution.filter(|_| measured.is_complete()) {
-            Some(solution) => solution,
-            None => self.solution(self.normal(readings, |_| 1.0), unseen)?,
-        };
+        let solution = self.solution_for(readings, measured, unseen)?;
         Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
+    }
+
+    /// The solution of the normal equations, every wheel alike.
+    pub(crate) fn solution_for(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        unseen: Unseen,
+    ) -> Result<Matrix3<f64>, Error> {
+        match self.solution.filter(|_| measured.is_complete()) {
+            Some(solution) => Ok(solution),
+            None => self.solution(self.normal(readings, |_| 1.0), unseen),
+        }
     }
 
     /// Weighted least squares.
@@ -330,13 +371,7 @@ impl Rover {
 
     /// Names the motion that no reading sees.
     fn underdetermined(&self, normal: Matrix3<f64>) -> Error {
-        let unseen = Jacobi::new(&normal).turn.column(2).into_owned();
-        let omega = unseen.z / self.size;
-        let twist = Vector3::new(
-            unseen.x + omega * self.centre.y,
-            unseen.y - omega * self.centre.x,
-            omega,
-        );
+        let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
         // To be read: the largest component is 1, and what vanishes beside it is 0.
         let largest = twist[twist.iamax()];
         let twist: [f64; 3] = (twist / largest)

@@ -65,7 +65,7 @@ impl From<Pose> for [f64; 3] {
 }
 
 /// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
-fn sinc(x: f64) -> f64 {
+pub(crate) fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
@@ -222,7 +222,7 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    fn new(start: f64) -> Self {
+    pub fn new(start: f64) -> Self {
         Self {
             sum: start,
             lost: 0.0,

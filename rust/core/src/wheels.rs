@@ -186,15 +186,21 @@ impl Wheel {
     ///
     /// Rollers give way across their axes: what is left of both rows is the one along them.
     pub fn rows(&self, direction: Direction) -> Rows {
-        let Direction { sin, cos } = direction;
-        let rolling = Vector3::new(cos, sin, self.x * sin - self.y * cos - self.scrub);
-        let side_slip = Vector3::new(-sin, cos, self.x * cos + self.y * sin - self.trail);
+        let Rows { rolling, side_slip } = self.bare_rows(direction);
         match self.roller_angle {
             None => Rows { rolling, side_slip },
             Some(angle) => Rows {
                 rolling: rolling + side_slip * (angle.cos() / angle.sin()),
                 side_slip: Vector3::zeros(),
             },
+        }
+    }
+
+    /// The wheel equation without regard to rollers.
+    pub(crate) fn bare_rows(&self, Direction { sin, cos }: Direction) -> Rows {
+        Rows {
+            rolling: Vector3::new(cos, sin, self.x * sin - self.y * cos - self.scrub),
+            side_slip: Vector3::new(-sin, cos, self.x * cos + self.y * sin - self.trail),
         }
     }
 

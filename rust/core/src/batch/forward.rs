@@ -16,10 +16,10 @@ use crate::rover::{MAX_WHEELS, Mount, Rover};
 use crate::wheels::Wheel;
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
-const LARGEST_SPEED: f64 = 1e100;
+pub(super) const LARGEST_SPEED: f64 = 1e100;
 
 /// Bound of what the rover multiplies readings by.
-const LARGEST_ROVER: f64 = 1e100;
+pub(super) const LARGEST_ROVER: f64 = 1e100;
 
 /// What one wheel adds to the right-hand side of the normal equations.
 #[derive(Clone, Copy, Debug)]

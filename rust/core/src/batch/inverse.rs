@@ -12,14 +12,14 @@ use crate::admissible::SLIP_TOLERANCE;
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
-use crate::wheels::REST;
+use crate::wheels::{REST, Wheel};
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
-const SMALLEST: f64 = 1e-100;
-const LARGEST: f64 = 1e100;
+pub(super) const SMALLEST: f64 = 1e-100;
+pub(super) const LARGEST: f64 = 1e100;
 
 /// Sizes of rovers with which that holds at every pivot.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+pub(super) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 #[derive(Clone, Copy, Debug)]
 enum Part {
@@ -44,7 +44,7 @@ impl<'a> Plan<'a> {
     /// Nothing where a wheel is not one of those the kernel knows.
     pub fn new(rover: &'a Rover) -> Option<Self> {
         let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
-        let part = |(wheel, mount): (&crate::wheels::Wheel, &Mount)| {
+        let part = |(wheel, mount): (&Wheel, &Mount)| {
             let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
             if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
                 return None;
@@ -64,20 +64,12 @@ impl<'a> Plan<'a> {
         };
         let wheels = rover.wheels();
         let parts: Option<Vec<_>> = wheels.iter().zip(&rover.mounts).map(part).collect();
-        let first = [wheels[0].x, wheels[0].y];
-        let mut other = first;
-        let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();
-        for wheel in wheels {
-            if distance([wheel.x, wheel.y]) > distance(other) {
-                other = [wheel.x, wheel.y];
-            }
-        }
         Some(Self {
             rover,
             parts: parts?,
             joints: rover.steered().len(),
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
-            pivots: [first, other],
+            pivots: pivots_apart(wheels),
             arm: wheels
                 .iter()
                 .map(|wheel| wheel.x.abs() + wheel.y.abs())
@@ -158,6 +150,19 @@ impl<'a> Plan<'a> {
         }
         passes
     }
+}
+
+/// Two pivots far apart.
+pub(super) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
+    let first = [wheels[0].x, wheels[0].y];
+    let mut other = first;
+    let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();
+    for wheel in wheels {
+        if distance([wheel.x, wheel.y]) > distance(other) {
+            other = [wheel.x, wheel.y];
+        }
+    }
+    [first, other]
 }
 
 /// A row times a twist, by the same operations as the plain core.

@@ -6,6 +6,8 @@ mod inverse;
 mod lanes;
 mod level;
 mod polynomials;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
 mod vector;
 mod weave;
@@ -13,11 +15,14 @@ mod workers;
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
+use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::{self, Steps, Twist};
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use single::{check_one, inverse_one, project_one};
+pub use single_forward::forward_one;
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
@@ -89,9 +94,7 @@ pub fn inverse(
         Some(plan) => plan.check(workers.level, rows, first),
         None => rows.iter().enumerate().try_for_each(|(k, twist)| {
             let inputs = inputs.row(rover, first + k);
-            inputs
-                .check()
-                .and_then(|()| rover.check(Twist::from(*twist), inputs.steering_rates))
+            single::check_row(workers.level, rover, Twist::from(*twist), inputs)
                 .map_err(|error| error.at_row(first + k))
         }),
     })?;
@@ -110,7 +113,8 @@ pub fn inverse(
             for (k, twist) in rows.iter().enumerate() {
                 let (steering, speeds) = (row_mut(steering, joints, k), row_mut(speeds, wheels, k));
                 let inputs = inputs.row(rover, first + k);
-                rover.solve(Twist::from(*twist), inputs, steering, speeds);
+                let twist = Twist::from(*twist);
+                single::solve_row(workers.level, rover, twist, inputs, steering, speeds);
             }
             Ok(())
         },
@@ -155,7 +159,8 @@ pub fn forward(
             return plan.solve(workers.level, log, first, unseen, twists);
         }
         for (k, twist) in twists.iter_mut().enumerate() {
-            *twist = rover.forward(log.row(rover, first + k), unseen)?.into();
+            let measured = log.row(rover, first + k);
+            *twist = single_forward::solve_row(workers.level, rover, measured, unseen)?.into();
         }
         Ok(())
     })
@@ -245,6 +250,39 @@ pub fn project(
     for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
         let found = rover.project(Twist::from(*twist), keep);
         *projected = found.map_err(|error| error.at_row(k))?.into();
+    }
+    Ok(())
+}
+
+/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
+/// steered wheels` for quantities of the steering.
+pub fn sensitivity(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+) -> Result<(), Error> {
+    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
+    for (k, twist) in twists.iter_mut().enumerate() {
+        let differentiate = |linearised: &Linearised<'_>| {
+            *twist = linearised.twist().into();
+            for (quantity, target) in targets.iter_mut() {
+                let wheels = match quantity {
+                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                    _ => &wheels,
+                };
+                let target = row_mut(target, 3 * wheels.len(), k);
+                for (column, wheel) in wheels.iter().enumerate() {
+                    let derivative = linearised.derivative(*wheel, *quantity);
+                    for (row, value) in derivative.iter().enumerate() {
+                        target[row * wheels.len() + column] = *value;
+                    }
+                }
+            }
+        };
+        rover
+            .sensitivity(log.row(rover, k), differentiate)
+            .map_err(|error| error.at_row(k))?;
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ const QUARTER: [f64; 3] = [
 ];
 
 /// Adding this brings the nearest whole number into the lowest bits.
-const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 
 /// Largest angle of [`sin_cos`] [rad]: its quarter turns are whole numbers of far less than 52 bits.
 pub(crate) const LARGEST_ANGLE: f64 = 1e9;

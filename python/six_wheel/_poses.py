@@ -1,0 +1,62 @@
+"""Poses seen from poses: the few lines of SE(2) that evaluation and calibration share."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import compose, wrap_angle
+
+Floats = NDArray[np.float64]
+
+
+def inverse(poses: Floats) -> Floats:
+    """Where the world lies as seen from poses: ``compose(inverse(p), p)`` is the identity. Shape (..., 3)."""
+    x, y, yaw = np.moveaxis(poses, -1, 0)
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.stack((-cos * x - sin * y, sin * x - cos * y, -yaw), axis=-1)
+
+
+def joined(first: Floats, second: Floats) -> Floats:
+    """`compose` of poses whose shapes broadcast: one pose before or after many."""
+    shape = np.broadcast_shapes(first.shape, second.shape)
+    return compose(np.broadcast_to(first, shape), np.broadcast_to(second, shape))
+
+
+def between(first: Floats, second: Floats) -> Floats:
+    """`second` as seen from `first`, its yaw between -pi and pi. Shapes (..., 3)."""
+    seen = joined(inverse(first), second)
+    seen[..., 2] = wrap_angle(seen[..., 2])
+    return seen
+
+
+def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+    """Poses at `wanted` times and their rates of change, both of shape (n, 3).
+
+    Between two rows the body moves evenly along the chord and turns evenly. Samples that show the motion at
+    all lie so close that chord and arc differ by less than the sensor sees. Nothing is known outside the
+    recording: `wanted` must lie within it.
+    """
+    row = np.clip(np.searchsorted(stamps, wanted, side="right") - 1, 0, len(stamps) - 2)
+    length = (stamps[row + 1] - stamps[row])[:, None]
+    step = poses[row + 1] - poses[row]
+    step[:, 2] = wrap_angle(step[:, 2])
+    return poses[row] + (wanted - stamps[row])[:, None] / length * step, step / length
+
+
+def as_poses(name: str, poses: ArrayLike, count: int | None = None) -> Floats:
+    """`poses` as an array of shape (n, 3), finite, with n >= 1 or `count` rows.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+    """
+    rows = np.ascontiguousarray(poses, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 3 or len(rows) == 0:
+        raise ValueError(f"{name} must have shape (n, 3), n >= 1, got {rows.shape}")
+    if count is not None and len(rows) != count:
+        raise ValueError(f"{name} must have shape ({count}, 3), got {rows.shape}")
+    good = np.isfinite(rows).all(axis=1)
+    if not good.all():
+        row = int(np.argmin(good))
+        raise ValueError(f"{name} must be finite, got {rows[row].tolist()} in row {row}")
+    return rows

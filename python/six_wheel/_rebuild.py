@@ -1,0 +1,36 @@
+"""A rover with other numbers in its wheels: everything else stays as it was."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from six_wheel._core import Rover, Wheel
+
+
+def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
+    """The rover whose wheel i has the values of the i-th dictionary, under the names `Wheel` gives them.
+
+    Raises
+    ------
+    ValueError
+        If a wheel may not have such a value.
+    """
+    wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
+    return Rover(wheels, traction_joints=rover.traction_joints, steering_joints=rover.steering_joints)
+
+
+def _with(wheel: Wheel, **changes: Any) -> Wheel:
+    values: dict[str, Any] = {
+        "x": wheel.x,
+        "y": wheel.y,
+        "radius": wheel.radius,
+        "steered": wheel.steered,
+        "heading": wheel.heading,
+        "steering_limit": wheel.steering_limit,
+        "scrub": wheel.scrub,
+        "trail": wheel.trail,
+        "roller_angle": wheel.roller_angle,
+        "driven": wheel.driven,
+        "castor": wheel.castor,
+    }
+    values |= changes
+    return Wheel(wheel.name, values.pop("x"), values.pop("y"), **values)

@@ -1,0 +1,3 @@
+//! `six_wheel.Limits` and `six_wheel.Controller`.
+
+pub mod limits;
