@@ -28,8 +28,9 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_fast.py -s -q
+soak: $(VENV)/installed ## kernels against the plain core, profiles against Ruckig, transitions, the controller: SOAK times as many cases
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_rollout.py tests/test_fast.py \
+		tests/test_profiles.py tests/test_transitions.py -s -q
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \
@@ -38,6 +39,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
 	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)

@@ -41,6 +41,7 @@ from six_wheel._core import (
 )
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
+from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
@@ -67,6 +68,7 @@ __all__ = [
     "OdometryState",
     "Pose",
     "RockerBogie",
+    "RolloutCost",
     "Rover",
     "Sensitivity",
     "SlipReport",

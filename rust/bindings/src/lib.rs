@@ -13,6 +13,7 @@ mod layouts;
 mod mobility;
 mod odometry;
 mod profiles;
+mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;
