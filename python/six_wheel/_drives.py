@@ -52,8 +52,24 @@ class Drive:
 
 
 def encoders(rover: Rover, logs: Sequence[Log]) -> list[bool]:
-    """Which wheels report how far they turn: those with a number somewhere."""
-    return [any(bool(np.isfinite(log.wheel_angles[:, i]).any()) for log in logs) for i in range(len(rover.wheels))]
+    """Which wheels report how far they turn: those with a number somewhere.
+
+    Raises
+    ------
+    ValueError
+        If a log has other wheels than the rover.
+    """
+    for number, log in enumerate(logs):
+        if log.wheel_angles.shape[1] != len(rover.wheels):
+            wheels = len(rover.wheels)
+            rule = f"wheel_angles must have shape (n, {wheels})"
+            raise ValueError(f"{_who(log, number)}: {rule}, got {log.wheel_angles.shape}")
+    heard = [np.isfinite(log.wheel_angles).any(axis=0) for log in logs]
+    return np.any(heard, axis=0).tolist()  # type: ignore[no-any-return]
+
+
+def _who(log: Log, number: int) -> str:
+    return f"logs[{number}]" + (f" ({log.name})" if log.name else "")
 
 
 def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int) -> Drive:
@@ -73,12 +89,9 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     ValueError
         If the log does not fit the rover, has no truth or too few rows that can be used.
     """
-    who = f"logs[{number}]" + (f" ({log.name})" if log.name else "")
+    who = _who(log, number)
     if log.truth is None:
         raise ValueError(f"{who} must have a truth to be calibrated against")
-    if log.wheel_angles.shape[1] != len(rover.wheels):
-        shape, wheels = log.wheel_angles.shape, len(rover.wheels)
-        raise ValueError(f"{who}: wheel_angles must have shape (n, {wheels}), got {shape}")
     steered = len(rover.steered_names)
     steering = log.steering if log.steering is not None else np.empty((len(log), 0))
     if steering.shape[1] != steered:

@@ -18,6 +18,8 @@ KNOWN = 0.05
 STRAIGHT = 0.35
 # Parameters whose values go together this closely are named.
 TOGETHER = 0.95
+# ... unless both are known to this share of what is plausible anyway.
+WELL_KNOWN = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +108,7 @@ def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_])
         for second in np.flatnonzero(identified & (sizes > 0.0)):
             if first < second:
                 correlation = covariance[first, second] / (sizes[first] * sizes[second])
-                if abs(correlation) > TOGETHER:
+                if abs(correlation) > TOGETHER and max(sizes[first], sizes[second]) > WELL_KNOWN:
                     pair = f"{model.names[first]} and {model.names[second]}"
                     messages.append(f"{pair} are hard to tell apart here (correlation {correlation:+.2f})")
     return messages
