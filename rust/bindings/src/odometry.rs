@@ -1,6 +1,7 @@
 //! `six_wheel.Odometry`.
 
 mod quick;
+pub mod state;
 pub mod values;
 
 use std::str::FromStr;
@@ -18,7 +19,8 @@ pub use quick::install;
 
 use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
-use values::{Encoder, Noise, OdometryState};
+use state::OdometryState;
+use values::{Encoder, Noise};
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
 ///

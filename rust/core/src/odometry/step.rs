@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::HUGE;
 use super::noise::Noise;
 use super::spread::Spread;
+use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
