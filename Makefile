@@ -28,8 +28,9 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_fast.py -s -q
+soak: $(VENV)/installed ## kernels over SOAK times as many rows, odometry over 10^4 noisy logs; prints the worst cases
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_fast.py \
+		tests/test_odometry.py tests/test_odometry_sensors.py tests/test_dead_reckon.py -s -q
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \

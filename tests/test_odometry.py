@@ -350,6 +350,41 @@ def test_disagreement_inflates_the_covariance():
     assert np.all(np.diag(states[1].covariance) > 4 * np.diag(states[0].covariance))
 
 
+WAYS = {
+    "arrays": lambda a: a,
+    "tuples": lambda a: tuple(a.tolist()),
+    "lists": lambda a: a.tolist(),
+    "other order": lambda a: np.repeat(a, 2)[::2],
+    "other bytes": lambda a: a.astype(a.dtype.newbyteorder()),
+    "a subclass": lambda a: a.view(np.recarray),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_however_readings_come_they_are_the_same(way):
+    log = drive(VEHICLES["six_wheel"], n=5)
+    expected, odometry = sw.Odometry(log.rover), sw.Odometry(log.rover)
+    for k in range(len(log.stamps)):
+        plainly = expected.update(log.steering[k], log.angles[k], log.stamps[k], yaw=0.1 * k)
+        readings = {"wheels": WAYS[way](log.angles[k]), "yaw": np.float64(0.1 * k), "yaw_rate": None}
+        state = odometry.update(WAYS[way](log.steering[k]), stamp=float(log.stamps[k]), **readings)
+        for name in ("pose", "twist", "covariance", "residual", "velocity", "twist_covariance"):
+            np.testing.assert_array_equal(getattr(state, name), getattr(plainly, name))
+        assert state.stamp == plainly.stamp
+    integers = sw.Odometry(VEHICLES["differential"])
+    integers.update(None, (0, 0), 0)
+    assert integers.update(None, (1, 1), 1).pose[0] == pytest.approx(0.1)
+
+
+def test_states_are_apart():
+    odometry = sw.Odometry(VEHICLES["differential"])
+    first = odometry.update(None, (0.0, 0.0), 0.0)
+    second = odometry.update(None, (1.0, 1.0), 0.1)
+    assert first.pose[0] == 0.0
+    second.pose[0] = 77.0  # an array of the caller's own
+    assert odometry.state.pose[0] == second.pose[0] == pytest.approx(0.1)
+
+
 def test_values_are_values():
     noise = sw.Noise(0.02, 0.01, slip=0.03, period=0.1)
     assert noise == pickle.loads(pickle.dumps(noise)) == eval(repr(noise), {"Noise": sw.Noise})
