@@ -273,13 +273,13 @@ BAD = {
     "the same stamp": ((0.0, 0.0), (1.0, 1.0), 0.1, "stamp must be later than the last one, 0.1, got 0.1"),
     "time backwards": ((0.0, 0.0), (1.0, 1.0), 0.05, "stamp must be later than the last one, 0.1, got 0.05"),
     "no time": ((0.0, 0.0), (1.0, 1.0), math.nan, "stamp must be finite, got nan"),
-    "NaN": ((0.0, 0.0), (1.0, math.nan), 0.2, "wheels must be finite"),
-    "infinity": ((0.0, 0.0), (1.0, math.inf), 0.2, "wheels must be finite"),
+    "NaN": ((0.0, 0.0), (1.0, math.nan), 0.2, "wheel_angles must be finite"),
+    "infinity": ((0.0, 0.0), (1.0, math.inf), 0.2, "wheel_angles must be finite"),
     "NaN steering": ((math.nan, 0.0), (1.0, 1.0), 0.2, "steering must be finite"),
-    "too fast": ((0.0, 0.0), (900.0, 900.0), 0.2, "wheels must keep a at a rim speed of 2 m/s at most, got"),
+    "too fast": ((0.0, 0.0), (900.0, 900.0), 0.2, "wheel_angles must keep a at a rim speed of 2 m/s at most, got"),
     "too quick": ((1.5, 0.0), (1.0, 1.0), 0.2, "steering must keep a at a steering rate of 3 rad/s at most"),
-    "not enough": ((0.0, 0.0), (1.0,), 0.2, r"wheels must have shape \(\.\.\., 2\), got shape \(1,\)"),
-    "too much": ((0.0, 0.0), ((1.0, 1.0),) * 3, 0.2, r"wheels must have shape \(2,\)"),
+    "not enough": ((0.0, 0.0), (1.0,), 0.2, r"wheel_angles must have shape \(\.\.\., 2\), got shape \(1,\)"),
+    "too much": ((0.0, 0.0), ((1.0, 1.0),) * 3, 0.2, r"wheel_angles must have shape \(2,\)"),
 }
 
 
@@ -366,7 +366,7 @@ def test_however_readings_come_they_are_the_same(way):
     expected, odometry = sw.Odometry(log.rover), sw.Odometry(log.rover)
     for k in range(len(log.stamps)):
         plainly = expected.update(log.steering[k], log.angles[k], log.stamps[k], yaw=0.1 * k)
-        readings = {"wheels": WAYS[way](log.angles[k]), "yaw": np.float64(0.1 * k), "yaw_rate": None}
+        readings = {"wheel_angles": WAYS[way](log.angles[k]), "yaw": np.float64(0.1 * k), "yaw_rate": None}
         state = odometry.update(WAYS[way](log.steering[k]), stamp=float(log.stamps[k]), **readings)
         for name in ("pose", "twist", "covariance", "residual", "velocity", "twist_covariance"):
             np.testing.assert_array_equal(getattr(state, name), getattr(plainly, name))

@@ -298,7 +298,11 @@ impl Odometry {
         crate::error::finite("steering", sample.steering)?;
         for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
             if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
-                return Err(Error::value("wheels", "be finite", numbers(sample.wheels)));
+                return Err(Error::value(
+                    "wheel_angles",
+                    "be finite",
+                    numbers(sample.wheels),
+                ));
             }
         }
         let others = [
@@ -369,7 +373,7 @@ impl Odometry {
                 let speed = wheel.radius * (self.turned[i] - owed) / dt;
                 if speed.abs() > limit {
                     let rule = format!("keep {} at a rim speed of {limit} m/s at most", wheel.name);
-                    return Err(Error::value("wheels", rule, number(speed)));
+                    return Err(Error::value("wheel_angles", rule, number(speed)));
                 }
             }
         }

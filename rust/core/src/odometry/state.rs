@@ -60,7 +60,7 @@ pub(super) fn advance(
         && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
     if !finite {
         let rule = "be small enough for a finite pose and covariance";
-        return Err(Error::value("wheels", rule, numbers(motion.turned)));
+        return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
     }
     let (sin, cos) = state.walk.heading.value().sin_cos();
     let jacobian = step_jacobian(displacement, [sin, cos]);
