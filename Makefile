@@ -28,9 +28,10 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## kernels against the plain core, profiles against Ruckig, transitions, the controller: SOAK times as many cases
+soak: $(VENV)/installed ## kernels, profiles, transitions over SOAK times as many cases, odometry over 10^4 noisy logs
 	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_rollout.py tests/test_fast.py \
-		tests/test_profiles.py tests/test_transitions.py -s -q
+		tests/test_profiles.py tests/test_transitions.py \
+		tests/test_odometry.py tests/test_odometry_sensors.py tests/test_dead_reckon.py -s -q
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \
