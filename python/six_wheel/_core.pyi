@@ -584,7 +584,7 @@ class Odometry:
     def update(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamp: float,
         *,
         yaw: float | None = None,
@@ -593,7 +593,7 @@ class Odometry:
     def run(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamps: ArrayLike,
         *,
         yaw: ArrayLike | None = None,
