@@ -20,8 +20,10 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
+soak: $(VENV)/installed ## kernels against the plain core over SOAK times as many rows, 2 SOAK million steps of the controller
 	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
+	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_controller.py -q -k drill
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
