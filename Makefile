@@ -31,6 +31,7 @@ test-python: $(VENV)/installed
 
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
 	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \
