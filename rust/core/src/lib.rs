@@ -34,7 +34,7 @@ pub mod suspension;
 pub mod wheels;
 
 pub use admissible::Keep;
-pub use controller::Limits;
+pub use controller::{Controller, Limits};
 pub use error::{Error, ErrorKind};
 pub use estimate::{Fit, Measured, Method, Unseen};
 
