@@ -59,7 +59,6 @@ pub use quick::install;
 pub struct Controller {
     core: Mutex<Core>,
     rover: Py<Rover>,
-    wheels: usize,
     joints: usize,
 }
 
@@ -102,14 +101,14 @@ impl Controller {
             })
         };
         let limits = limits.map_or_else(Default::default, |limits| limits.0);
-        let (joints, wheels) = (rover.get().joints(), rover.get().count());
+        let joints = rover.get().joints();
         let steering = Rows::read_beside("steering", steering, joints, &[])?;
         let start = steering.as_ref().map(Rows::flat);
-        let core = chosen().and_then(|options| Core::new(&rover.get().core, limits, options, start));
+        let core =
+            chosen().and_then(|options| Core::new(&rover.get().core, limits, options, start));
         Ok(Self {
             core: Mutex::new(core.map_err(|error| raise(error, &[]))?),
             rover: rover.unbind(),
-            wheels,
             joints,
         })
     }
@@ -238,7 +237,7 @@ impl Controller {
         let rover = self.rover.bind(py).repr()?;
         let core = self.lock();
         let (options, usual) = (core.options(), Options::default());
-        let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).__repr__());
+        let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).text());
         if options.timeout != usual.timeout {
             let timeout = options.timeout;
             text += &if timeout.is_infinite() {

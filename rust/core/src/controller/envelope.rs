@@ -177,10 +177,11 @@ impl Envelope {
         ([self.turn[0].value; 2], self.turn[1].value)
     }
 
-    /// How fast the turn could become on the way to its end.
-    pub fn promise(&self, angle: f64) -> f64 {
+    /// How fast the turn could become on the way to its end, which is not to come sooner than `dt`.
+    pub fn promise(&self, angle: f64, dt: f64) -> f64 {
         let [rate, change] = self.turn.map(|cap| cap.value);
-        rate.min(times(change, (self.end - angle).abs()).sqrt())
+        let left = (self.end - angle).abs();
+        rate.min(times(change, left).sqrt()).min(left / dt)
     }
 
     /// Whether a turn can go on inside, and end in time.

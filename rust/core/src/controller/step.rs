@@ -132,7 +132,7 @@ impl Controller {
             Route::Along { sign } => sign * wanted,
             Route::Turn { end, sign } => {
                 let target = sign * wanted;
-                bridle = self.look_ahead(end, target);
+                bridle = self.look_ahead(end, target, dt);
                 target
             }
             Route::Wait => {
@@ -203,11 +203,11 @@ impl Controller {
 
     /// Takes the envelope of the piece of arc ahead that promises the quickest turn, if the motion fits into it;
     /// otherwise the bounds that make it fit.
-    fn look_ahead(&mut self, end: f64, target: f64) -> Bridle {
+    fn look_ahead(&mut self, end: f64, target: f64, dt: f64) -> Bridle {
         let here = self.turn.value;
         let left = self.envelope.end - here;
         let present = if self.envelope.turning && left * (end - here) > 0.0 {
-            self.envelope.promise(here)
+            self.envelope.promise(here, dt)
         } else {
             -1.0
         };
@@ -241,11 +241,11 @@ impl Controller {
             let envelope = Envelope::new(&self.room, &self.arc, here, piece_end, needed);
             whole.get_or_insert(envelope);
             let fits = envelope.holds_turn(self.turn) && envelope.holds_speed(self.speed);
-            let promise = envelope.promise(here);
+            let promise = envelope.promise(here, dt);
             if fits && best.is_none_or(|(most, _)| promise > most) {
                 best = Some((promise, envelope));
             }
-            if promise < last || (fits && promise.is_infinite()) {
+            if promise < last || (fits && envelope.turn[0].value.is_infinite()) {
                 break;
             }
             last = promise;
