@@ -1,4 +1,4 @@
-"""Draw the pictures of `models.md`: ``python docs/draw.py`` writes docs/pictures/<vehicle>.png."""
+"""Draw the pictures of `models.md` and the README: ``python docs/draw.py`` writes docs/pictures/NAME.png."""
 
 import io
 import math
@@ -7,7 +7,9 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from PIL import Image
 
-from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, plot
+from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, optiodom, plot
+from six_wheel._calibrating import before_and_after, calibrate_files
+from six_wheel._log_files import example_run
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -59,12 +61,19 @@ def four_axles() -> Figure:
     return plot.four_axle_figure(car.simulate(steps, 0.02), title="four axles")
 
 
+def calibration() -> Figure:
+    """What `six-wheel calibrate --example --plot` draws."""
+    run = example_run()
+    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
         for name, (rover, twist) in VEHICLES.items()
     }
     figures["four_axle"] = four_axles()
+    figures["calibration"] = calibration()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)

@@ -2,10 +2,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::HUGE;
 use super::noise::Noise;
 use super::spread::Spread;
 use super::uncertainty::{StepJacobian, StepNoise};
-use crate::error::Error;
+use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::geometry::{Twist, sinc};
@@ -50,6 +51,8 @@ pub(crate) struct Rules {
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     readings: Vec<Reading>,
+    /// Inverse of the normal equations, where it is the same for all readings.
+    inverse: Option<Matrix3<f64>>,
     middle: Vec<f64>,
     steered_by: Vec<f64>,
     pub weights: Vec<f64>,
@@ -72,6 +75,9 @@ impl Workspace {
         let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
         Self {
             readings: vec![Reading::NONE; wheels],
+            inverse: rover
+                .solution
+                .map(|solution| rover.unshifted_inverse(&solution)),
             middle: vec![0.0; joints],
             steered_by: vec![0.0; joints],
             weights: vec![1.0; wheels],
@@ -105,7 +111,11 @@ impl Workspace {
             speeds: motion.turned,
             steering_rates: Some(&self.steered_by),
         };
-        rover.check_readings(measured)?;
+        let mut read = motion.turned.iter().chain(&self.steered_by);
+        if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
+            let rule = "be small enough for a finite pose and covariance";
+            return Err(Error::value("wheels", rule, numbers(motion.turned)));
+        }
         rover.read(measured, &mut self.readings);
         for (steered_by, &wheel) in self.steered_by.iter().zip(rover.steered()) {
             let chord = chord(*steered_by);
@@ -119,12 +129,16 @@ impl Workspace {
             Unseen::Refuse,
             &mut self.weights,
         )?;
-        let solution = match rules.method {
-            Method::LeastSquares => rover.solution_for(&self.readings, measured, Unseen::Refuse)?,
-            _ => {
-                let normal = rover.normal(&self.readings, |i| self.weights[i]);
-                rover.solution(normal, Unseen::Refuse)?
-            }
+        let is_plain = rules.method == Method::LeastSquares;
+        let solution = if is_plain {
+            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
+        } else {
+            let normal = rover.normal(&self.readings, |i| self.weights[i]);
+            rover.solution(normal, Unseen::Refuse)?
+        };
+        let inverse = match self.inverse.filter(|_| is_plain && measured.is_complete()) {
+            Some(inverse) => inverse,
+            None => rover.unshifted_inverse(&solution),
         };
         let displacement = Vector3::from(by_wheels);
         for (reading, slid) in self.readings.iter().zip(&mut self.slid) {
@@ -138,9 +152,8 @@ impl Workspace {
             measured,
             solution,
             twist: displacement,
-            weights: Some(&self.weights),
+            weights: (!is_plain).then_some(self.weights.as_slice()),
         };
-        let inverse = rover.unshifted_inverse(&solution);
         self.slips = errors(
             &linearised,
             &inverse,
@@ -202,6 +215,11 @@ fn errors(
     let mut gradients = Spread::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
+    // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
+    let furthest = linearised
+        .readings
+        .iter()
+        .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
     let shares_wheels = |i: usize| {
         let steered = rover.steered().len();
         motion.from_rates.then_some(steered + i)
@@ -249,18 +267,15 @@ fn errors(
         rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));
         let bound = match rules.slip_threshold {
             Some(threshold) => threshold * dt,
-            None => SUSPICIOUS * variance.sqrt() + ROUNDING * reading.rolled.abs(),
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
         };
         slips |= slid[i] > bound;
     }
     if rules.inflate && rows > 3.0 {
         let excess = (seen / (rows - 3.0) - explained / rows).max(0.0);
-        for (reading, weight) in linearised
-            .readings
-            .iter()
-            .zip(linearised.weights.unwrap_or(&[]))
-        {
-            let (rolling, side_slip) = (reading.rolling * *weight, reading.side_slip * *weight);
+        for (i, reading) in linearised.readings.iter().enumerate() {
+            let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+            let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
             gradients.add(&rolling, excess);
             gradients.add(&side_slip, excess);
         }
