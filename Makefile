@@ -6,6 +6,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
+SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -28,10 +29,9 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## kernels, profiles, transitions over SOAK times as many cases, odometry over 10^4 noisy logs
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_rollout.py tests/test_fast.py \
-		tests/test_profiles.py tests/test_transitions.py \
-		tests/test_odometry.py tests/test_odometry_sensors.py tests/test_dead_reckon.py -s -q
+soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \

@@ -8,7 +8,17 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, optiodom, plot, profiles, reference
+from six_wheel import (
+    FourAxle,
+    FourAxleState,
+    RockerBogie,
+    Rover,
+    Wheel,
+    optiodom,
+    plot,
+    profiles,
+    reference,
+)
 from six_wheel._calibrating import before_and_after, calibrate_files
 from six_wheel._log_files import example_run
 
@@ -62,12 +72,6 @@ def four_axles() -> Figure:
     return plot.four_axle_figure(car.simulate(steps, 0.02), title="four axles")
 
 
-def calibration() -> Figure:
-    """What `six-wheel calibrate --example --plot` draws."""
-    run = example_run()
-    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
-
-
 def transitions() -> Figure:
     """Scrub that the angles force, while the Open Source Rover goes over to a left turn of 0.6 m."""
     rover = Rover.preset("open_source_rover")
@@ -92,6 +96,12 @@ def transitions() -> Figure:
     axes[0].set_ylabel("worst side slip [mm/s]")
     axes[1].legend(frameon=False, fontsize="small", loc="lower center")
     return figure
+
+
+def calibration() -> Figure:
+    """What `six-wheel calibrate --example --plot` draws."""
+    run = example_run()
+    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
 
 
 def main() -> None:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    Controller,
+    ControllerOutput,
     Encoder,
     Fit,
     FourAxle,
@@ -39,6 +41,7 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
+from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
 from six_wheel.rollouts import RolloutCost
@@ -52,6 +55,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentTypeError",
+    "Controller",
+    "ControllerOutput",
     "Encoder",
     "Fit",
     "FourAxle",
@@ -67,6 +72,7 @@ __all__ = [
     "Odometry",
     "OdometryState",
     "Pose",
+    "Reason",
     "RockerBogie",
     "RolloutCost",
     "Rover",

@@ -4,6 +4,7 @@ from typing import Any, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
     FourAxleMotion,
@@ -18,6 +19,8 @@ from six_wheel.rollouts import RolloutCost
 
 __all__ = [
     "BodyTransition",
+    "Controller",
+    "ControllerOutput",
     "Encoder",
     "Fit",
     "FourAxle",
@@ -43,6 +46,7 @@ __all__ = [
     "integrate",
     "kernels",
     "log",
+    "reason_bits",
     "rollout",
     "set_default_threads",
     "wrap_angle",
@@ -53,6 +57,8 @@ _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
+_Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
+_Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
@@ -801,6 +807,54 @@ class Limits:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class Controller:
+    def __new__(
+        cls,
+        rover: Rover,
+        limits: Limits | None = None,
+        *,
+        timeout: float | None = 0.5,
+        period: float | None = None,
+        max_step: float = 0.1,
+        mode: _Mode = "free",
+        align: _Align | None = "cosine",
+        align_tolerance: float = 0.02,
+        discretise: bool = False,
+        steering: ArrayLike | None = None,
+    ) -> Controller: ...
+    def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
+    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def reset(self) -> None: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def now(self) -> float | None: ...
+    @property
+    def stopped(self) -> bool: ...
+    @property
+    def stopping_distance(self) -> float: ...
+
+@final
+class ControllerOutput:
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def steering_rates(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def reasons(self) -> Reason: ...
+
+def reason_bits() -> list[tuple[str, int]]: ...
 def integrate(
     twists: ArrayLike,
     dt: ArrayLike,

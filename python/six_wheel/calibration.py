@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel import _fitting
 from six_wheel._calibration_result import Calibration, Estimate, RunErrors, Windows
+from six_wheel._core import Rover
 from six_wheel._cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel._cross_validation import candidates as all_candidates
 from six_wheel._drive_model import Model
@@ -23,7 +24,6 @@ from six_wheel._fitting import Loss, Problem
 from six_wheel._observability import describe
 from six_wheel._parameters import Catalogue
 from six_wheel._poses import Floats
-from six_wheel._core import Rover
 from six_wheel.recordings import Log, Truth
 
 __all__ = ["Calibration", "CrossValidation", "Estimate", "Progress", "RunErrors", "Windows", "calibrate", "parameter_names"]

@@ -1,9 +1,12 @@
 """What a sampling planner gets back for its rollouts."""
 
-from typing import NamedTuple
+from __future__ import annotations  # NumPy is not loaded for its names
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class RolloutCost(NamedTuple):
