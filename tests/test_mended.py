@@ -33,6 +33,12 @@ def numbers(rover: sw.Rover) -> list[float]:
     return [getattr(wheel, name) or 0.0 for wheel in rover.wheels for name in names]
 
 
+def skeleton(text: str) -> str:
+    """A file without its numbers, without keys that were added, and one radius for a pair of them."""
+    text = re.sub(r"[-+]?(\d+\.?\d*|\.\d+)(e-?\d+)?", "0", text)
+    return re.sub(r"\n.*icr_\w+: 0.*", "", text.replace("[0, 0]", "0"))
+
+
 def write(tmp_path: Path, text: str) -> Path:
     path = tmp_path / "rover.yaml"
     path.write_text(text)
@@ -55,11 +61,8 @@ def test_what_is_written_is_read_as_the_rover(path: Path, change: str) -> None:
     assert numbers(again.rover) == pytest.approx(numbers(rover), rel=1e-12, abs=1e-12)
     for name in ("odom_frame_id", "base_frame_id", "limits", "control", "noise", "encoders", "odometry"):
         assert getattr(again, name) == getattr(parameters, name)
-    if "kind: custom" not in text:  # then it is the same text but for numbers
-        before, after = (re.sub(r"[\d.]+(e-?\d+)?", "0", each) for each in (path.read_text(), text))
-        assert re.sub(r"\n.*icr_\w+: -?0", "", after.replace("[0, 0]", "0").replace("-0", "0")) == re.sub(
-            r"\n.*icr_\w+: -?0", "", before.replace("[0, 0]", "0").replace("-0", "0")
-        )
+    if again.kind == parameters.kind != "custom":  # then it is the same text but for numbers
+        assert skeleton(text) == skeleton(path.read_text())
 
 
 @pytest.mark.parametrize(

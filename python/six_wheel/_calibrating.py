@@ -25,7 +25,7 @@ from six_wheel.recordings import Log
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Calibrated", "calibrate_files", "half_width", "interval"]
+__all__ = ["Calibrated", "before_and_after", "calibrate_files", "half_width", "interval"]
 
 ENDINGS = ("", "_windows")  # of the pictures of a report
 YAML = (".yaml", ".yml")
@@ -160,7 +160,8 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
 
 def half_width(one: Estimate) -> float:
     """How far the interval of a value reaches to either side."""
-    return (one.interval[1] - one.interval[0]) / 2.0
+    low, high = one.interval
+    return (high - low) / 2.0
 
 
 def interval(one: Estimate) -> str:
@@ -218,13 +219,20 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
     return {"nominal": tracks[0][there], "calibrated": tracks[1][there]}, truth[there]
 
 
-def _write_pages(pages: Pages, done: Calibrated, title: str, output: Path | None) -> None:
-    from six_wheel._track_plot import residual_figure, track_figure
+def before_and_after(done: Calibrated, title: str) -> "Figure":
+    """Picture of one run as dead-reckoned before and after, with the truth."""
+    from six_wheel.plot import track_figure
 
     tracks, truth = paths_of(done, done.shown)
-    name, windows = done.logs[done.shown].name, done.result.windows
-    figures: list[tuple[str, Figure]] = [
-        (ENDINGS[0], track_figure(tracks, truth, title=f"{title} on {name}")),
+    return track_figure(tracks, truth, title=f"{title}, {done.logs[done.shown].name}")
+
+
+def _write_pages(pages: Pages, done: Calibrated, title: str, output: Path | None) -> None:
+    from six_wheel.plot import residual_figure
+
+    windows = done.result.windows
+    figures = [
+        (ENDINGS[0], before_and_after(done, title)),
         (ENDINGS[1], residual_figure(windows.before, windows.after)),
     ]
     pages.write(figures, lambda names: _report(done, title, names, output))

@@ -1,6 +1,7 @@
 """`six-wheel calibrate`: a rover's true dimensions from its logs."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -160,7 +161,7 @@ def _predicted(done: "Calibrated") -> list[tuple[str, object]]:
     ]
 
 
-def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Any:
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Any:
     from rich import box
     from rich.table import Table
 

@@ -8,6 +8,8 @@ from six_wheel._cli_shared import Chosen
 if TYPE_CHECKING:
     from six_wheel._core import Wheel
 
+GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
+
 
 def wheels_table(chosen: Chosen) -> Any:
     """The wheels of a rover, a row each."""
@@ -79,6 +81,6 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
             ("limits", limits or None),
-            *((group, _given(getattr(parameters, group))) for group in ("noise", "encoders", "odometry")),
+            *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows

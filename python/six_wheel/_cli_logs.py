@@ -62,7 +62,13 @@ def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
             raise ValueError(f'column must be HEADER=MEANING, such as "encL=left [ticks]", got "{text}"')
         columns[header] = meaning
     return LogOptions(
-        given["format"], given["reading"], encoders, columns, given["topic"] or (), given["truth_topic"]
+        given["format"],
+        given["reading"],
+        encoders,
+        chosen.parameters.steering_encoders if chosen.parameters else {},
+        columns,
+        given["topic"] or (),
+        given["truth_topic"],
     )
 
 

@@ -14,18 +14,24 @@ from six_wheel.four_axle import (
     TurnSequence,
 )
 from six_wheel.odometry import Health, Track
-from six_wheel.profiles import Peaks, State
+from six_wheel.profiles import Peaks, Phase, State, TransitionState
+from six_wheel.rollouts import RolloutCost
 
 __all__ = [
     "Controller",
     "ControllerOutput",
     "ControllerRun",
+    "BodyTransition",
+    "Controller",
+    "ControllerOutput",
     "Encoder",
     "Fit",
     "FourAxle",
+    "IcrTransition",
     "Limits",
     "Link",
     "Mobility",
+    "ModuleTransition",
     "Noise",
     "Odometry",
     "OdometryState",
@@ -206,7 +212,89 @@ class Profile:
     @property
     def peaks(self) -> Peaks: ...
     def at(self, times: ArrayLike) -> State: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class BodyTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        jerk: float | None = None,
+        angular_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+        previous: ArrayLike | None = None,
+    ) -> BodyTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class ModuleTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start: tuple[ArrayLike, ArrayLike],
+        end: tuple[ArrayLike, ArrayLike],
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_acceleration: float | None = None,
+        wheel_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+    ) -> ModuleTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class IcrTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        *,
+        steering_rate: float,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        previous: ArrayLike | None = None,
+    ) -> IcrTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def stops(self) -> int: ...
+    @property
+    def phases(self) -> tuple[Phase, ...]: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
@@ -320,6 +408,17 @@ class Rover:
     def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
+    def rollout_cost(
+        self,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Floats, _Floats, _Floats, _Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> RolloutCost: ...
     def inverse(
         self,
         twist: ArrayLike,
@@ -494,7 +593,7 @@ class Odometry:
     def update(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamp: float,
         *,
         yaw: float | None = None,
@@ -503,7 +602,7 @@ class Odometry:
     def run(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamps: ArrayLike,
         *,
         yaw: ArrayLike | None = None,

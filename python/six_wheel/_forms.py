@@ -1,7 +1,6 @@
 """Which of the forms a rover is given in, and whether the file has the keys of that form."""
 
 import re
-from collections.abc import Collection
 from typing import Any
 
 from six_wheel._controller_keys import DRIVES, STEERS, WELL_KNOWN

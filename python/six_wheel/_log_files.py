@@ -1,7 +1,6 @@
 """Any log that the command line reads, by what the file is: a table, a ROS 2 bag or an OptiOdom run."""
 
 import difflib
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,11 +9,11 @@ from typing import Any, Literal, Self, TypeAlias, get_args
 import numpy as np
 
 from six_wheel import optiodom
-from six_wheel._core import Rover
+from six_wheel._core import Encoder, Rover
 from six_wheel._joint_columns import Reading
 from six_wheel._joint_tables import Findings
 from six_wheel._poses import Floats
-from six_wheel.joint_logs import BAGS, Encoder, JointLog, JointRows, read_truth
+from six_wheel.joint_logs import BAGS, JointLog, JointRows, read_truth
 from six_wheel.logs import FORMATS, TableError
 from six_wheel.recordings import Log, Truth
 
@@ -38,11 +37,12 @@ AnyLog: TypeAlias = "JointLog | OptiOdomLog"
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a log does not say by itself; see `JointLog`. `encoders` are those of a parameter file."""
+    """What a log does not say by itself; see `JointLog`. Encoders have the keys of a parameter file."""
 
     format: LogFormat | None = None
     reading: Reading | None = None
     encoders: Mapping[str, Any] = field(default_factory=dict)
+    steering_encoders: Mapping[str, Any] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     topics: Sequence[str] = ()
     truth_topic: str | None = None
@@ -95,42 +95,69 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
             "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {' or '.join(FORMATS)}"
         )
         raise TableError(f"{path}: the format {kind} is {what}")
-    encoders = _encoders(rover, options.encoders)
-    counts = "resolution" in options.encoders
+    columns, topics = options.columns or None, options.topics or None
+    given = {"wheel": options.encoders, "steering": options.steering_encoders}
+    # What counts is known from the headers: encoders with a resolution are for that, others for radians.
+    counted = dict.fromkeys(given, False)
 
-    def open_(encoder: Mapping[str, Encoder] | None) -> JointLog:
-        columns, topics = options.columns or None, options.topics or None
-        return JointLog(path, rover, reading=options.reading, encoder=encoder, columns=columns, topics=topics)
+    def open_(*, radians: bool) -> JointLog:
+        found = {
+            part: _encoders(rover, part, values)
+            for part, values in given.items()
+            if counted[part] or (radians and "resolution" not in values)
+        }
+        increments = options.encoders.get("per_sample", False) and bool(found.get("wheel"))
+        wheels, steering = found.get("wheel") or None, found.get("steering") or None
+        return JointLog(
+            path, rover, reading=options.reading, wheel_encoders=wheels, steering_encoders=steering,
+            increments=increments, columns=columns, topics=topics,
+        )  # fmt: skip
 
-    try:
-        log = open_(None)
-    except TableError:
-        raise
-    except ValueError as error:
-        if not str(error).startswith("encoder must say"):
+    while True:
+        try:
+            log = open_(radians=False)
+        except TableError:
             raise
-        if not counts:
-            what = "the wheels are in ticks, and how many a turn has must be said"
-            remedy = "give --resolution, or encoders.resolution in the parameter file"
-            raise TableError(f"{path}: {what}; {remedy}") from None
-        return open_(encoders)
-    if log.reading == "angle" and encoders and not counts:
-        log.close()
-        return open_(encoders)
-    return log
+        except ValueError as error:
+            part = next((part for part in given if str(error).startswith(f"{part}_encoders must say")), None)
+            if part is None:
+                raise
+            if "resolution" not in given[part]:
+                raise TableError(f"{path}: {NO_RESOLUTION[part]}") from None
+            counted[part] = True
+        else:
+            break
+    if log.reading == "speed" or not any(given.values()):
+        return log
+    log.close()
+    return open_(radians=True)
 
 
-def _encoders(rover: Rover, values: Mapping[str, Any]) -> dict[str, Encoder]:
-    """Encoders by wheel, from the keys of a parameter file; without resolution they read radians."""
+NO_RESOLUTION = {
+    "wheel": "the wheels are in ticks, and how many a turn has must be said; "
+    "give --resolution, or encoders.resolution in the parameter file",
+    "steering": "the steering is in ticks, and how many a turn has must be said; "
+    "give steering_encoders.resolution in the parameter file",
+}
+
+
+def _encoders(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
+    """Encoders by wheel, from the keys of a parameter file; none if these say nothing about them."""
     if not values.keys() - CORRECTIONS:
         return {}
-    per_turn = values.get("resolution", math.tau) * values.get("gear", 1.0)
-    wheel_of = dict(rover.traction_joints)
-    turned = {wheel_of.get(name, name) for name in values.get("reversed", ())}
-    modulus, per_sample = values.get("modulus"), values.get("per_sample", False)
+    joints = rover.traction_joints if part == "wheel" else rover.steering_joints
+    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
+    turned = {joints.get(name, name) for name in values.get("reversed", ())}
+    offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
+    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
     return {
-        wheel: Encoder(-per_turn if wheel in turned else per_turn, modulus, per_sample)
-        for wheel in rover.wheel_names
+        wheel: Encoder(
+            resolution,
+            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
+            modulus=modulus,
+            offset=offsets.get(wheel, 0.0),
+        )
+        for wheel in wheels
     }
 
 

@@ -6,6 +6,7 @@ and the keys are those for which it gives the wheels that are wanted. So every f
 
 import itertools
 import json
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -84,7 +85,9 @@ def _plain(rover: Rover, parameters: Parameters | None, encoders: Values) -> str
     if parameters is not None:
         kept = ("odom_frame_id", "base_frame_id", "limits", "control")
         said = {name: getattr(parameters, name) for name in kept}
-        groups = {name: getattr(parameters, name) for name in ("noise", "odometry")} | groups
+        groups = {
+            name: getattr(parameters, name) for name in ("noise", "steering_encoders", "odometry")
+        } | groups
     for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
         data = _yaml.parse(dump(rover, node=node, **said), _unheard).data
         values = data if node is None else data[node][PARAMETERS]
@@ -168,7 +171,7 @@ def _leaves(values: Any, path: Path = ()) -> Iterator[Path]:
         for key, value in values.items() if isinstance(values, dict) else enumerate(values):
             if path or key not in {*GROUPS, *COUNTS}:
                 yield from _leaves(value, (*path, key))
-    elif isinstance(values, int | float) and not isinstance(values, bool):
+    elif isinstance(values, int | float) and not isinstance(values, bool) and math.isfinite(values):
         yield path
 
 

@@ -25,9 +25,10 @@ from six_wheel.logs import TableError, table_format
 from six_wheel.odometry import Health, SlipReport, Track
 from six_wheel.recordings import Truth
 
-__all__ = ["FIRST_ROWS", "Reckoned", "Settings", "reckon"]
+__all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 
 FIRST_ROWS = 5  # of every kind of finding, that are named
+ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 

@@ -7,7 +7,7 @@ from matplotlib.patches import Ellipse
 
 from six_wheel._drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel._poses import Floats
-from six_wheel._reckoning import Reckoned
+from six_wheel._reckoning import ROUNDING, Reckoned
 from six_wheel.evaluation import absolute_error, align, path_distance
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
@@ -111,6 +111,8 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
     stamps, _, _, residuals = result.trace()
     names = result.rover.wheel_names
     stamps, residuals = _thin(stamps, residuals)
+    if not np.nan_to_num(residuals).max() > ROUNDING:
+        axes.text(0.5, 0.5, "no wheel contradicts another", transform=axes.transAxes, ha="center", color=SOFT)
     order = np.argsort(-np.nan_to_num(residuals).max(axis=0), kind="stable")
     for number, wheel in enumerate(order):
         colour = WHEELS[number] if number < len(WHEELS) else SOFT
@@ -118,7 +120,6 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
         axes.plot(stamps, 1000.0 * residuals[:, wheel], color=colour, linewidth=0.8, **label)
     for window in result.slip.windows:
         axes.axvspan(window.start, window.end, color=FAINT, alpha=0.6, zorder=0)
-    # What is nothing but rounding is drawn as the nothing that it is.
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])
     axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper right", ncols=2)

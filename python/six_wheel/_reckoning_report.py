@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from six_wheel._pages import picture, table
-from six_wheel._reckoning import REMARKS, Reckoned
+from six_wheel._reckoning import REMARKS, ROUNDING, Reckoned
 from six_wheel.evaluation import Evaluation
 
 __all__ = ["facts", "judged", "slipped", "written"]
@@ -35,7 +35,7 @@ def slipped(result: Reckoned) -> Rows:
     """Which wheel disagrees with the others, and when; nothing where no wheel can."""
     slip = result.slip
     worst = max(slip.wheels, key=lambda wheel: wheel.rms, default=None)
-    if worst is None or worst.worst < 1e-9:  # [m/s]: rounding, as of as many readings as there are unknowns
+    if worst is None or worst.worst <= ROUNDING:
         return [("wheels", "none contradicts another")]
     rows = [
         (

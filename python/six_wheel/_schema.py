@@ -151,22 +151,31 @@ class NoiseKeys(BaseModel):
     )
 
 
-class EncoderKeys(BaseModel):
-    """What `Parameters.encoders` can hold: how the readings of the wheels become angles."""
-
+class _Counting(BaseModel):
     resolution: Annotated[Number, asks_core(Encoder, "resolution")] = optional(
-        "the counts of one turn of the motor"
+        "the counts of one turn of the shaft it sits on"
     )
     gear: Annotated[Number, asks_core(Encoder, "gear")] = optional(
-        "the turns of the motor for one of the wheel"
+        "the turns of that shaft for one of the joint"
     )
     modulus: Annotated[Number, asks_core(Encoder, "modulus")] = optional(
         "where a reading begins again at 0, such as 65536"
     )
+    reversed: list[Name] = optional("a list of the wheels whose readings run the other way")
+
+
+class EncoderKeys(_Counting):
+    """What `Parameters.encoders` can hold: how the readings of the wheels become angles."""
+
     per_sample: Flag = optional("whether a row counts from the row before")
-    reversed: list[Name] = optional("a list of the wheels whose readings fall as the rover drives forward")
     scale: Positive = optional("a factor for the angles of all wheels")
     steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
+
+
+class SteeringEncoderKeys(_Counting):
+    """What `Parameters.steering_encoders` can hold: how their readings become steering angles."""
+
+    offsets: dict[str, Finite] = optional("a mapping of steered wheel to its angle where the reading is 0")
 
 
 class OdometryKeys(BaseModel):
@@ -197,6 +206,7 @@ class Common(BaseModel):
     control: ControlKeys = optional(_any_of(ControlKeys))
     noise: NoiseKeys = optional(_any_of(NoiseKeys))
     encoders: EncoderKeys = optional(_any_of(EncoderKeys))
+    steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
 
 
@@ -286,6 +296,7 @@ GROUPS: dict[str, type[BaseModel]] = {
     "control": ControlKeys,
     "noise": NoiseKeys,
     "encoders": EncoderKeys,
+    "steering_encoders": SteeringEncoderKeys,
     "odometry": OdometryKeys,
 }
 """Keys of every rover that hold mappings with keys of their own."""

@@ -93,9 +93,9 @@ class Parameters:
         Those the file gives; there are no others.
     control : dict of str to object
         Of the keywords of `Controller` those the file gives.
-    noise, encoders, odometry : dict
-        What the file says about dead reckoning: arguments of `Noise`; ``resolution``, ``gear``, ``modulus``,
-        ``per_sample``, ``reversed``, ``scale`` and ``steering_gain``; options of `Odometry`.
+    noise, encoders, steering_encoders, odometry : dict
+        What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
+        the readings of wheels and steering joints; options of `Odometry`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str
@@ -113,6 +113,7 @@ class Parameters:
     control: dict[str, Any] = field(default_factory=dict)
     noise: dict[str, float] = field(default_factory=dict)
     encoders: Values = field(default_factory=dict)
+    steering_encoders: Values = field(default_factory=dict)
     odometry: Values = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
@@ -428,19 +429,22 @@ def _joints(
 
 def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -> None:
     """The wheels that the keys of encoders name are there."""
-    encoders = values.get("encoders", {})
-    steered = {*rover.steered_names, *rover.steering_joints}
-    wheels = {*rover.wheel_names, *rover.traction_joints}
-    named = [("reversed", index, name, wheels) for index, name in enumerate(encoders.get("reversed", ()))]
-    named += [("steering_gain", name, name, steered) for name in encoders.get("steering_gain", ())]
-    for key, place, name, known in named:
-        if name not in known:
-            at, guess = ("encoders", key, place), closest(name, known)
-            what = "wheel that steers" if known is steered else "wheel"
-            message = f"encoders.{key} names {_yaml.one_line(name)}, which is no {what} and no joint of one"
-            there = ", ".join(rover.steered_names if known is steered else rover.wheel_names)
-            remedy = f"did you mean {guess}?" if guess else f"there are {there or 'none'}"
-            log.error(section.line_of(at), at, message, remedy)
+    steered = (rover.steered_names, rover.steering_joints)
+    for group, key, (wheels, joints) in (
+        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("encoders", "steering_gain", steered),
+        ("steering_encoders", "reversed", steered),
+        ("steering_encoders", "offsets", steered),
+    ):
+        given = values.get(group, {}).get(key, ())
+        places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)
+        known = [*wheels, *joints]
+        for place, wheel in places:
+            if wheel not in known:
+                at, guess = (group, key, place), closest(wheel, known)
+                message = f"{group}.{key} names {_yaml.one_line(wheel)}, which is no such wheel or joint"
+                remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
+                log.error(section.line_of(at), at, message, remedy)
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:

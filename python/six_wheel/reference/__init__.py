@@ -15,8 +15,10 @@ from six_wheel.reference import controller, profiles
 from six_wheel.reference.estimate import Fit
 from six_wheel.reference.geometry import compose, differentiate, exp, integrate, log, wrap_angle
 from six_wheel.reference.mobility import Mobility
+from six_wheel.reference.rollouts import rollout_cost
 from six_wheel.reference.rover import Rover
 from six_wheel.reference.wheels import InfeasibleMotionError, UnderdeterminedError, Wheel
 
 __all__ = ["Fit", "InfeasibleMotionError", "Mobility", "Rover", "UnderdeterminedError", "Wheel"]
-__all__ += ["compose", "controller", "differentiate", "exp", "integrate", "log", "profiles", "wrap_angle"]
+__all__ += ["compose", "controller", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost"]
+__all__ += ["wrap_angle"]

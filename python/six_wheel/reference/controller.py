@@ -1,8 +1,8 @@
-"""Limits along the motion, the slow way: ratios from the wheels themselves, searches by halving, a log audited.
+"""Limits along the motion, the slow way: ratios from the wheels, searches by halving, a log audited.
 
-`saturated` slows a twist down along its curvature. `ramp` moves a speed towards its goal under limits of its
-rate and of the change of that, found by halving the peak of the rate. `Stepper` goes from motion to motion under
-first-order limits by trying how far it can. `excess` holds a log of steps against every limit.
+`saturated` slows a twist down along its curvature. `ramp` moves a speed towards its goal under limits of
+its rate and of the change of that, found by halving the peak of the rate. `Stepper` goes from motion to
+motion under first-order limits by trying how far it can. `excess` holds a log against every limit.
 """
 
 import math
@@ -32,7 +32,7 @@ def _ratios(rover: Rover, limits: Any, twist: Floats) -> Iterator[tuple[str, flo
 
 
 def saturated(rover: Rover, limits: Any, twist: ArrayLike) -> tuple[Floats, str | None]:
-    """The nearest possible twist (3,), slowed down by the largest ratio; and the limit that asks for it."""
+    """The nearest possible twist (3,), slowed down by the largest ratio; and the limit behind that."""
     possible = rover.project(twist)
     name, ratio = max(_ratios(rover, limits, possible), key=lambda pair: pair[1])
     return (possible / ratio, name) if ratio > 1.0 else (possible, None)
@@ -81,10 +81,9 @@ def ramp(
 
 @dataclass
 class Stepper:
-    """From motion to motion under limits of acceleration and of steering rate, as far as they allow each step.
+    """From motion to motion under first-order limits, as far as they allow each step.
 
-    A step first turns the straight line between the two twists as far as the joints can follow, then takes up as
-    much speed as the body and the wheels can.
+    A step goes along the straight line from twist to goal as far as body, wheels and joints can follow.
     """
 
     rover: Rover

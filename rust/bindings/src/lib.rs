@@ -13,6 +13,7 @@ mod layouts;
 mod mobility;
 mod odometry;
 mod profiles;
+mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;
@@ -33,7 +34,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<odometry::Odometry>()?;
     odometry::install(module.py())?;
-    module.add_class::<odometry::values::OdometryState>()?;
+    module.add_class::<odometry::state::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;

@@ -19,7 +19,7 @@ impl Quick<5> for Update {
     fn method() -> &'static Method<5> {
         static METHOD: Method<5> = Method::new(
             c"update",
-            [c"steering", c"wheels", c"stamp", c"yaw", c"yaw_rate"],
+            [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"],
             3,
         );
         &METHOD

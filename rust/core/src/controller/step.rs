@@ -288,6 +288,9 @@ impl Controller {
             self.turn.rate = 0.0; // nothing turns
         }
         let resting = self.turn.rate == 0.0;
+        if resting {
+            self.steering_rates.fill(0.0);
+        }
         let wanted = match self.route {
             Route::Turn { end, sign } => Some((end, sign)),
             _ => None,

@@ -3,8 +3,9 @@
 
 use nalgebra::Matrix3;
 
+use super::state::{State, advance, check_covariance, meet_yaw};
 use super::step::Motion;
-use super::{Odometry, Readings, Sample, Settings, State, advance, check_covariance, meet_yaw};
+use super::{Odometry, Readings, Sample, Settings};
 use crate::error::{Error, finite, number};
 use crate::geometry::{Pose, wrap_angle};
 

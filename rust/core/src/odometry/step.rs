@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::HUGE;
 use super::noise::Noise;
 use super::spread::Spread;
+use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
@@ -114,7 +114,7 @@ impl Workspace {
         let mut read = motion.turned.iter().chain(&self.steered_by);
         if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
             let rule = "be small enough for a finite pose and covariance";
-            return Err(Error::value("wheels", rule, numbers(motion.turned)));
+            return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
         }
         rover.read(measured, &mut self.readings);
         for (steered_by, &wheel) in self.steered_by.iter().zip(rover.steered()) {
