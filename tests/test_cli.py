@@ -264,7 +264,7 @@ def test_bad_tables_are_one_line_and_leave_the_output_alone(
 @pytest.mark.parametrize(
     ("output", "words"),
     [
-        ("run.txt", 'must be .csv or .parquet, got ".txt"'),
+        ("run.txt", 'must be .csv, .parquet or .mcap, got ".txt"'),
         ("commands.csv", "must be another file than commands.csv"),
         ("none/run.csv", "the folder of the output must exist"),
     ],
@@ -360,14 +360,7 @@ def test_bench_compares_both_sides(run: Run, monkeypatch: pytest.MonkeyPatch) ->
     assert code == 0
     for name in ("inverse, one call", "forward, batch of 500 rows", "integrate, batch"):
         assert name in out
-    assert all(job.core_time < float("inf") for job in benchmark.measure())
-
-
-def test_best_of_times_one_call() -> None:
-    from six_wheel.benchmark import best_of
-
-    assert 0.01 <= best_of(time.sleep, 0.01) < 0.5
-    assert best_of(sorted, [3, 1, 2], repeat=2, reverse=True) < 1e-3
+    assert all(0 < timing.best < 1 for job in benchmark.measure() for timing in job.timings.values())
 
 
 @pytest.mark.parametrize("name", sw.Rover.presets())

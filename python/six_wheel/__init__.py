@@ -15,11 +15,15 @@ from six_wheel import profiles
 from six_wheel._core import (
     Controller,
     ControllerOutput,
+    Encoder,
     Fit,
     FourAxle,
     Limits,
     Link,
     Mobility,
+    Noise,
+    Odometry,
+    OdometryState,
     RockerBogie,
     Rover,
     Sensitivity,
@@ -40,33 +44,44 @@ from six_wheel._core import (
 from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
+from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
+    from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
 
 __all__ = [
     "ArgumentTypeError",
     "Controller",
     "ControllerOutput",
+    "Encoder",
     "Fit",
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
+    "Health",
     "InfeasibleMotionError",
     "Limits",
     "Link",
     "Mobility",
+    "Noise",
+    "Odometry",
+    "OdometryState",
     "Pose",
     "Reason",
     "RockerBogie",
+    "RolloutCost",
     "Rover",
     "Sensitivity",
+    "SlipReport",
     "SteeringCommand",
+    "Track",
     "Twist",
     "UnderdeterminedError",
     "Wheel",
     "__version__",
     "compose",
+    "dead_reckon",
     "default_threads",
     "differentiate",
     "exp",
@@ -111,10 +126,20 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
     return config.load(path, node=node)
 
 
-def __getattr__(name: str) -> object:
-    """States and steps of `FourAxle`, loaded when asked for: dataclasses would double the import time."""
-    if name in ("FourAxleState", "FourAxleStep"):
-        from six_wheel import four_axle
+_LATER = {
+    "FourAxleState": "four_axle",
+    "FourAxleStep": "four_axle",
+    "Health": "odometry",
+    "SlipReport": "odometry",
+    "Track": "odometry",
+    "dead_reckon": "odometry",
+}
 
-        return getattr(four_axle, name)
+
+def __getattr__(name: str) -> object:
+    """Plain values and what makes them, loaded when asked for: dataclasses would double the import time."""
+    if name in _LATER:
+        from importlib import import_module
+
+        return getattr(import_module(f"six_wheel.{_LATER[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -13,16 +13,25 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
-from six_wheel.profiles import Peaks, State
+from six_wheel.odometry import Health, Track
+from six_wheel.profiles import Peaks, Phase, State, TransitionState
+from six_wheel.rollouts import RolloutCost
 
 __all__ = [
+    "BodyTransition",
     "Controller",
     "ControllerOutput",
+    "Encoder",
     "Fit",
     "FourAxle",
+    "IcrTransition",
     "Limits",
     "Link",
     "Mobility",
+    "ModuleTransition",
+    "Noise",
+    "Odometry",
+    "OdometryState",
     "Profile",
     "RockerBogie",
     "Rover",
@@ -200,7 +209,89 @@ class Profile:
     @property
     def peaks(self) -> Peaks: ...
     def at(self, times: ArrayLike) -> State: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class BodyTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        jerk: float | None = None,
+        angular_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+        previous: ArrayLike | None = None,
+    ) -> BodyTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class ModuleTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start: tuple[ArrayLike, ArrayLike],
+        end: tuple[ArrayLike, ArrayLike],
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_acceleration: float | None = None,
+        wheel_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+    ) -> ModuleTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class IcrTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        *,
+        steering_rate: float,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        previous: ArrayLike | None = None,
+    ) -> IcrTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def stops(self) -> int: ...
+    @property
+    def phases(self) -> tuple[Phase, ...]: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
@@ -314,6 +405,17 @@ class Rover:
     def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
+    def rollout_cost(
+        self,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Floats, _Floats, _Floats, _Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> RolloutCost: ...
     def inverse(
         self,
         twist: ArrayLike,
@@ -380,6 +482,142 @@ class Rover:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Noise:
+    def __new__(
+        cls,
+        speed: float = 0.01,
+        steering: float = 0.009,
+        *,
+        slip: float = 0.0,
+        side_slip: float = 0.0,
+        yaw: float = 0.0,
+        yaw_rate: float = 0.0,
+        period: float | None = None,
+    ) -> Noise: ...
+    @property
+    def speed(self) -> float: ...  # [m/s]
+    @property
+    def steering(self) -> float: ...  # [rad]
+    @property
+    def slip(self) -> float: ...  # [m per root m]
+    @property
+    def side_slip(self) -> float: ...
+    @property
+    def yaw(self) -> float: ...  # [rad]
+    @property
+    def yaw_rate(self) -> float: ...  # [rad/s]
+    @property
+    def period(self) -> float | None: ...  # [s]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Encoder:
+    def __new__(
+        cls,
+        resolution: float | None = None,
+        *,
+        gear: float = 1.0,
+        modulus: float | None = None,
+        offset: float = 0.0,
+    ) -> Encoder: ...
+    @property
+    def resolution(self) -> float | None: ...
+    @property
+    def gear(self) -> float: ...
+    @property
+    def modulus(self) -> float | None: ...
+    @property
+    def offset(self) -> float: ...  # [rad]
+    @property
+    def angle_per_count(self) -> float: ...  # [rad]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class OdometryState:
+    @property
+    def stamp(self) -> float | None: ...
+    @property
+    def pose(self) -> _Floats: ...  # (3,)
+    @property
+    def yaw(self) -> float: ...
+    @property
+    def twist(self) -> _Floats: ...  # (3,)
+    @property
+    def velocity(self) -> _Floats: ...  # (3,)
+    @property
+    def covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def twist_covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    @property
+    def weights(self) -> _Floats: ...  # (wheels,)
+    @property
+    def worst_wheel(self) -> str | None: ...
+    @property
+    def health(self) -> Health: ...
+    def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+    def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+
+_Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
+
+@final
+class Odometry:
+    def __new__(
+        cls,
+        rover: Rover,
+        noise: Noise | None = None,
+        *,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        method: _Method = "least_squares",
+        inflate: bool = False,
+        slip_threshold: float | None = None,
+        max_gap: float | None = None,
+        max_speed: float | None = None,
+        max_steering_rate: float | None = None,
+        smoothing: float = 0.0,
+        lag: float = 0.0,
+        history: int = 1024,
+    ) -> Odometry: ...
+    def update(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamp: float,
+        *,
+        yaw: float | None = None,
+        yaw_rate: float | None = None,
+    ) -> OdometryState: ...
+    def run(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamps: ArrayLike,
+        *,
+        yaw: ArrayLike | None = None,
+        yaw_rate: ArrayLike | None = None,
+        errors: Literal["flag", "raise"] = "flag",
+        covariances: bool = True,
+        residuals: bool = True,
+    ) -> Track: ...
+    def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
+    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
+    def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
+    @property
+    def state(self) -> OdometryState: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def noise(self) -> Noise: ...
 
 @final
 class Link:

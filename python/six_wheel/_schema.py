@@ -7,7 +7,7 @@ there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, ValidationError
 from pydantic.fields import FieldInfo
@@ -26,7 +26,6 @@ __all__ = [
     "Form",
     "Joints",
     "Length",
-    "Limits",
     "Name",
     "Number",
     "NumberOrPair",
@@ -102,14 +101,35 @@ def required(description: str, key: str | None = None) -> Any:
     return Field(description=description, alias=key)
 
 
-class Limits(BaseModel):
-    """What `Parameters.limits` can hold."""
+class LimitKeys(BaseModel):
+    """The keys of `limits`: the keywords of `six_wheel.Limits`."""
 
     speed: Positive = optional("a speed in m/s")
+    yaw_rate: Positive = optional("a rate of turn in rad/s")
     acceleration: Positive = optional("an acceleration in m/s^2")
+    deceleration: Positive = optional("an acceleration in m/s^2")
     jerk: Positive = optional("a jerk in m/s^3")
+    angular_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_deceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_jerk: Positive = optional("an angular jerk in rad/s^3")
+    lateral_acceleration: Positive = optional("an acceleration in m/s^2")
     wheel_speed: Positive = optional("a rate of turn in rad/s")
+    wheel_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    steering_limit: Positive = optional("an angle in radians")
     steering_rate: Positive = optional("a rate of turn in rad/s")
+    steering_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+
+
+class ControlKeys(BaseModel):
+    """The keys of `control`: the keywords of `six_wheel.Controller`."""
+
+    timeout: Positive = optional("a time in s")
+    period: Positive = optional("a time in s")
+    max_step: Positive = optional("a time in s")
+    mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
+    align: Literal["cosine", "hold", "none"] = optional("cosine, hold or none")
+    align_tolerance: Positive = optional("an angle in radians")
+    discretise: Flag = optional("true or false")
 
 
 class Common(BaseModel):
@@ -119,7 +139,8 @@ class Common(BaseModel):
     wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
     odom_frame_id: Name = optional("the name of a frame, such as odom")
     base_frame_id: Name = optional("the name of a frame, such as base_link")
-    limits: Limits = optional(f"a mapping with any of {', '.join(Limits.model_fields)}")
+    limits: LimitKeys = optional(f"a mapping with any of {', '.join(LimitKeys.model_fields)}")
+    control: ControlKeys = optional(f"a mapping with any of {', '.join(ControlKeys.model_fields)}")
 
 
 def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -192,6 +213,7 @@ _RULES = {
     "greater_than_equal": "at least {ge}",
     "less_than_equal": "at most {le}",
     "finite_number": "finite and positive",
+    "literal_error": "one of {expected}",
 }
 
 
@@ -202,7 +224,7 @@ def describe(form: Form, at: Path) -> str:
     return str((inner or form.keys[str(at[0])]).description)
 
 
-NESTED: dict[str, type[BaseModel]] = {"limits": Limits}
+NESTED: dict[str, type[BaseModel]] = {"limits": LimitKeys, "control": ControlKeys}
 """Keys that hold mappings with keys of their own."""
 
 

@@ -20,7 +20,7 @@ from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import Rover, Wheel
+    from six_wheel._core import Limits, Rover, Wheel
     from six_wheel.config import Parameters
     from six_wheel.drive import Peak, Summary
 
@@ -79,7 +79,7 @@ def drive(
         Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
     ],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv or .parquet.")
+        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture of the path: .png, .svg or .pdf.")] = None,
     keep: Annotated[
@@ -111,7 +111,9 @@ def drive(
     console = _console()
     for warning in summary.warnings:
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
-    limits = chosen.parameters.limits if chosen.parameters else {}
+    from six_wheel._core import Limits
+
+    limits = chosen.parameters.limits if chosen.parameters else Limits()
     console.print(_grid([*_summary(summary, limits), ("results", output), ("picture", plot)]))
 
 
@@ -281,7 +283,7 @@ def _abilities(chosen: _Chosen) -> list[tuple[str, object]]:
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
     if parameters:
-        limits = ", ".join(f"{name} {value:g}" for name, value in parameters.limits.items())
+        limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
         kind, controller = parameters.kind, parameters.controller
         rows += [
             ("kind", f"{kind}, as {controller} has it" if controller else kind),
@@ -292,7 +294,7 @@ def _abilities(chosen: _Chosen) -> list[tuple[str, object]]:
     return rows
 
 
-def _summary(summary: "Summary", limits: dict[str, float]) -> list[tuple[str, object]]:
+def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
     """What a drive came to, as rows for `_grid`."""
 
     def at(peak: "Peak", value: str, limit: float | None = None) -> str | None:
@@ -310,8 +312,8 @@ def _summary(summary: "Summary", limits: dict[str, float]) -> list[tuple[str, ob
         ("path length", f"{summary.path_length:.6g} m"),
         ("end pose", f"x {x:.6g} m, y {y:.6g} m, yaw {_angle(yaw)}"),
         ("largest steering angle", at(angle, _angle(angle.value))),
-        ("largest steering rate", at(rate, f"{rate.value:.4g} rad/s", limits.get("steering_rate"))),
-        ("largest wheel speed", at(speed, f"{speed.value:.4g} rad/s", limits.get("wheel_speed"))),
+        ("largest steering rate", at(rate, f"{rate.value:.4g} rad/s", limits.steering_rate)),
+        ("largest wheel speed", at(speed, f"{speed.value:.4g} rad/s", limits.wheel_speed)),
         ("largest residual", at(residual, f"{residual.value:.2g} m/s")),
         ("projected rows", changes if summary.projected_rows else summary.projected_rows),
         ("took", f"{summary.elapsed:.3g} s, {summary.rows / summary.elapsed:,.0f} rows/s"),

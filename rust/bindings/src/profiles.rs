@@ -1,6 +1,8 @@
 //! `six_wheel.profiles`: profiles of values, and the transitions of a rover built on them.
 
+mod arguments;
 mod made;
+mod transitions;
 
 use std::str::FromStr;
 
@@ -11,6 +13,7 @@ use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
 
 use crate::convert::{Scalars, number, raise, refuse, scalar_or_array, shape_text};
 use made::{Made, class};
+pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
 /// The course of one value or of several over time, with three derivatives.
 ///

@@ -11,9 +11,9 @@
 //!
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
-//! vehicles), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`mobility`] (rank of the
-//! constraints), [`batch`] (whole arrays), [`controller`] (limits, steps), [`suspension`] (rocker-bogie),
-//! [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
+//! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
+//! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`controller`] (limits, steps),
+//! [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
@@ -25,6 +25,7 @@ pub mod geometry;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod odometry;
 pub mod presets;
 pub mod profiles;
 pub mod rover;
@@ -41,6 +42,7 @@ pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};
 pub use layouts::{Drive, SkidCentres};
 pub use mobility::Mobility;
+pub use odometry::Odometry;
 pub use rover::{Inputs, Rover};
 pub use steering::SteeringRange;
 pub use suspension::RockerBogie;

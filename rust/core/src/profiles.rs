@@ -5,11 +5,21 @@
 //! [`optimal`] in the least time. Transitions say what the wheels do meanwhile: [`led`] profiles the body's
 //! twist or each module's own angle and speed, [`icr`] moves the centre of rotation itself.
 
+mod chord;
+pub mod icr;
+mod laws;
+pub mod led;
 pub mod optimal;
+mod plan;
+mod ruckig;
 pub mod shapes;
+mod timing;
 
+pub use icr::{Action, IcrTransition, Phase};
+pub use laws::IcrLimits;
+pub use led::{BodyTransition, ModuleLimits, ModuleTransition, Modules, Wheels};
 pub use optimal::{Bounds, Moving, Synchronise, time_optimal};
-pub use shapes::{linear, s_curve, trapezoid};
+pub use shapes::{Shape, linear, s_curve, trapezoid};
 
 use crate::error::{Error, number};
 
@@ -117,6 +127,38 @@ impl Profile {
         Self { axes, duration }
     }
 
+    /// A profile of one axis from 0 to 1, as the share of its way that each of several axes has gone.
+    pub(crate) fn spread(&self, from: &[f64], to: &[f64]) -> Self {
+        let axis = |(&from, &to): (&f64, &f64)| {
+            let scale = |[value, first, second, third]: Derivatives| {
+                [value, first, second, third].map(|part| part * (to - from))
+            };
+            let placed = |state: Derivatives| {
+                let [value, first, second, third] = scale(state);
+                [from + value, first, second, third]
+            };
+            let share = self.axes.first()?;
+            let [_, first, second, third] = scale(share.end);
+            let pieces = share.pieces.iter().map(|piece| Piece {
+                start: piece.start,
+                state: placed(piece.state),
+            });
+            Some(Axis {
+                pieces: pieces.collect(),
+                duration: share.duration,
+                end: [to, first, second, third],
+            })
+        };
+        Self::new(from.iter().zip(to).filter_map(axis).collect())
+    }
+
+    /// The axes of both, one after the other.
+    #[must_use]
+    pub fn beside(mut self, other: Self) -> Self {
+        self.axes.extend(other.axes);
+        Self::new(self.axes)
+    }
+
     /// When the last axis arrives [s].
     pub fn duration(&self) -> f64 {
         self.duration
@@ -143,16 +185,5 @@ impl Profile {
     /// Largest magnitudes of velocity, acceleration and jerk of each axis.
     pub fn peaks(&self) -> impl Iterator<Item = [f64; 3]> {
         self.axes.iter().map(Axis::peaks)
-    }
-
-    /// Times between which every axis has constant jerk, with 0 and the duration.
-    #[allow(dead_code)]
-    pub(crate) fn breaks(&self) -> Vec<f64> {
-        let starts = self.axes.iter().flat_map(|axis| &axis.pieces);
-        let ends = self.axes.iter().map(|axis| axis.duration);
-        let mut times: Vec<f64> = starts.map(|piece| piece.start).chain(ends).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        times
     }
 }

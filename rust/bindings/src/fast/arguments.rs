@@ -10,7 +10,6 @@ pub type Object<'a, 'py> = Borrowed<'a, 'py, PyAny>;
 
 /// A `float`, something derived from it, such as NumPy's `float64`, or an `int` that fits.
 #[inline(always)]
-#[allow(dead_code)]
 pub fn float(object: Object<'_, '_>) -> Option<f64> {
     // SAFETY: live objects of the types the functions are for; none of them runs Python code.
     unsafe { number(object.as_ptr()) }

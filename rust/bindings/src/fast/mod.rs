@@ -8,7 +8,8 @@
 //! 1. Write the general method under `#[pymethods]`, with docstring, signature and errors.
 //! 2. `struct Update; impl Quick<2> for Update`: the class, `Method::new(c"update", [c"speeds", c"dt"], 2)` (of the
 //!    names, the first two may come by position), and `call`, which returns `None` for all it does not know.
-//!    It sees `None` for a parameter that is not given or is Python's `None`.
+//!    It sees `None` for a parameter that is not given or is Python's `None`. Of `this`, take `get()` where the
+//!    class is frozen, otherwise `try_borrow_mut().ok()?`.
 //! 3. Read with [`float`], [`three`], [`Row::read`] and [`Row::target`]; answer with [`fresh`], [`pair`] or an
 //!    argument itself. Nothing may be changed before it is sure that the answer is `Some`.
 //! 4. `fast::install::<2, Update>(module.py())?` in `lib.rs`, after `add_class`.
@@ -31,7 +32,6 @@ mod arguments;
 mod arrays;
 mod method;
 
-#[allow(unused_imports)] // single numbers are for the rooms that take a duration
 pub use arguments::{Object, float, three, two};
 pub use arrays::{Numbers, Row, fresh, pair, truth};
 pub use method::{Method, Quick, install};

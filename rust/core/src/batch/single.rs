@@ -37,22 +37,64 @@ pub fn inverse_one(
     steering: &mut [f64],
     speeds: &mut [f64],
 ) -> Result<(), Error> {
-    if let Some(plan) = &rover.single
-        && inputs.previous_speeds.is_none()
-        && inputs.steering_rates.is_none()
-    {
-        let row = Row {
-            plan,
-            twist: twist.into(),
-            previous: inputs.previous,
-            steering: &mut *steering,
-            speeds: &mut *speeds,
-        };
-        if plan.level.run(row) == Some(true) {
-            return Ok(());
-        }
+    if try_one(rover, twist, inputs, steering, speeds) {
+        return Ok(());
     }
     rover.inverse(twist, inputs, steering, speeds)
+}
+
+/// Whether the kernel could do it; nothing is written otherwise.
+#[inline]
+fn try_one(
+    rover: &Rover,
+    twist: Twist,
+    inputs: Inputs<'_>,
+    steering: &mut [f64],
+    speeds: &mut [f64],
+) -> bool {
+    let Some(plan) = &rover.single else {
+        return false;
+    };
+    if inputs.previous_speeds.is_some() || inputs.steering_rates.is_some() {
+        return false;
+    }
+    let row = Row {
+        plan,
+        twist: twist.into(),
+        previous: inputs.previous,
+        steering,
+        speeds,
+    };
+    plan.level.run(row) == Some(true)
+}
+
+/// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
+pub(super) fn check_row(
+    level: Level,
+    rover: &Rover,
+    twist: Twist,
+    inputs: Inputs<'_>,
+) -> Result<(), Error> {
+    inputs.check()?;
+    match inputs.steering_rates {
+        None if level != Level::Plain => check_one(rover, twist),
+        rates => rover.check(twist, rates),
+    }
+}
+
+/// A row that has been checked.
+pub(super) fn solve_row(
+    level: Level,
+    rover: &Rover,
+    twist: Twist,
+    inputs: Inputs<'_>,
+    steering: &mut [f64],
+    speeds: &mut [f64],
+) {
+    let solved = level != Level::Plain && try_one(rover, twist, inputs, steering, speeds);
+    if !solved {
+        rover.solve(twist, inputs, steering, speeds);
+    }
 }
 
 /// [`Rover::check`], by the kernel for one row where there is one.
@@ -76,8 +118,8 @@ pub fn project_one(rover: &Rover, twist: Twist, keep: Keep) -> Result<Twist, Err
     }
 }
 
-/// The level of one row. Wider registers would only be filled by larger rovers, and some processors take
-/// their time to switch them on.
+/// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
+/// angles fills a register of four without masks.
 pub(super) fn level() -> Option<Level> {
     [Level::Avx2, Level::Neon]
         .into_iter()

@@ -23,6 +23,19 @@ pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Res
     rover.forward(measured, unseen)
 }
 
+/// A row of a log: at the plain level without the kernel.
+pub(super) fn solve_row(
+    level: Level,
+    rover: &Rover,
+    measured: Measured<'_>,
+    unseen: Unseen,
+) -> Result<Twist, Error> {
+    match level {
+        Level::Plain => rover.forward(measured, unseen),
+        _ => forward_one(rover, measured, unseen),
+    }
+}
+
 /// What the kernel needs to know of a rover.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {

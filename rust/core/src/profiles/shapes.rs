@@ -1,7 +1,48 @@
 //! Profiles of a given shape in a given time.
 
+use std::str::FromStr;
+
 use super::{Axis, Derivatives, Piece, Profile};
 use crate::error::{Error, finite, number, positive};
+
+/// A shape by its name, with its default ramps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// [`linear`].
+    Linear,
+    /// [`trapezoid`], a third of the time each for the ramps.
+    Trapezoid,
+    /// [`s_curve`], the least jerk.
+    #[default]
+    SCurve,
+}
+
+impl FromStr for Shape {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "linear" => Ok(Self::Linear),
+            "trapezoid" => Ok(Self::Trapezoid),
+            "s_curve" => Ok(Self::SCurve),
+            _ => {
+                let rule = "be 'linear', 'trapezoid' or 's_curve'";
+                Err(Error::value("shape", rule, format!("{name:?}")))
+            }
+        }
+    }
+}
+
+impl Shape {
+    /// A profile of this shape.
+    pub fn between(self, start: &[f64], end: &[f64], duration: f64) -> Result<Profile, Error> {
+        match self {
+            Self::Linear => linear(start, end, duration),
+            Self::Trapezoid => trapezoid(start, end, duration, duration / 3.0),
+            Self::SCurve => s_curve(start, end, duration, duration / 2.0),
+        }
+    }
+}
 
 /// From start to end at constant velocity.
 pub fn linear(start: &[f64], end: &[f64], duration: f64) -> Result<Profile, Error> {
