@@ -18,12 +18,10 @@ from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
 
 __all__ = [
-    "Controller",
-    "ControllerOutput",
-    "ControllerRun",
     "BodyTransition",
     "Controller",
     "ControllerOutput",
+    "ControllerRun",
     "Encoder",
     "Fit",
     "FourAxle",
