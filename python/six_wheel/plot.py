@@ -36,6 +36,7 @@ from six_wheel._drawing import (
     tidy,
     write_title,
 )
+from six_wheel._drive_plot import drive_figure
 from six_wheel._four_axle_plot import four_axle_figure
 from six_wheel._track_plot import residual_figure, track_figure
 
