@@ -193,9 +193,9 @@ def test_drive_projects_on_request(run: Run, refused: Callable[..., str]) -> Non
 
 def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     Path("limited.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0}\n")
-    code, out, err = run("drive", "limited.yaml", "commands.csv")
+    code, out, err = run("drive", "limited.yaml", "commands.csv", "--direct")
     assert (code, err) == (0, "")
-    assert re.search(r"largest wheel speed .* over the limit of 2\s", out)
+    assert re.search(r"largest wheel speed .* of 2 allowed, .*, over the limit\s", out)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Driving a command table through a `Controller`: commands in at their stamps, rows out at the rate of the loop."""
+"""Driving a command table through a `Controller`: commands in at their stamps, rows out at the loop's rate."""
 
 import inspect
 import math
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel._course import Course
-from six_wheel._driving import Engine, Floats, by_row
+from six_wheel._driving import Engine, Floats
 from six_wheel.controller import Reason
 from six_wheel.logs import Chunk, RowError, Unit
 
@@ -46,8 +46,8 @@ class Loop:
         Raises
         ------
         ValueError
-            If the rate is not positive, or a step would take longer than the controller lets one count for; or
-            as `Controller` does.
+            If the rate is not positive, or a step would take longer than the controller lets one count for;
+            or as `Controller` does.
         """
         if self.rate is None:
             rate = 1.0 / self.control["period"] if "period" in self.control else RATE
@@ -68,9 +68,9 @@ class Loop:
 class ControlledDrive(Engine):
     """A rover on its way through a table, steered by a controller.
 
-    The first step is at the first stamp. After the last command the loop goes on until the rover stands: that is
-    when the timeout of the controller is over and the stop done. Without a timeout the rover is told to stop one
-    step after the last command.
+    The first step is at the first stamp. After the last command the loop goes on until the rover stands: that
+    is when the timeout of the controller is over and the stop done. Without a timeout the rover is told to stop
+    one step after the last command.
 
     Parameters
     ----------
@@ -122,7 +122,9 @@ class ControlledDrive(Engine):
 
     def _more_columns(self) -> dict[str, str]:
         twists = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-        more = {f"{which}_{name}": unit for which in ("commanded", "limited") for name, unit in twists.items()}
+        more = {
+            f"{which}_{name}": unit for which in ("commanded", "limited") for name, unit in twists.items()
+        }
         return more | {"reasons": "1", "reason_names": ""}
 
     def blocks(self, chunk: Chunk) -> Iterator[list[Any]]:
@@ -142,7 +144,8 @@ class ControlledDrive(Engine):
         far = ~(gaps * self._rate < MOST_STEPS)
         if far.any():
             k = int(far.argmax())
-            rule = f"time must be less than {MOST_STEPS / self._rate:g} s ({MOST_STEPS:,} steps) after the row before"
+            most = f"{MOST_STEPS / self._rate:g} s ({MOST_STEPS:,} steps)"
+            rule = f"time must be less than {most} after the row before"
             raise RowError(chunk.first_row + k, f"{rule}, got {gaps[k]:g} s")
         self._last = float(stamps[-1])
         steps = np.rint(stamps * self._rate)

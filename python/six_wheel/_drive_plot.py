@@ -19,6 +19,7 @@ from six_wheel.controller import Reason
 WHEELS = (AXLE, CENTRE, MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
 ASKED, DONE = CENTRE, INK
 NEAR = 2.5  # a limit this many times as far away as the values is not in the picture, but said beside it
+SIDE = 0.2  # share of the largest value that makes the limit of a side worth its room
 STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELERATION
 ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
 STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
@@ -46,11 +47,8 @@ def draw_course(
     steered = [k for k, wheel in enumerate(rover.wheels) if wheel.steered]
     wheels, joints = list(range(len(rover.wheels))), len(steered)
     sideways = bool(np.abs(low[:, [1, 4]]).max() > 1e-9 or np.abs(high[:, [1, 4]]).max() > 1e-9)
-    ends = [
-        (max(wheel.steering_range[0], -limits.steering_limit), min(wheel.steering_range[1], limits.steering_limit))
-        for wheel in rover.wheels
-        if wheel.steering_range is not None
-    ]
+    ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
+    widest = limits.steering_limit
 
     def both(limit: float) -> list[float]:
         return [-limit, limit]
@@ -64,7 +62,7 @@ def draw_course(
     colours = [WHEELS[k % len(WHEELS)] for k in wheels]
     steering = [colours[k] for k in steered]
     if joints:
-        all_ends = sorted({end for pair in ends for end in pair})
+        all_ends = sorted({min(max(end, -widest), widest) for ends in ranges for end in ends})
         panels.append(("steering [rad]", list(range(6, 6 + joints)), steering, all_ends))
         rates = list(range(6 + joints, 6 + 2 * joints))
         panels.append(("steering rate\n[rad/s]", rates, steering, both(limits.steering_rate)))
@@ -82,8 +80,9 @@ def draw_course(
             x, y = _line(begin, low[:, column], high[:, column], course.stride)
             # What was asked for is a broad pale line, on which what was done lies.
             asked = hue == ASKED and column < 3
+            width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
             axes.plot(
-                x, y, color=hue, linewidth=3.0 if asked else 1.1, alpha=0.4 if asked else 0.95,
+                x, y, color=hue, linewidth=width, alpha=0.4 if asked else 0.95,
                 zorder=2 if asked else 3, solid_joinstyle="round",
             )  # fmt: skip
         _draw_limits(axes, lines, low[:, columns], high[:, columns])
@@ -150,11 +149,11 @@ def drive_figure(
 
     figure = new_figure(14.0, 8.6 + 0.12 * len(shares))
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.5), wspace=0.04)
-    left = grid[0].subgridspec(2, 1, height_ratios=(1.0, 0.16))
-    path = figure.add_subplot(left[0])
+    left = grid[0].subgridspec(2, 1, height_ratios=(0.14, 1.0))
+    draw_key(figure.add_subplot(left[0]), rover)
+    path = figure.add_subplot(left[1], anchor="N")
     length = draw_path(path, rover, poses, steering)
     path.set_title(f"{length:.2f} m", loc="left", fontsize=9, color=SOFT)
-    draw_key(figure.add_subplot(left[1]), rover)
     draw_course(figure, grid[1], rover, course, limits, shares)
     if title is not None:
         figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
@@ -175,16 +174,14 @@ def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) 
     finite = [line for line in lines if math.isfinite(line)]
     near = [line for line in finite if reach and abs(line) <= NEAR * reach]
     # Of the two sides only the one there is something on, unless both are close.
-    near = [line for line in near if (line > 0 and top > 0.02 * reach) or (line < 0 and bottom < -0.02 * reach)]
+    near = [line for line in near if (top if line > 0 else -bottom) > SIDE * reach]
     for line in near:
         axes.axhline(line, color=SOFT, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5)
     bottom, top = min([bottom, *near]), max([top, *near])
     room = 0.08 * (top - bottom or 1.0)
     axes.set_ylim(bottom - room, top + room)
     if finite and not near:
-        words = f"limit {max(finite):.3g}" if len(finite) == 1 else f"limits {min(finite):.3g}, {max(finite):.3g}"
-        if len(finite) == 2 and math.isclose(-finite[0], finite[1]):
-            words = f"limit ±{finite[1]:.3g}, off the picture"
+        words = f"limits {', '.join(f'{line:.3g}' for line in finite)}, outside the picture"
         axes.annotate(
             words, (1, 1), (-4, -3), "axes fraction", "offset points",
             ha="right", va="top", fontsize=7, color=SOFT,
@@ -192,7 +189,11 @@ def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) 
 
 
 def _draw_reasons(
-    axes: Axes, begin: Floats, bits: NDArray[np.uint32], reasons: Sequence[Reason], shares: Mapping[str, float]
+    axes: Axes,
+    begin: Floats,
+    bits: NDArray[np.uint32],
+    reasons: Sequence[Reason],
+    shares: Mapping[str, float],
 ) -> None:
     """One row per reason, coloured while it holds."""
     step = float(np.median(np.diff(begin))) if len(begin) > 1 else 1.0

@@ -181,7 +181,10 @@ class Engine:
         poses = moved if first else moved[1:]
 
         def changes(values: Floats, before: Floats) -> Floats:
-            return np.diff(values, axis=0, prepend=values[:1] if first else before[None])[first:] / steps[:, None]
+            return (
+                np.diff(values, axis=0, prepend=values[:1] if first else before[None])[first:]
+                / steps[:, None]
+            )
 
         linear = changes(fit.twist, self._twist)[:, :2]
         summary.rows += len(time)

@@ -1,8 +1,9 @@
 """Driving a command table: joint commands, odometry and residuals, chunk by chunk in constant memory.
 
-Directly, the command of a row holds from its time to that of the next row. Through a `Controller`, commands come
-when their stamps say and the rows of the results are the steps of its loop. The pose in a row is the one at its
-time, integrated from the twists that `Rover.fit` reads back from the joint commands: what odometry would say.
+Directly, the command of a row holds from its time to that of the next row. Through a `Controller`, commands
+come when their stamps say and the rows of the results are the steps of its loop. The pose in a row is the one
+at its time, integrated from the twists that `Rover.fit` reads back from the joint commands: what odometry would
+say.
 """
 
 import contextlib
@@ -20,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._controlled import REASONS_METADATA, ControlledDrive, Loop
-from six_wheel._driving import TRACE_ROWS, Engine, Floats, Peak, Summary, Trace, by_row
 from six_wheel._core import Rover
+from six_wheel._driving import TRACE_ROWS, Engine, Floats, Peak, Summary, Trace, by_row
 from six_wheel.logs import FORMATS, Chunk, CommandTable, RowError, TableError, Unit, table_format
 
 __all__ = [
@@ -316,7 +317,9 @@ class TableWriter:
 
         arrays = [column if isinstance(column, pa.Array) else pa.array(column) for column in columns]
         fields = [
-            pa.field(name, array.type, nullable=False, metadata={"unit": unit, **REASONS_METADATA.get(name, {})})
+            pa.field(
+                name, array.type, nullable=False, metadata={"unit": unit, **REASONS_METADATA.get(name, {})}
+            )
             for (name, unit), array in zip(self._units.items(), arrays, strict=True)
         ]
         batch = pa.RecordBatch.from_arrays(arrays, schema=pa.schema(fields))

@@ -43,6 +43,7 @@ from six_wheel._track_plot import residual_figure, track_figure
 __all__ = [
     "draw_path",
     "draw_rover",
+    "drive_figure",
     "four_axle_figure",
     "path_figure",
     "residual_figure",
