@@ -1,4 +1,4 @@
-"""Driving a command table through a `Controller`: commands in at their stamps, rows out at the loop's rate."""
+"""Driving a command table through a `Controller`: commands in at their stamps, rows out at its rate."""
 
 import inspect
 import math
@@ -18,6 +18,7 @@ from six_wheel.logs import Chunk, RowError, Unit
 RATE = 50.0  # [Hz] usual for rovers: what `Loop` steps at unless told otherwise
 SNAP = 1e-6  # [s] a stamp this near to a step is that of the step: tables write times in microseconds
 MOST_STEPS = 10_000_000  # between two commands: two days at 50 Hz; more is a wrong stamp
+BLOCK_ROWS = 1 << 16  # at a time: more is no faster
 END_STEPS = 256  # of the stop after the last command, at a time
 REASONS_METADATA = {"reasons": {"bits": " ".join(f"{each.name}={each.value}" for each in Reason)}}
 
@@ -68,9 +69,9 @@ class Loop:
 class ControlledDrive(Engine):
     """A rover on its way through a table, steered by a controller.
 
-    The first step is at the first stamp. After the last command the loop goes on until the rover stands: that
-    is when the timeout of the controller is over and the stop done. Without a timeout the rover is told to stop
-    one step after the last command.
+    The first step is at the first stamp. After the last command the loop goes on until the rover stands: when
+    the timeout of the controller is over and the stop done. Without a timeout the rover is told to stop one
+    step after the last command.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ class ControlledDrive(Engine):
         self._controller, self._rate = loop.start(rover)
         self.limits, self._endless = loop.limits, loop.control.get("timeout", 0.0) is None
         self.summary.rate = self._rate
-        self._block_rows = block_rows
+        self._block_rows = min(block_rows, BLOCK_ROWS)
         self.course = Course(6 + 2 * len(self._steered) + len(self._wheels))
         self._names: dict[int, str] = {0: ""}
         # Commands that no step has been given yet, their rows, and the latest one that was given.
@@ -141,7 +142,8 @@ class ControlledDrive(Engine):
         # Differences first, in the file's own numbers: 1.7e18 ns would lose 256 ns as a double.
         stamps = (chunk.time - self._start) * self.time_unit.scale
         gaps = np.diff(stamps, prepend=self._last)
-        far = ~(gaps * self._rate < MOST_STEPS)
+        # Integers of opposite ends of time wrap around, to a gap that is negative.
+        far = ~((gaps >= 0.0) & (gaps * self._rate < MOST_STEPS))
         if far.any():
             k = int(far.argmax())
             most = f"{MOST_STEPS / self._rate:g} s ({MOST_STEPS:,} steps)"

@@ -2,8 +2,8 @@
 
 Directly, the command of a row holds from its time to that of the next row. Through a `Controller`, commands
 come when their stamps say and the rows of the results are the steps of its loop. The pose in a row is the one
-at its time, integrated from the twists that `Rover.fit` reads back from the joint commands: what odometry would
-say.
+at its time, integrated from the twists that `Rover.fit` reads back from the joint commands: what odometry
+would say.
 """
 
 import contextlib
