@@ -6,6 +6,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
+SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -28,9 +29,9 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## kernels over SOAK times as many rows, odometry over 10^4 noisy logs; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_fast.py \
-		tests/test_odometry.py tests/test_odometry_sensors.py tests/test_dead_reckon.py -s -q
+soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \
@@ -39,6 +40,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
 	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)

@@ -250,7 +250,7 @@ def relative_error(
     pairs = segments(wanted, length, stride=stride) if rows is None else np.asarray(rows, dtype=np.int64)
     if pairs.ndim != 2 or pairs.shape[1] != 2:
         raise ValueError(f"rows must have shape (m, 2), got {pairs.shape}")
-    if pairs.size and not (0 <= pairs.min() and pairs.max() < len(wanted)):
+    if pairs.size and not (pairs.min() >= 0 and pairs.max() < len(wanted)):
         raise ValueError(f"rows must be in 0 to {len(wanted) - 1}, got {pairs.min()} to {pairs.max()}")
     first, last = pairs.T
     error = between(between(wanted[first], wanted[last]), between(moved[first], moved[last]))

@@ -32,7 +32,11 @@ pub fn any_workers(threads: Option<i64>, kernel: Option<&str>) -> PyResult<Worke
         Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
         None => Level::best(),
     };
-    Ok(Workers { level, threads })
+    Ok(Workers {
+        level,
+        threads,
+        fresh: false,
+    })
 }
 
 fn count(threads: i64) -> PyResult<usize> {

@@ -13,6 +13,7 @@ mod layouts;
 mod mobility;
 mod odometry;
 mod profiles;
+mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;
@@ -45,6 +46,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_class::<controller::limits::Limits>()?;
+    module.add_class::<controller::Controller>()?;
+    module.add_class::<controller::output::ControllerOutput>()?;
+    module.add_function(wrap_pyfunction!(controller::output::reason_bits, module)?)?;
+    controller::install(module.py())?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;

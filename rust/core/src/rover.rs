@@ -253,11 +253,6 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    /// Whether nothing is given.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.previous.is_none() && self.previous_speeds.is_none() && self.steering_rates.is_none()
-    }
-
     /// Fails unless every value is finite.
     pub(crate) fn check(&self) -> Result<(), Error> {
         finite("previous", self.previous.unwrap_or_default())?;

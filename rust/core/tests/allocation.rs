@@ -116,7 +116,11 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
 #[test]
 fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
     for level in Level::available() {
-        let workers = Workers { level, threads: 1 };
+        let workers = Workers {
+            level,
+            threads: 1,
+            fresh: false,
+        };
         for rover in rovers()? {
             let counts = [9, 1000].map(|rows| {
                 let (joints, wheels) = (rover.steered().len(), rover.wheels().len());

@@ -2,6 +2,7 @@
 
 mod input;
 mod output;
+mod strided;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
