@@ -171,7 +171,7 @@ impl Odometry {
         value: &Bound<'py, PyAny>,
         width: usize,
     ) -> PyResult<Option<Rows<'py>>> {
-        if value.is_none() {
+        if value.is_none() && argument == "steering" {
             return steering_left_out(width);
         }
         let rows = Rows::read(argument, value, width)?;
