@@ -109,7 +109,7 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
 
 
 def __getattr__(name: str) -> object:
-    """What is loaded when asked for: dataclasses would double the import time, and calibration needs SciPy."""
+    """What is loaded when asked for: dataclasses double the import time, and calibration needs SciPy."""
     if name in ("Log", "Truth"):
         from six_wheel import recordings
 
