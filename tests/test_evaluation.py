@@ -22,7 +22,7 @@ def paths(seed: int, count: int = 200) -> tuple[np.ndarray, np.ndarray]:
     twists = np.column_stack(
         (random.uniform(0.0, 0.1, count), random.normal(0.0, 0.01, count), random.normal(0.0, 0.2, count))
     )
-    noise = (*random.normal(0.0, 0.01, twists.shape), 0.003, 0.001, 0.004)
+    noise = random.normal((0.003, 0.001, 0.004), 0.01, twists.shape)
     return sw.integrate(twists + noise, 1.0), sw.integrate(twists, 1.0)
 
 
