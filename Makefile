@@ -6,8 +6,17 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
+SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller
 
-.PHONY: demo test test-rust test-python soak bench lint format wheel clean
+HOST = $(shell rustc -vV | sed -n 's/^host: //p')
+SANITIZED ?= target/sanitize
+WATCHED = LD_PRELOAD=$$($(CC) -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 PYTHONMALLOC=malloc \
+	PYTHONPATH=$(SANITIZED)/python
+# Four angles in an array that claims them and holds two.
+PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_tricks.as_strided(np.zeros(2), (4,), (8,)); \
+	sw.Rover.preset('perseverance').forward(angles, np.zeros(6))
+
+.PHONY: demo test test-rust test-python soak sanitize bench bench-suites lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -20,10 +29,23 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py -s -q
+soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
-bench: $(VENV)/installed ## pytest-benchmark against the reference, criterion for the core
+sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
+	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \
+		--target $(HOST) --target-dir $(SANITIZED)
+	rm -rf $(SANITIZED)/python && mkdir -p $(SANITIZED)/python && cp -r python/six_wheel $(SANITIZED)/python
+	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
+	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
+	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
+
+bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
+	$(BIN)/python benches/run.py $(BENCH)
+
+bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
 
@@ -55,6 +77,12 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 	$(BIN)/maturin build --release --locked --out $(VENV)/wheels
 	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --force-reinstall --no-deps "$$wheel" \
 		&& $(BIN)/python -m pip install --quiet "$$wheel[cli]"
+	touch $@
+
+# Without a wheel of a peer for this machine the others still run: what is missing is left out with a word.
+$(VENV)/peers: $(VENV)/installed
+	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --only-binary :all: "$$wheel[bench]" \
+		|| for peer in numba robotpy-wpimath; do $(BIN)/python -m pip install --quiet --only-binary :all: $$peer; done || true
 	touch $@
 
 clean:

@@ -225,7 +225,7 @@ def test_what_a_ros_file_says():
     parameters = read_parameters(DATA / "by_axle.yaml")
     assert parameters.node == "rover_controller"
     assert (parameters.odom_frame_id, parameters.base_frame_id) == ("odom", "base_footprint")
-    assert parameters.limits == {}
+    assert (parameters.limits, parameters.control) == (sw.Limits(), {})
     assert parameters.warnings == ()
     assert parameters.path == DATA / "by_axle.yaml"
 
@@ -235,7 +235,7 @@ def test_the_plain_form():
     assert parameters.rover == sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-1.0, 1.2))
     assert parameters.node is None
     assert (parameters.odom_frame_id, parameters.base_frame_id) == ("odom", "base_link")
-    assert parameters.limits == {"speed": 1.0, "jerk": 2.0}
+    assert parameters.limits == sw.Limits(speed=1.0, jerk=2.0)
 
 
 def test_a_preset():
@@ -288,7 +288,23 @@ def test_limits_in_both_ways_of_ros(read):
     text = ros(
         extra="    limits: {speed: 1, jerk: 2e0}\n    limits.wheel_speed: 8.0\n    steering_limit: 1.0"
     )
-    assert read(text).limits == {"speed": 1.0, "jerk": 2.0, "wheel_speed": 8.0}
+    assert read(text).limits == sw.Limits(speed=1.0, jerk=2.0, wheel_speed=8.0)
+
+
+def test_the_ways_of_a_controller(read):
+    text = ros(
+        extra="    control: {timeout: 0.2, align: none}\n    control.mode: crab\n    control.discretise: true"
+    )
+    assert read(text).control == {"timeout": 0.2, "align": None, "mode": "crab", "discretise": True}
+
+
+def test_limits_and_ways_come_back_from_a_dump(tmp_path):
+    limits, control = sw.Limits(speed=1.5, deceleration=2.0), {"timeout": 0.25, "align": None}
+    path = tmp_path / "rover.yaml"
+    for node in (None, "rover"):
+        path.write_text(config.dump(ROVER, node=node, limits=limits, control=control))
+        parameters = read_parameters(path)
+        assert (parameters.rover, parameters.limits, parameters.control) == (ROVER, limits, control)
 
 
 def test_what_stands_under_every_node_holds_for_the_rover_and_the_later_block_wins(read):
@@ -397,6 +413,8 @@ MISTAKES = {
     "limit 0": (ros(limits="{speed: 0.0}"), 10, "limits.speed must be finite and positive, got 0.0 (it is"),
     "limit nan": (ros(limits="{jerk: nan}"), 10, "limits.jerk must be finite and positive, got nan"),
     "limit misspelt": (ros(limits="{sped: 1.0}"), 10, "unknown key limits.sped (did you mean speed?)"),
+    "way misspelt": (ros(control="{timeuot: 1.0}"), 10, "unknown key control.timeuot (did you mean timeout?)"),
+    "no such way": (ros(control="{mode: sideways}"), 10, "control.mode must be one of 'free', 'crab', 'front_"),
     "limits no mapping": (ros(limits="3.0"), 10, "limits must be a mapping, got 3.0"),
     "missing": (ros(d3=...), 2, "d3 is missing (add d3, the distance from middle to front axle"),
     "missing joints": (ros(steering_joints=...), 2, "steering_joints is missing (add steering_joints, a"),

@@ -92,11 +92,37 @@ def test_an_omni_wheel_stands_at_its_angle_and_drives_clockwise():
 
 
 def test_limits_of_a_controller():
-    assert read_parameters(DATA / "diff_drive_controller.yaml").limits == {"speed": 1.5, "acceleration": 2.0}
-    assert read_parameters(DATA / "tricycle_controller.yaml").limits == {
-        "wheel_speed": 8.0,
-        "steering_rate": 1.0,
+    differential = read_parameters(DATA / "diff_drive_controller.yaml").limits
+    assert differential == sw.Limits(speed=1.5, acceleration=2.0)
+    tricycle = read_parameters(DATA / "tricycle_controller.yaml").limits
+    assert tricycle == sw.Limits(wheel_speed=8.0, steering_rate=1.0)
+
+
+def without_limits(name: str) -> str:
+    lines = text_of(name).splitlines()
+    return "\n".join(line for line in lines if not re.search(r"linear|angular|cmd_vel_timeout", line))
+
+
+@pytest.mark.parametrize(
+    "slowing", ["max_deceleration: -3.0", "max_deceleration: 3.0", "min_acceleration: -3.0"]
+)
+def test_a_deceleration_of_a_controller(read, slowing):
+    extra = f"\n    linear.x.max_acceleration: 2.0\n    linear.x.{slowing}\n    angular.z.max_velocity: 0.5\n"
+    parameters = read(without_limits("diff_drive_controller") + extra)
+    assert parameters.limits == sw.Limits(acceleration=2.0, deceleration=3.0, yaw_rate=0.5)
+    assert parameters.warnings == ()
+
+
+def test_the_ways_of_a_controller(read):
+    extra = "\n    cmd_vel_timeout: 0.25\n    reduce_wheel_speed_until_steering_reached: true\n"
+    assert read(without_limits("diff_drive_controller") + extra).control == {
+        "timeout": 0.25,
+        "align": "cosine",
     }
+    assert (
+        read(without_limits("diff_drive_controller") + "\n    cmd_vel_timeout: 0.0\n").control == {}
+    )  # 0 is no time-out
+    assert read(text_of("tricycle_controller")).control == {"timeout": 0.5}  # 500 ms
 
 
 # The formulas of the controllers, as their documentation has them
@@ -254,7 +280,7 @@ AROUND = "[front_wheel_joint, left_wheel_joint, back_wheel_joint, right_wheel_jo
 
 WARNINGS = [
     # controller, what is written there and what instead, the line, words of the warning
-    (DIFF, "max_velocity: .nan", "max_velocity: 1.0", 31, "angular.z.max_velocity is not read"),
+    (DIFF, "max_velocity: .nan", "min_velocity: -1.0", 31, "angular.z.min_velocity is not read"),
     (DIFF, "min_velocity: -1.5", "min_velocity: -0.5", 28, "linear.x.min_velocity is not read"),
     (DIFF, PAIRS, "[a, b]\n    right_wheel_names: [c, d]", 11, "where the 2 wheels square (add wheelbase"),
     (DIFF, "publish_rate: 50.0", "wheels_per_side: 2", 18, "wheels_per_side is 2 (the names count"),

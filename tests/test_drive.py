@@ -239,7 +239,7 @@ def test_arguments_are_checked(tmp_path: Path) -> None:
         drive(ROVER, commands, keep="pace")
     with pytest.raises(ValueError, match="chunk_rows must be positive, got 0"):
         drive(ROVER, commands, chunk_rows=0)
-    with pytest.raises(ValueError, match=r'must be \.csv or \.parquet, got "\.txt"'):
+    with pytest.raises(ValueError, match=r'must be \.csv, \.parquet or \.mcap, got "\.txt"'):
         drive(ROVER, commands, tmp_path / "run.txt")
 
 

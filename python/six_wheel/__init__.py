@@ -11,11 +11,19 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from six_wheel import profiles
 from six_wheel._core import (
+    Controller,
+    ControllerOutput,
+    Encoder,
     Fit,
     FourAxle,
+    Limits,
     Link,
     Mobility,
+    Noise,
+    Odometry,
+    OdometryState,
     RockerBogie,
     Rover,
     Sensitivity,
@@ -33,30 +41,45 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
+from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
+from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
     from six_wheel.four_axle import FourAxleState, FourAxleStep
+    from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
     from six_wheel.recordings import Log, Truth
     from six_wheel.square_test import umbmark
 
 __all__ = [
     "ArgumentTypeError",
+    "Controller",
+    "ControllerOutput",
+    "Encoder",
     "Fit",
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
+    "Health",
     "InfeasibleMotionError",
+    "Limits",
     "Link",
     "Log",
     "Mobility",
+    "Noise",
+    "Odometry",
+    "OdometryState",
     "Pose",
+    "Reason",
     "RockerBogie",
+    "RolloutCost",
     "Rover",
     "Sensitivity",
+    "SlipReport",
     "SteeringCommand",
+    "Track",
     "Truth",
     "Twist",
     "UnderdeterminedError",
@@ -64,6 +87,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "compose",
+    "dead_reckon",
     "default_threads",
     "differentiate",
     "exp",
@@ -71,6 +95,7 @@ __all__ = [
     "kernels",
     "load",
     "log",
+    "profiles",
     "rollout",
     "set_default_threads",
     "umbmark",
@@ -108,22 +133,24 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
     return config.load(path, node=node)
 
 
+_LATER = {
+    "FourAxleState": "four_axle",
+    "FourAxleStep": "four_axle",
+    "Health": "odometry",
+    "Log": "recordings",
+    "SlipReport": "odometry",
+    "Track": "odometry",
+    "Truth": "recordings",
+    "calibrate": "calibration",
+    "dead_reckon": "odometry",
+    "umbmark": "square_test",
+}
+
+
 def __getattr__(name: str) -> object:
-    """What is loaded when asked for: dataclasses double the import time, and calibration needs SciPy."""
-    if name in ("Log", "Truth"):
-        from six_wheel import recordings
+    """What is loaded when asked for: dataclasses would double the import time, calibration needs SciPy."""
+    if name in _LATER:
+        from importlib import import_module
 
-        return getattr(recordings, name)
-    if name == "umbmark":
-        from six_wheel.square_test import umbmark
-
-        return umbmark
-    if name == "calibrate":
-        from six_wheel.calibration import calibrate
-
-        return calibrate
-    if name in ("FourAxleState", "FourAxleStep"):
-        from six_wheel import four_axle
-
-        return getattr(four_axle, name)
+        return getattr(import_module(f"six_wheel.{_LATER[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -21,13 +21,16 @@ from six_wheel._schema import (
 )
 
 __all__ = [
+    "ALIGNING",
     "DRIVES",
     "FRONT_RADIUS",
     "FRONT_TRACK",
     "LIMITS",
     "RADIUS",
+    "SLOWING",
     "STEERING_RANGE",
     "STEERS",
+    "TIMEOUTS",
     "TRACK",
     "WELL_KNOWN",
     "AckermannSteering",
@@ -65,10 +68,21 @@ WELL_KNOWN = frozenset(_WELL_KNOWN.split())
 LIMITS = {
     "linear.x.max_velocity": "speed",
     "linear.x.max_acceleration": "acceleration",
+    "linear.x.max_deceleration": "deceleration",
     "linear.x.max_jerk": "jerk",
+    "angular.z.max_velocity": "yaw_rate",
+    "angular.z.max_acceleration": "angular_acceleration",
+    "angular.z.max_deceleration": "angular_deceleration",
+    "angular.z.max_jerk": "angular_jerk",
     "traction.max_velocity": "wheel_speed",
+    "traction.max_acceleration": "wheel_acceleration",
     "steering.max_velocity": "steering_rate",
+    "steering.max_acceleration": "steering_acceleration",
 }
+# Until Jazzy the deceleration was the smallest acceleration.
+SLOWING = {"linear.x.min_acceleration": "deceleration", "angular.z.min_acceleration": "angular_deceleration"}
+TIMEOUTS = ("cmd_vel_timeout", "reference_timeout")
+ALIGNING = "reduce_wheel_speed_until_steering_reached"
 STEERING_RANGE = ("steering.min_position", "steering.max_position")
 
 
@@ -103,13 +117,19 @@ _WHEELBASE = "the distance from rear to front axle, in metres"
 _FACTOR = "a factor, positive; a motor that turns the other way is a matter of its driver"
 
 
-class _Linear(Common):
+class DiffDrive(Common):
     max_velocity: Number = optional("a speed in m/s", "linear.x.max_velocity")
     max_acceleration: Number = optional("an acceleration in m/s^2", "linear.x.max_acceleration")
+    min_acceleration: Number = optional("an acceleration in m/s^2", "linear.x.min_acceleration")
+    max_deceleration: Number = optional("an acceleration in m/s^2", "linear.x.max_deceleration")
     max_jerk: Number = optional("a jerk in m/s^3", "linear.x.max_jerk")
-
-
-class DiffDrive(_Linear):
+    yaw_rate: Number = optional("a rate of turn in rad/s", "angular.z.max_velocity")
+    yaw_acceleration: Number = optional("an angular acceleration in rad/s^2", "angular.z.max_acceleration")
+    least_yaw_acceleration: Number = optional(
+        "an angular acceleration in rad/s^2", "angular.z.min_acceleration"
+    )
+    yaw_deceleration: Number = optional("an angular acceleration in rad/s^2", "angular.z.max_deceleration")
+    yaw_jerk: Number = optional("an angular jerk in rad/s^3", "angular.z.max_jerk")
     left_wheel_names: JointNames = required("a list of the joints on the left, front to rear")
     right_wheel_names: JointNames = required("a list of the joints on the right, front to rear")
     wheel_separation: Length = required("the distance from left to right wheels, in metres")
@@ -164,7 +184,11 @@ class TricycleDrive(Common):
     min_position: Number = optional("an angle in radians", STEERING_RANGE[0])
     max_position: Number = optional("an angle in radians", STEERING_RANGE[1])
     wheel_speed: Number = optional("a rate of turn in rad/s", "traction.max_velocity")
+    wheel_acceleration: Number = optional("an angular acceleration in rad/s^2", "traction.max_acceleration")
     steering_rate: Number = optional("a rate of turn in rad/s", "steering.max_velocity")
+    steering_acceleration: Number = optional(
+        "an angular acceleration in rad/s^2", "steering.max_acceleration"
+    )
 
 
 class SteeringDrive(Common):

@@ -9,13 +9,16 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from six_wheel._controller_keys import (
+    ALIGNING,
     DRIVES,
     FRONT_RADIUS,
     FRONT_TRACK,
     LIMITS,
     RADIUS,
+    SLOWING,
     STEERING_RANGE,
     STEERS,
+    TIMEOUTS,
     TRACK,
     AckermannSteering,
     BicycleSteering,
@@ -186,24 +189,40 @@ def _around(values: Values, rover: Rover) -> list[JointList]:
 # What keys say together, and what they say beyond our model.
 
 
-def _limits(section: Section, values: Values) -> Values:
-    """With the limits that are limits here too."""
-    read = {
-        name: values[key]
-        for key, name in LIMITS.items()
-        if key in values and _in_force(section.data, key) and values[key] > 0
+def _limits(section: Section, values: Values, second: float = 1.0) -> Values:
+    """With the limits and the ways of a controller that are such here too."""
+    data = section.data
+    limits = {
+        name: abs(values[key])
+        for key, name in (SLOWING | LIMITS).items()
+        if key in values and _in_force(data, key) and _has_its_sign(key, values[key])
     }
-    return values | {"limits": read | values.get("limits", {})} if read else values
+    control: Values = {}
+    for key in TIMEOUTS:
+        if _is_number(data.get(key)) and 0 < data[key] < math.inf:
+            control["timeout"] = data[key] / second
+    if isinstance(data.get(ALIGNING), bool):
+        control["align"] = "cosine" if data[ALIGNING] else "none"
+    both = {"limits": limits, "control": control}
+    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
+
+
+def _has_its_sign(key: str, value: float) -> bool:
+    """Decelerations are negative for ROS 2, in older files positive ones are found as well."""
+    return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _in_force(data: Values, key: str) -> bool:
     """Whether a parameter limits something: 0, NaN and infinity are no limits, and some have a switch."""
     value = data[key]
     stem, _, what = key.rpartition(".")
-    quantity = what.partition("_")[2]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")
     return (
-        number
+        _is_number(value)
         and math.isfinite(value)
         and value != 0
         and data.get(f"{stem}.has_{quantity}_limits") is not False
@@ -214,8 +233,11 @@ def _check_limits(section: Section, values: Values, error: Report, warning: Repo
     data = section.data
 
     def is_read(key: str) -> bool:
-        mirrored = key.replace(".min_", ".max_") in data and data[key] == -data[key.replace(".min_", ".max_")]
-        return key in STEERING_RANGE or mirrored or (key in LIMITS and data[key] > 0)
+        forwards = key.removesuffix("_reverse")
+        same = forwards != key and data[key] == data.get(forwards)
+        mirrored = ".min_" in key and data[key] == -data.get(key.replace(".min_", ".max_"), math.nan)
+        limit = key in (LIMITS | SLOWING) and _has_its_sign(key, data[key])
+        return key in STEERING_RANGE or same or mirrored or limit
 
     limits = [
         key for key in data if key.partition(".")[0] in GROUPS - {"kinematics"} and _in_force(data, key)
@@ -290,7 +312,8 @@ def _steering_range(values: Values) -> tuple[float, float] | None:
 
 def _with_steering_range(section: Section, values: Values) -> Values:
     limit = _steering_range(values)
-    return _limits(section, ({"steering_limit": list(limit)} if limit else {}) | values)
+    # The only one of them that counts its time-out in milliseconds.
+    return _limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
 
 
 def _check_steering(

@@ -4,6 +4,7 @@ from typing import Any, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
     FourAxleMotion,
@@ -12,12 +13,26 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.odometry import Health, Track
+from six_wheel.profiles import Peaks, Phase, State, TransitionState
+from six_wheel.rollouts import RolloutCost
 
 __all__ = [
+    "BodyTransition",
+    "Controller",
+    "ControllerOutput",
+    "Encoder",
     "Fit",
     "FourAxle",
+    "IcrTransition",
+    "Limits",
     "Link",
     "Mobility",
+    "ModuleTransition",
+    "Noise",
+    "Odometry",
+    "OdometryState",
+    "Profile",
     "RockerBogie",
     "Rover",
     "Sensitivity",
@@ -31,6 +46,7 @@ __all__ = [
     "integrate",
     "kernels",
     "log",
+    "reason_bits",
     "rollout",
     "set_default_threads",
     "wrap_angle",
@@ -41,6 +57,8 @@ _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
+_Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
+_Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
@@ -156,6 +174,128 @@ class Sensitivity:  # what was not asked for is None
     def roller_angle(self) -> _Floats: ...
 
 @final
+class Profile:
+    @staticmethod
+    def linear(start: ArrayLike, end: ArrayLike, duration: float) -> Profile: ...
+    @staticmethod
+    def trapezoid(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def s_curve(
+        start: ArrayLike, end: ArrayLike, duration: float, *, ramp: float | None = None
+    ) -> Profile: ...
+    @staticmethod
+    def time_optimal(
+        start: ArrayLike,
+        end: ArrayLike,
+        *,
+        velocity: ArrayLike,
+        acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        start_velocity: ArrayLike | None = None,
+        start_acceleration: ArrayLike | None = None,
+        end_velocity: ArrayLike | None = None,
+        end_acceleration: ArrayLike | None = None,
+        minimum_velocity: ArrayLike | None = None,
+        minimum_acceleration: ArrayLike | None = None,
+        duration: float | None = None,
+        synchronise: Literal["time", "phase", "none"] = "time",
+    ) -> Profile: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def durations(self) -> float | _Floats: ...
+    @property
+    def peaks(self) -> Peaks: ...
+    def at(self, times: ArrayLike) -> State: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class BodyTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        jerk: float | None = None,
+        angular_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+        previous: ArrayLike | None = None,
+    ) -> BodyTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class ModuleTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start: tuple[ArrayLike, ArrayLike],
+        end: tuple[ArrayLike, ArrayLike],
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_acceleration: float | None = None,
+        wheel_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+    ) -> ModuleTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class IcrTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        *,
+        steering_rate: float,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        previous: ArrayLike | None = None,
+    ) -> IcrTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def stops(self) -> int: ...
+    @property
+    def phases(self) -> tuple[Phase, ...]: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
 class Mobility:
     @property
     def degree_of_mobility(self) -> int: ...
@@ -265,6 +405,17 @@ class Rover:
     def preset(name: str, *, steering_limit: float | tuple[float, float] | None = None) -> Rover: ...
     @staticmethod
     def presets() -> dict[str, str]: ...
+    def rollout_cost(
+        self,
+        controls: ArrayLike,
+        dt: ArrayLike,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Floats, _Floats, _Floats, _Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> RolloutCost: ...
     def inverse(
         self,
         twist: ArrayLike,
@@ -331,6 +482,142 @@ class Rover:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Noise:
+    def __new__(
+        cls,
+        speed: float = 0.01,
+        steering: float = 0.009,
+        *,
+        slip: float = 0.0,
+        side_slip: float = 0.0,
+        yaw: float = 0.0,
+        yaw_rate: float = 0.0,
+        period: float | None = None,
+    ) -> Noise: ...
+    @property
+    def speed(self) -> float: ...  # [m/s]
+    @property
+    def steering(self) -> float: ...  # [rad]
+    @property
+    def slip(self) -> float: ...  # [m per root m]
+    @property
+    def side_slip(self) -> float: ...
+    @property
+    def yaw(self) -> float: ...  # [rad]
+    @property
+    def yaw_rate(self) -> float: ...  # [rad/s]
+    @property
+    def period(self) -> float | None: ...  # [s]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Encoder:
+    def __new__(
+        cls,
+        resolution: float | None = None,
+        *,
+        gear: float = 1.0,
+        modulus: float | None = None,
+        offset: float = 0.0,
+    ) -> Encoder: ...
+    @property
+    def resolution(self) -> float | None: ...
+    @property
+    def gear(self) -> float: ...
+    @property
+    def modulus(self) -> float | None: ...
+    @property
+    def offset(self) -> float: ...  # [rad]
+    @property
+    def angle_per_count(self) -> float: ...  # [rad]
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class OdometryState:
+    @property
+    def stamp(self) -> float | None: ...
+    @property
+    def pose(self) -> _Floats: ...  # (3,)
+    @property
+    def yaw(self) -> float: ...
+    @property
+    def twist(self) -> _Floats: ...  # (3,)
+    @property
+    def velocity(self) -> _Floats: ...  # (3,)
+    @property
+    def covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def twist_covariance(self) -> _Floats: ...  # (3, 3)
+    @property
+    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    @property
+    def weights(self) -> _Floats: ...  # (wheels,)
+    @property
+    def worst_wheel(self) -> str | None: ...
+    @property
+    def health(self) -> Health: ...
+    def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+    def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
+
+_Encoders: TypeAlias = Encoder | Sequence[Encoder] | Mapping[str, Encoder]
+
+@final
+class Odometry:
+    def __new__(
+        cls,
+        rover: Rover,
+        noise: Noise | None = None,
+        *,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        method: _Method = "least_squares",
+        inflate: bool = False,
+        slip_threshold: float | None = None,
+        max_gap: float | None = None,
+        max_speed: float | None = None,
+        max_steering_rate: float | None = None,
+        smoothing: float = 0.0,
+        lag: float = 0.0,
+        history: int = 1024,
+    ) -> Odometry: ...
+    def update(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamp: float,
+        *,
+        yaw: float | None = None,
+        yaw_rate: float | None = None,
+    ) -> OdometryState: ...
+    def run(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamps: ArrayLike,
+        *,
+        yaw: ArrayLike | None = None,
+        yaw_rate: ArrayLike | None = None,
+        errors: Literal["flag", "raise"] = "flag",
+        covariances: bool = True,
+        residuals: bool = True,
+    ) -> Track: ...
+    def command(self, twist: ArrayLike, stamp: float) -> OdometryState: ...
+    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> OdometryState: ...
+    def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
+    def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
+    @property
+    def state(self) -> OdometryState: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def noise(self) -> Noise: ...
 
 @final
 class Link:
@@ -467,6 +754,107 @@ class FourAxle:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class Limits:
+    def __new__(
+        cls,
+        *,
+        speed: float | None = None,
+        yaw_rate: float | None = None,
+        acceleration: float | None = None,
+        deceleration: float | None = None,
+        jerk: float | None = None,
+        angular_acceleration: float | None = None,
+        angular_deceleration: float | None = None,
+        angular_jerk: float | None = None,
+        lateral_acceleration: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        steering_limit: float | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+    ) -> Limits: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def yaw_rate(self) -> float: ...
+    @property
+    def acceleration(self) -> float: ...
+    @property
+    def deceleration(self) -> float: ...
+    @property
+    def jerk(self) -> float: ...
+    @property
+    def angular_acceleration(self) -> float: ...
+    @property
+    def angular_deceleration(self) -> float: ...
+    @property
+    def angular_jerk(self) -> float: ...
+    @property
+    def lateral_acceleration(self) -> float: ...
+    @property
+    def wheel_speed(self) -> float: ...
+    @property
+    def wheel_acceleration(self) -> float: ...
+    @property
+    def steering_limit(self) -> float: ...
+    @property
+    def steering_rate(self) -> float: ...
+    @property
+    def steering_acceleration(self) -> float: ...
+    def stopping_distance(self, speed: float) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class Controller:
+    def __new__(
+        cls,
+        rover: Rover,
+        limits: Limits | None = None,
+        *,
+        timeout: float | None = 0.5,
+        period: float | None = None,
+        max_step: float = 0.1,
+        mode: _Mode = "free",
+        align: _Align | None = "cosine",
+        align_tolerance: float = 0.02,
+        discretise: bool = False,
+        steering: ArrayLike | None = None,
+    ) -> Controller: ...
+    def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
+    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def reset(self) -> None: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def now(self) -> float | None: ...
+    @property
+    def stopped(self) -> bool: ...
+    @property
+    def stopping_distance(self) -> float: ...
+
+@final
+class ControllerOutput:
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def steering_rates(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def reasons(self) -> Reason: ...
+
+def reason_bits() -> list[tuple[str, int]]: ...
 def integrate(
     twists: ArrayLike,
     dt: ArrayLike,

@@ -8,6 +8,7 @@ from six_wheel._controllers import CONTROLLERS
 from six_wheel._kinds import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel._kinds import TELLING as OWN_TELLING
 from six_wheel._nodes import GROUPS, Section, closest
+from six_wheel._schema import GROUPS as MAPPINGS
 from six_wheel._schema import NESTED, Common, Form, describe, keys_of, shown
 from six_wheel._yaml import Path, Report, one_line, spell
 
@@ -114,7 +115,7 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
             like = closest(key, keys)
             message = f"unknown key {one_line(key)} is ignored"
             warning(line, at, message, f"{like} is given besides" if like else None)
-    _check_limits(section, error, warning)
+    _check_groups(section, error, warning)
     _check_wheels(section, error)
     if form is KINDS["six_wheel"] and section.node is not None:
         # A ROS 2 controller needs the lists; without a node there are the joint names of Rover.six_wheel.
@@ -135,14 +136,16 @@ def _is_well_known(key: str, form: Form) -> bool:
     return head in WELL_KNOWN
 
 
-def _check_limits(section: Section, error: Report, warning: Report) -> None:
-    limits, known = section.data.get("limits"), NESTED["limits"].model_fields
-    for key in limits if isinstance(limits, dict) else ():
-        if key not in known:
-            at, guess = ("limits", key), closest(key, known)
-            report, remedy = (error, f"did you mean {guess}?") if guess else (warning, None)
-            message = f"unknown key {spell(at)}" + ("" if guess else " is ignored")
-            report(section.line_of(at), at, message, remedy)
+def _check_groups(section: Section, error: Report, warning: Report) -> None:
+    """The keys of `limits` and the other mappings that every rover may have."""
+    for group, schema in MAPPINGS.items():
+        given, known = section.data.get(group), schema.model_fields
+        for key in given if isinstance(given, dict) else ():
+            if key not in known:
+                at, guess = (group, key), closest(key, known)
+                report, remedy = (error, f"did you mean {guess}?") if guess else (warning, None)
+                message = f"unknown key {spell(at)}" + ("" if guess else " is ignored")
+                report(section.line_of(at), at, message, remedy)
 
 
 def _check_wheels(section: Section, error: Report) -> None:

@@ -7,18 +7,19 @@ there are is in `_kinds` (this package's own) and `_controllers` (those of ROS 2
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import Encoder, Noise, Odometry, Rover, Wheel
 from six_wheel._joints import JointList
 from six_wheel._nodes import Section
 from six_wheel._yaml import Path, Report, one_line, spell
 
 __all__ = [
+    "GROUPS",
     "NESTED",
     "Common",
     "Finite",
@@ -26,7 +27,6 @@ __all__ = [
     "Form",
     "Joints",
     "Length",
-    "Limits",
     "Name",
     "Number",
     "NumberOrPair",
@@ -102,14 +102,97 @@ def required(description: str, key: str | None = None) -> Any:
     return Field(description=description, alias=key)
 
 
-class Limits(BaseModel):
-    """What `Parameters.limits` can hold."""
+def _any_of(schema: type[BaseModel]) -> str:
+    return f"a mapping with any of {', '.join(schema.model_fields)}"
+
+
+class LimitKeys(BaseModel):
+    """The keys of `limits`: the keywords of `six_wheel.Limits`."""
 
     speed: Positive = optional("a speed in m/s")
+    yaw_rate: Positive = optional("a rate of turn in rad/s")
     acceleration: Positive = optional("an acceleration in m/s^2")
+    deceleration: Positive = optional("an acceleration in m/s^2")
     jerk: Positive = optional("a jerk in m/s^3")
+    angular_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_deceleration: Positive = optional("an angular acceleration in rad/s^2")
+    angular_jerk: Positive = optional("an angular jerk in rad/s^3")
+    lateral_acceleration: Positive = optional("an acceleration in m/s^2")
     wheel_speed: Positive = optional("a rate of turn in rad/s")
+    wheel_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    steering_limit: Positive = optional("an angle in radians")
     steering_rate: Positive = optional("a rate of turn in rad/s")
+    steering_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+
+
+class ControlKeys(BaseModel):
+    """The keys of `control`: the keywords of `six_wheel.Controller`."""
+
+    timeout: Positive = optional("a time in s")
+    period: Positive = optional("a time in s")
+    max_step: Positive = optional("a time in s")
+    mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
+    align: Literal["cosine", "hold", "none"] = optional("cosine, hold or none")
+    align_tolerance: Positive = optional("an angle in radians")
+    discretise: Flag = optional("true or false")
+
+
+_AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
+
+
+class NoiseKeys(BaseModel):
+    """What `Parameters.noise` can hold: the arguments of `Noise`."""
+
+    speed: Annotated[Number, asks_core(Noise, "speed")] = optional("a standard deviation in m/s")
+    steering: Annotated[Number, asks_core(Noise, "steering")] = optional("a standard deviation in rad")
+    slip: Annotated[Number, asks_core(Noise, "slip")] = optional("a standard deviation in m per root m")
+    side_slip: Annotated[Number, asks_core(Noise, "side_slip")] = optional(
+        "a standard deviation in m per root m"
+    )
+
+
+class _Counting(BaseModel):
+    resolution: Annotated[Number, asks_core(Encoder, "resolution")] = optional(
+        "the counts of one turn of the shaft it sits on"
+    )
+    gear: Annotated[Number, asks_core(Encoder, "gear")] = optional(
+        "the turns of that shaft for one of the joint"
+    )
+    modulus: Annotated[Number, asks_core(Encoder, "modulus")] = optional(
+        "where a reading begins again at 0, such as 65536"
+    )
+    reversed: list[Name] = optional("a list of the wheels whose readings run the other way")
+
+
+class EncoderKeys(_Counting):
+    """What `Parameters.encoders` can hold: how the readings of the wheels become angles."""
+
+    per_sample: Flag = optional("whether a row counts from the row before")
+    scale: Positive = optional("a factor for the angles of all wheels")
+    steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
+
+
+class SteeringEncoderKeys(_Counting):
+    """What `Parameters.steering_encoders` can hold: how their readings become steering angles."""
+
+    offsets: dict[str, Finite] = optional("a mapping of steered wheel to its angle where the reading is 0")
+
+
+class OdometryKeys(BaseModel):
+    """What `Parameters.odometry` can hold: options of `Odometry`."""
+
+    method: Annotated[Name, asks_core(Odometry, "method", **_AXLE)] = optional(
+        "least_squares, middle_wheels or robust"
+    )
+    inflate: Flag = optional("whether wheels that disagree widen the covariance")
+    slip_threshold: Annotated[Number, asks_core(Odometry, "slip_threshold", **_AXLE)] = optional(
+        "a residual in m/s"
+    )
+    max_gap: Annotated[Number, asks_core(Odometry, "max_gap", **_AXLE)] = optional("a time in s")
+    max_speed: Annotated[Number, asks_core(Odometry, "max_speed", **_AXLE)] = optional("a speed in m/s")
+    max_steering_rate: Annotated[Number, asks_core(Odometry, "max_steering_rate", **_AXLE)] = optional(
+        "a rate of turn in rad/s"
+    )
 
 
 class Common(BaseModel):
@@ -119,7 +202,12 @@ class Common(BaseModel):
     wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
     odom_frame_id: Name = optional("the name of a frame, such as odom")
     base_frame_id: Name = optional("the name of a frame, such as base_link")
-    limits: Limits = optional(f"a mapping with any of {', '.join(Limits.model_fields)}")
+    limits: LimitKeys = optional(_any_of(LimitKeys))
+    control: ControlKeys = optional(_any_of(ControlKeys))
+    noise: NoiseKeys = optional(_any_of(NoiseKeys))
+    encoders: EncoderKeys = optional(_any_of(EncoderKeys))
+    steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
+    odometry: OdometryKeys = optional(_any_of(OdometryKeys))
 
 
 def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -192,6 +280,7 @@ _RULES = {
     "greater_than_equal": "at least {ge}",
     "less_than_equal": "at most {le}",
     "finite_number": "finite and positive",
+    "literal_error": "one of {expected}",
 }
 
 
@@ -202,7 +291,16 @@ def describe(form: Form, at: Path) -> str:
     return str((inner or form.keys[str(at[0])]).description)
 
 
-NESTED: dict[str, type[BaseModel]] = {"limits": Limits}
+GROUPS: dict[str, type[BaseModel]] = {
+    "limits": LimitKeys,
+    "control": ControlKeys,
+    "noise": NoiseKeys,
+    "encoders": EncoderKeys,
+    "steering_encoders": SteeringEncoderKeys,
+    "odometry": OdometryKeys,
+}
+"""Keys of every rover that hold mappings with keys of their own."""
+NESTED: dict[str, type[BaseModel]] = {**GROUPS}
 """Keys that hold mappings with keys of their own."""
 
 

@@ -289,12 +289,12 @@ def run(directory: Path, *, console: Console) -> None:
 def time_against_reference(result: DemoResult) -> list[list[str]]:
     """Best times of the core and of `six_wheel.reference` on the twists of a drive, as rows of a table."""
     from six_wheel import reference
-    from six_wheel.benchmark import best_of
+    from six_wheel.benchmark import Job, Timing, nanoseconds, round_robin
 
     core, plain = result.rover, reference.Rover.like(result.rover)
     row = int(np.argmax(np.abs(result.twists[:, 2])))
     twist = tuple(result.twists[row].tolist())  # as in a control loop: three floats in, arrays out and back
-    rows = []
+    jobs = []
     for method, one, many in (
         ("inverse", [twist], [result.twists]),
         ("forward", core.inverse(twist), [result.steering, result.speeds]),
@@ -302,11 +302,12 @@ def time_against_reference(result: DemoResult) -> list[list[str]]:
         few = [array[::40] for array in many]  # the reference takes rows one by one: some stand for all
         calls = (("one call", one, 1, one, 1), ("per row of a batch", many, len(many[0]), few, len(few[0])))
         for what, ours, our_rows, theirs, their_rows in calls:
-            fast, slow = math.inf, math.inf
-            for _ in range(3):  # in turns, so that a busy machine slows both
-                fast = min(fast, best_of(getattr(core, method), *ours, repeat=2) / our_rows)
-                slow = min(slow, best_of(getattr(plain, method), *theirs, repeat=2) / their_rows)
-            rows.append(
-                [f"{method}, {what}", f"{1e9 * fast:,.0f} ns", f"{1e9 * slow:,.0f} ns", f"{slow / fast:,.0f}"]
-            )
-    return rows
+            fast = Timing.of(getattr(core, method), *ours, items=our_rows)
+            slow = Timing.of(getattr(plain, method), *theirs, items=their_rows)
+            jobs.append(Job(f"{method}, {what}", {"core": fast, "reference": slow}))
+    round_robin(jobs, 6)
+    return [
+        [job.name, *(f"{nanoseconds(time)} ns" for time in best), f"{best[1] / best[0]:,.0f}"]
+        for job in jobs
+        for best in [[timing.best for timing in job.timings.values()]]
+    ]

@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover, integrate
 from six_wheel.errors import InfeasibleMotionError
-from six_wheel.logs import Chunk, CommandTable, RowError, TableError, Unit, table_format
+from six_wheel.logs import FORMATS, Chunk, CommandTable, RowError, TableError, Unit, table_format
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
+BAG = ".mcap"
 PICTURES = (".png", ".svg", ".pdf")
 TRACE_ROWS = 20_000
 Floats = NDArray[np.float64]
@@ -116,7 +117,7 @@ class Drive:
         if keep is not None and keep not in KEEP:
             raise ValueError(f'keep must be one of {", ".join(KEEP)}, got "{keep}"')
         self.rover, self.keep, self.summary, self.trace = rover, keep, Summary(), Trace()
-        self._scale = time_unit.scale
+        self.time_unit, self._scale = time_unit, time_unit.scale
         self._steered, self._wheels = list(rover.steered_names), list(rover.wheel_names)
         # Rows come out in the order of the user's joints, which is not that of the rover's wheels.
         self._steering_order = [self._steered.index(wheel) for wheel in rover.steering_joints.values()]
@@ -241,7 +242,8 @@ def drive(
     commands : Path
         A command table, see `logs`.
     output : Path, optional
-        Joint commands, poses, twists and residuals, .csv or .parquet.
+        Joint commands, poses, twists and residuals, .csv or .parquet; the joint commands alone as
+        sensor_msgs/JointState on the topic /joint_commands, .mcap.
     plot : Path, optional
         A picture of the path with the rover along it.
     keep : str, optional
@@ -262,8 +264,8 @@ def drive(
         raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
     begin = time.perf_counter()
     with contextlib.ExitStack() as stack:
-        if output is not None:
-            table_format(output)
+        if output is not None and output.suffix.lower() != BAG:
+            table_format(output, (*FORMATS, BAG))
         table = stack.enter_context(CommandTable(commands))
         engine = Drive(rover, table.time_unit, keep)
         taken = [commands, *sources]
@@ -274,14 +276,14 @@ def drive(
 
             picture = stack.enter_context(replacing(picture_path(plot), taken))
         result = stack.enter_context(replacing(output, taken)) if output else None
-        with TableWriter(result, engine.units) if result else contextlib.nullcontext() as writer:
+        with _writer(result, engine) if result else contextlib.nullcontext() as writer:
             for chunk in table.chunks(chunk_rows):
                 try:
                     columns = engine.advance(chunk)
+                    if writer is not None:
+                        writer.write(columns)
                 except RowError as error:
                     raise table.error(error.row, error.message) from None
-                if writer is not None:
-                    writer.write(columns)
                 if progress is not None:
                     progress(table.position, table.size)
         if picture is not None:
@@ -330,6 +332,51 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def _writer(path: Path, engine: Drive) -> "TableWriter | CommandWriter":
+    return CommandWriter(path, engine) if path.suffix.lower() == BAG else TableWriter(path, engine.units)
+
+
+class CommandWriter:
+    """Writes the joint commands of a drive into a bag, one message a row, chunk by chunk.
+
+    Parameters
+    ----------
+    path : Path
+        A .mcap file.
+    engine : Drive
+        Whose columns come to `write`.
+    """
+
+    def __init__(self, path: Path, engine: Drive) -> None:
+        from six_wheel.bags import JointCommandWriter
+
+        steering, traction = list(engine.rover.steering_joints), list(engine.rover.traction_joints)
+        self._writer = JointCommandWriter(path, steering, traction)
+        self._joints = slice(1, 1 + len(steering) + len(traction))
+        self._nanoseconds = round(1e9 * engine.time_unit.scale)
+        self._rows = 0
+
+    def write(self, columns: Sequence[NDArray[Any]]) -> None:
+        """Append rows, those of the joint commands."""
+        stamps = columns[0] * self._nanoseconds
+        outside = ~((stamps >= 0) & (stamps < 2**31 * 1e9))
+        if outside.any():
+            k = int(outside.argmax())
+            rule = "a time in a bag must be from 0 to 2^31 seconds"
+            raise RowError(self._rows + k + 1, f"{rule}, got {columns[0][k]}")
+        self._rows += len(stamps)
+        if stamps.dtype != np.int64:
+            stamps = np.rint(stamps).astype(np.int64)
+        self._writer.write(stamps, np.stack(columns[self._joints], axis=1))
+
+    def __enter__(self) -> Self:
+        self._writer.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._writer.__exit__(*error)
 
 
 class TableWriter:

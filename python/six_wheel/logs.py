@@ -1,4 +1,4 @@
-"""Command tables, CSV or Parquet, read in chunks and checked row by row.
+"""Tables, CSV or Parquet, read in chunks; command tables, checked row by row.
 
 A command table has one row per command: a time, `vx`, `vy` (optional, 0 without it) and `omega`. Its columns
 are found by their headers, in the spellings of `QUANTITIES`, and a header may state its unit: ``time_ns``,
@@ -11,7 +11,7 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
@@ -75,32 +75,34 @@ class Column:
     stated: bool
 
 
-def _unit(symbol: str, scale: float, spellings: str) -> Unit:
+def unit(symbol: str, scale: float, spellings: str) -> Unit:
+    """A unit whose spellings are words of one text."""
     return Unit(symbol, scale, tuple(spellings.split()))
 
 
-_TIME = (
-    _unit("s", 1.0, "s sec secs second seconds"),
-    _unit("ms", 1e-3, "ms msec millis millisecond milliseconds"),
-    _unit("us", 1e-6, "us usec micros microsecond microseconds"),
-    _unit("ns", 1e-9, "ns nsec nanos nanosec nanosecs nanosecond nanoseconds"),
+TIME_UNITS = (
+    unit("s", 1.0, "s sec secs second seconds"),
+    unit("ms", 1e-3, "ms msec millis millisecond milliseconds"),
+    unit("us", 1e-6, "us usec micros microsecond microseconds"),
+    unit("ns", 1e-9, "ns nsec nanos nanosec nanosecs nanosecond nanoseconds"),
 )
 _SPEED = (
-    _unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
-    _unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
-    _unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
-    _unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
+    unit("m/s", 1.0, "m_s mps ms m_per_s m_s_1 meters_per_second metres_per_second"),
+    unit("cm/s", 1e-2, "cm_s cmps cm_per_s"),
+    unit("mm/s", 1e-3, "mm_s mmps mm_per_s"),
+    unit("km/h", 1 / 3.6, "km_h kmh kph kmph"),
 )
 _TURN = (
-    _unit("rad/s", 1.0, "rad_s radps rads rad_per_s rad_s_1 radians_per_second"),
-    _unit("deg/s", math.pi / 180, "deg_s degps degs dps deg_per_s deg_s_1 degrees_per_second"),
-    _unit("rpm", math.pi / 30, "rpm"),
+    unit("rad/s", 1.0, "rad_s radps rads rad_per_s rad_s_1 radians_per_second"),
+    unit("deg/s", math.pi / 180, "deg_s degps degs dps deg_per_s deg_s_1 degrees_per_second"),
+    unit("rpm", math.pi / 30, "rpm"),
 )
 _LINEAR = "v_{0} linear_{0} lin_{0} velocity_{0} vel_{0} linear_velocity_{0}"
 _ANGULAR = "wz w_z omega_z yaw_rate yawrate angular_z ang_z angular_velocity_z angular_velocity turn_rate"
 
+TIME = Quantity("time", ("time", "t", "stamp", "timestamp"), TIME_UNITS)
 QUANTITIES = (
-    Quantity("time", ("time", "t", "stamp", "timestamp"), _TIME),
+    TIME,
     Quantity("vx", ("vx", "v", *_LINEAR.format("x").split(), "linear_velocity", "speed"), _SPEED),
     Quantity("vy", ("vy", *_LINEAR.format("y").split()), _SPEED, required=False),
     Quantity("omega", ("omega", "w", *_ANGULAR.split()), _TURN),
@@ -108,10 +110,10 @@ QUANTITIES = (
 
 # What ROS tools put before a field: "/cmd_vel/twist/linear/x", "field.header.stamp".
 _PREFIX = re.compile(r"^(?:(?:cmd_vel|command|cmd|field|msg|data|twist|header)_)+")
-_BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
+BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*$")
 
 
-def _words(text: str) -> str:
+def words(text: str) -> str:
     """`text` in lower case, whatever is between its words written as one underscore."""
     return re.sub(
         r"[^a-z0-9]+", "_", text.lower().replace("°", "deg").replace("µ", "u").replace("μ", "u")
@@ -120,10 +122,10 @@ def _words(text: str) -> str:
 
 def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
     """The unit of a column and whether the header states it; None if the header does not mean `quantity`."""
-    if bracketed := _BRACKETS.match(header):
-        unit = next((unit for unit in quantity.units if _words(bracketed[2]) in unit.spellings), None)
+    if bracketed := BRACKETS.match(header):
+        unit = next((unit for unit in quantity.units if words(bracketed[2]) in unit.spellings), None)
         return (unit, True) if unit and _interpret(bracketed[1], quantity) else None
-    name = _words(header)
+    name = words(header)
     for form in (name, _PREFIX.sub("", name)):
         if form in quantity.spellings:
             return quantity.units[0], False
@@ -135,8 +137,8 @@ def _interpret(header: str, quantity: Quantity) -> tuple[Unit, bool] | None:
     return None
 
 
-def find_columns(headers: Sequence[str]) -> dict[str, Column]:
-    """Which column holds which quantity; ``"vy"`` may be absent.
+def find_columns(headers: Sequence[str], quantities: Sequence[Quantity] = QUANTITIES) -> dict[str, Column]:
+    """Which column holds which quantity; those that are not required may be absent.
 
     Raises
     ------
@@ -144,7 +146,7 @@ def find_columns(headers: Sequence[str]) -> dict[str, Column]:
         If a quantity has no column or more than one, or a unit is not known.
     """
     found: dict[str, Column] = {}
-    for quantity in QUANTITIES:
+    for quantity in quantities:
         meanings = [(index, header, _interpret(header, quantity)) for index, header in enumerate(headers)]
         matches = [Column(index, header, *meaning) for index, header, meaning in meanings if meaning]
         if len(matches) > 1:
@@ -153,27 +155,34 @@ def find_columns(headers: Sequence[str]) -> dict[str, Column]:
         if matches:
             found[quantity.name] = matches[0]
         elif quantity.required:
-            raise TableError(_missing(quantity, headers, found))
+            raise TableError(_missing(quantity, headers, found, quantities))
     return found
 
 
-def _missing(quantity: Quantity, headers: Sequence[str], found: Mapping[str, Column]) -> str:
-    if headers and all(_is_number(header) for header in headers):
-        return f'the first line must name the columns, such as "time,vx,vy,omega", got "{",".join(headers)}"'
+def _missing(
+    quantity: Quantity,
+    headers: Sequence[str],
+    found: Mapping[str, Column],
+    quantities: Sequence[Quantity],
+) -> str:
+    if headers and all(is_number(header) for header in headers):
+        such = ",".join(each.name for each in quantities)
+        return f'the first line must name the columns, such as "{such}", got "{",".join(headers)}"'
     for header in headers:
-        bracketed = _BRACKETS.match(header)
+        bracketed = BRACKETS.match(header)
         if bracketed and _interpret(bracketed[1], quantity):
             known = ", ".join(unit.symbol for unit in quantity.units)
             return f'the unit of column "{header}" must be one of {known}, got "{bracketed[2]}"'
     free = [header for header in headers if header not in (column.header for column in found.values())]
-    alike = {difflib.SequenceMatcher(None, _words(h), s).ratio(): h for h in free for s in quantity.spellings}
+    alike = {difflib.SequenceMatcher(None, words(h), s).ratio(): h for h in free for s in quantity.spellings}
     best = max(alike, default=0.0)
     hint = f'did you mean "{alike[best]}"? ' if best > 0.6 else ""
     columns = ", ".join(f'"{header}"' for header in headers) or "none"
     return f"no column for {quantity.name} among {columns}; {hint}known: {', '.join(quantity.spellings)}"
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell of a table is a number, as every program that writes tables spells one."""
     try:
         float(cell)
     except ValueError:
@@ -193,8 +202,8 @@ class Chunk:
     twists: NDArray[np.float64]
 
 
-def table_format(path: Path) -> Format:
-    """The format that the ending of a file stands for.
+def table_format(path: Path, endings: Collection[str] = FORMATS) -> Format:
+    """The format that the ending of a file stands for; an error names the `endings` there are.
 
     Raises
     ------
@@ -204,11 +213,13 @@ def table_format(path: Path) -> Format:
     try:
         return FORMATS[path.suffix.lower()]
     except KeyError:
-        raise TableError(f'{path}: the ending must be {" or ".join(FORMATS)}, got "{path.suffix}"') from None
+        *others, last = endings
+        rule = f"the ending must be {', '.join(others)} or {last}"
+        raise TableError(f'{path}: {rule}, got "{path.suffix}"') from None
 
 
-class CommandTable:
-    """A command table on disk. Opening it reads the headers; `chunks` reads the rows, never all at once.
+class Table:
+    """A table on disk. Opening it reads the headers and finds what a subclass wants among them.
 
     Parameters
     ----------
@@ -236,6 +247,7 @@ class CommandTable:
         self.warnings: list[str] = []
         self._handle: BinaryIO | None = None
         self._rows_read = 0
+        self._field_units: dict[int, str] = {}  # of the columns of a Parquet file that states them apart
         if not path.is_file():
             raise TableError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
         try:
@@ -272,6 +284,138 @@ class CommandTable:
         """The error for a row, with the file, the row and, in a CSV file, the line."""
         line = "" if self.format == "parquet" else f" (line {self._line_of(row)})"
         return TableError(f"{self.path}: row {row}{line}: {message}")
+
+    def _find(self, headers: Sequence[str]) -> dict[str, Column]:
+        """The columns to read, ``"time"`` among them."""
+        return find_columns(headers)
+
+    # CSV
+
+    def _open_csv(self) -> None:
+        self.size = self.path.stat().st_size
+        if self.size == 0:
+            raise TableError("the table must have a header line, got an empty file")
+        self._handle = handle = open(self.path, "rb")  # noqa: SIM115
+        self._skip_lines = self._header_bytes = 0
+        lines: list[bytes] = []
+        while len(lines) < 2 and (line := handle.readline(LONGEST_LINE)):
+            self._skip_lines += not lines
+            if line.strip():
+                lines.append(line)
+                self._header_bytes = self._header_bytes or handle.tell()
+        self._line_bytes = max(map(len, lines), default=1)
+        handle.seek(-1, os.SEEK_END)
+        if handle.read(1) not in b"\r\n":
+            self.warnings.append(f"{self.path}: the last line has no line end: is the file complete?")
+        try:
+            first = [line.decode("utf-8-sig") for line in lines]
+        except UnicodeDecodeError as error:
+            byte = error.object[error.start]
+            raise TableError(f"the header must be UTF-8 text, got byte 0x{byte:02x}") from None
+        if not first or "\0" in first[0]:
+            raise TableError("the header must be a line of text, got none")
+        self._delimiter = max((",", ";", "\t"), key=first[0].count)
+        # numpy.savetxt puts "# " before its header, rostopic "%".
+        self._headers = [cell.strip().lstrip("#% ") for cell in self._cells(first[0])]
+        self._columns = self._find(self._headers)
+        self._types = dict.fromkeys(self._columns, "float64")
+        # Only nanoseconds since 1970 are too long for a double; written as 1.7e18 they are lost already.
+        time = self._columns["time"]
+        cell = self._cells(first[1])[time.index : time.index + 1] if len(first) == 2 else []
+        if time.unit.symbol == "ns" and cell and re.fullmatch(r"-?\d+", cell[0].strip()):
+            self._types["time"] = "int64"
+
+    def _cells(self, line: str) -> list[str]:
+        return next(csv.reader([line], delimiter=self._delimiter))
+
+    def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
+        for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):
+            yield from self._parse(lines)
+
+    def _parse(self, lines: bytes) -> "list[pa.RecordBatch]":
+        """Rows of whole lines. Raises `pyarrow.ArrowInvalid` if one of them is no row of numbers."""
+        import pyarrow as pa
+        import pyarrow.csv
+
+        # By position, so that headers may repeat where nobody reads them.
+        names = [f"c{index}" for index in range(len(self._headers))]
+        wanted = {names[column.index]: self._types[name] for name, column in self._columns.items()}
+        types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
+        convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
+        parse = pa.csv.ParseOptions(delimiter=self._delimiter)
+        read = pa.csv.ReadOptions(column_names=names, block_size=len(lines) + 1)
+        batches: list[pa.RecordBatch] = pa.csv.read_csv(
+            pa.BufferReader(lines), read, parse, convert
+        ).to_batches()
+        return batches
+
+    def _blocks(self, size: int) -> Iterator[bytes]:
+        """Lines after the header, some `size` bytes at a time; Arrow's own stream reads 32 blocks ahead."""
+        assert self._handle is not None
+        self._handle.seek(self._header_bytes)
+        rest = b""
+        while data := self._handle.read(size):
+            whole, end, rest = (rest + data).rpartition(b"\n")
+            if whole.strip():
+                yield whole + end
+            if len(rest) > LONGEST_LINE:
+                raise RowError(self._rows_read + 1, f"a line must be shorter than {LONGEST_LINE} bytes")
+        if rest.strip():
+            yield rest
+
+    def _rows(self) -> Iterator[tuple[int, str]]:
+        """Line number and text of every row, slowly: only an error needs the line of a row."""
+        with open(self.path, encoding="utf-8-sig", errors="replace", newline="\n") as text:
+            for number, line in enumerate(text, start=1):
+                if number > self._skip_lines and line.strip("\r\n"):
+                    yield number, line
+
+    def _line_of(self, row: int) -> int:
+        return next(number for k, (number, _) in enumerate(self._rows(), start=1) if k == row)
+
+    # Parquet
+
+    def _open_parquet(self) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet
+
+        self._handle = open(self.path, "rb")  # noqa: SIM115
+        try:
+            # Pre-buffering would hold a whole row group, which may be the whole file.
+            self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
+        except (pa.ArrowException, OSError) as error:
+            raise TableError(f"not a readable Parquet file: {' '.join(str(error).split())}") from None
+        self.size = self._file.metadata.num_rows
+        schema = self._file.schema_arrow
+        self._headers = list(schema.names)
+        for index, field in enumerate(schema):
+            if unit := (field.metadata or {}).get(b"unit"):
+                self._field_units[index] = unit.decode("utf-8", "replace")
+        self._columns = self._find(self._headers)
+        self._types = {}
+        for name, column in self._columns.items():
+            kind = schema.field(column.index).type
+            self._types[name] = "float64"
+            if name == "time" and (pa.types.is_timestamp(kind) or pa.types.is_duration(kind)):
+                unit = next(each for each in TIME_UNITS if each.symbol == kind.unit)
+                self._columns[name] = replace(column, unit=unit, stated=True)
+                self._types[name] = "int64"
+            elif name == "time" and pa.types.is_integer(kind):
+                self._types[name] = "int64"
+            elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
+                raise TableError(f'{name} must be numbers, got {kind} in column "{column.header}"')
+
+    def _parquet_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
+        import pyarrow as pa
+
+        headers = {name: column.header for name, column in self._columns.items()}
+        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=list(headers.values())):
+            arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
+            yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
+
+
+class CommandTable(Table):
+    """A command table on disk. `chunks` reads the rows, never all at once."""
 
     def chunks(self, chunk_rows: int) -> Iterator[Chunk]:
         """The rows in order, at most `chunk_rows` at a time; every number finite and time increasing.
@@ -337,83 +481,6 @@ class CommandTable:
                 np.multiply(values[name], self._columns[name].unit.scale, out=twists[:, axis])
         return Chunk(row, time, twists)
 
-    # CSV
-
-    def _open_csv(self) -> None:
-        self.size = self.path.stat().st_size
-        if self.size == 0:
-            raise TableError("the table must have a header line, got an empty file")
-        self._handle = handle = open(self.path, "rb")  # noqa: SIM115
-        self._skip_lines = self._header_bytes = 0
-        lines: list[bytes] = []
-        while len(lines) < 2 and (line := handle.readline(LONGEST_LINE)):
-            self._skip_lines += not lines
-            if line.strip():
-                lines.append(line)
-                self._header_bytes = self._header_bytes or handle.tell()
-        self._line_bytes = max(map(len, lines), default=1)
-        handle.seek(-1, os.SEEK_END)
-        if handle.read(1) not in b"\r\n":
-            self.warnings.append(f"{self.path}: the last line has no line end: is the file complete?")
-        try:
-            first = [line.decode("utf-8-sig") for line in lines]
-        except UnicodeDecodeError as error:
-            byte = error.object[error.start]
-            raise TableError(f"the header must be UTF-8 text, got byte 0x{byte:02x}") from None
-        if not first or "\0" in first[0]:
-            raise TableError("the header must be a line of text, got none")
-        self._delimiter = max((",", ";", "\t"), key=first[0].count)
-        # numpy.savetxt puts "# " before its header, rostopic "%".
-        self._headers = [cell.strip().lstrip("#% ") for cell in self._cells(first[0])]
-        self._columns = find_columns(self._headers)
-        self._types = dict.fromkeys(self._columns, "float64")
-        # Only nanoseconds since 1970 are too long for a double; written as 1.7e18 they are lost already.
-        time = self._columns["time"]
-        cell = self._cells(first[1])[time.index : time.index + 1] if len(first) == 2 else []
-        if time.unit.symbol == "ns" and cell and re.fullmatch(r"-?\d+", cell[0].strip()):
-            self._types["time"] = "int64"
-
-    def _cells(self, line: str) -> list[str]:
-        return next(csv.reader([line], delimiter=self._delimiter))
-
-    def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
-        import pyarrow as pa
-        import pyarrow.csv
-
-        # By position, so that headers may repeat where nobody reads them.
-        names = [f"c{index}" for index in range(len(self._headers))]
-        wanted = {names[column.index]: self._types[name] for name, column in self._columns.items()}
-        types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
-        convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
-        parse = pa.csv.ParseOptions(delimiter=self._delimiter)
-        for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):
-            read = pa.csv.ReadOptions(column_names=names, block_size=len(lines) + 1)
-            yield from pa.csv.read_csv(pa.BufferReader(lines), read, parse, convert).to_batches()
-
-    def _blocks(self, size: int) -> Iterator[bytes]:
-        """Lines after the header, some `size` bytes at a time; Arrow's own stream reads 32 blocks ahead."""
-        assert self._handle is not None
-        self._handle.seek(self._header_bytes)
-        rest = b""
-        while data := self._handle.read(size):
-            whole, end, rest = (rest + data).rpartition(b"\n")
-            if whole.strip():
-                yield whole + end
-            if len(rest) > LONGEST_LINE:
-                raise RowError(self._rows_read + 1, f"a line must be shorter than {LONGEST_LINE} bytes")
-        if rest.strip():
-            yield rest
-
-    def _rows(self) -> Iterator[tuple[int, str]]:
-        """Line number and text of every row, slowly: only an error needs the line of a row."""
-        with open(self.path, encoding="utf-8-sig", errors="replace", newline="\n") as text:
-            for number, line in enumerate(text, start=1):
-                if number > self._skip_lines and line.strip("\r\n"):
-                    yield number, line
-
-    def _line_of(self, row: int) -> int:
-        return next(number for k, (number, _) in enumerate(self._rows(), start=1) if k == row)
-
     def _unreadable(self, error: Exception) -> TableError:
         """What is wrong with the row at which the parser gave up; its own message knows no line."""
         if self.format == "csv":
@@ -430,44 +497,8 @@ class CommandTable:
         for name, column in self._columns.items():
             cell = cells[column.index].strip()
             whole = self._types[name] == "int64"
-            fits = re.fullmatch(r"-?\d+", cell) and abs(int(cell)) < 1 << 63 if whole else _is_number(cell)
+            fits = re.fullmatch(r"-?\d+", cell) and abs(int(cell)) < 1 << 63 if whole else is_number(cell)
             if cell and not fits:
                 kind = "a whole number of nanoseconds" if whole else "a number"
                 return f'{name} must be {kind}, got "{cell}" in column "{column.header}"'
         return None
-
-    # Parquet
-
-    def _open_parquet(self) -> None:
-        import pyarrow as pa
-        import pyarrow.parquet
-
-        self._handle = open(self.path, "rb")  # noqa: SIM115
-        try:
-            # Pre-buffering would hold a whole row group, which may be the whole file.
-            self._file = pa.parquet.ParquetFile(self._handle, pre_buffer=False, buffer_size=1 << 20)
-        except (pa.ArrowException, OSError) as error:
-            raise TableError(f"not a readable Parquet file: {' '.join(str(error).split())}") from None
-        self.size = self._file.metadata.num_rows
-        schema = self._file.schema_arrow
-        self._columns = find_columns(schema.names)
-        self._types = {}
-        for name, column in self._columns.items():
-            kind = schema.field(column.index).type
-            self._types[name] = "float64"
-            if name == "time" and (pa.types.is_timestamp(kind) or pa.types.is_duration(kind)):
-                unit = next(unit for unit in _TIME if unit.symbol == kind.unit)
-                self._columns[name] = replace(column, unit=unit, stated=True)
-                self._types[name] = "int64"
-            elif name == "time" and pa.types.is_integer(kind):
-                self._types[name] = "int64"
-            elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_decimal(kind)):
-                raise TableError(f'{name} must be numbers, got {kind} in column "{column.header}"')
-
-    def _parquet_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
-        import pyarrow as pa
-
-        headers = {name: column.header for name, column in self._columns.items()}
-        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=list(headers.values())):
-            arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
-            yield pa.RecordBatch.from_arrays(arrays, names=list(headers))

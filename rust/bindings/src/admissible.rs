@@ -3,10 +3,75 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use six_wheel_core::{Keep, Twist, batch};
+use six_wheel_core::{ErrorKind, Keep, Twist, batch};
 
 use crate::convert::{Array, Output, Rows, compute, joined, raise, scalar_or_array};
+use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
 use crate::rover::Rover;
+
+/// Puts the quick ways before the methods of the class.
+pub fn install(py: Python<'_>) -> PyResult<()> {
+    fast::install::<1, Admissible>(py)?;
+    fast::install::<2, Project>(py)
+}
+
+struct Admissible;
+
+impl Quick<1> for Admissible {
+    type Class = Rover;
+
+    fn method() -> &'static Method<1> {
+        static METHOD: Method<1> = Method::new(c"admissible", [c"twist"], 1);
+        &METHOD
+    }
+
+    #[inline(always)]
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Rover>,
+        [twist]: [Option<Object<'_, 'py>>; 1],
+    ) -> Option<Bound<'py, PyAny>> {
+        let twist = Twist::from(three(twist?)?);
+        match batch::check_one(&this.get().core, twist) {
+            Ok(()) => Some(truth(this.py(), true)),
+            Err(error) if error.kind == ErrorKind::Infeasible => Some(truth(this.py(), false)),
+            Err(_) => None,
+        }
+    }
+}
+
+struct Project;
+
+impl Quick<2> for Project {
+    type Class = Rover;
+
+    fn method() -> &'static Method<2> {
+        static METHOD: Method<2> = Method::new(c"project", [c"twist", c"out"], 1);
+        &METHOD
+    }
+
+    #[inline(always)]
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Rover>,
+        [twist, out]: [Option<Object<'_, 'py>>; 2],
+    ) -> Option<Bound<'py, PyAny>> {
+        let (py, twist) = (this.py(), twist?);
+        let wanted = Twist::from(three(twist)?);
+        let (array, target) = match out {
+            Some(out) => {
+                let target = Row::target(out, 3)?;
+                if Row::read(twist, 3).is_some_and(|twist| twist.overlaps(target)) {
+                    return None;
+                }
+                (out.to_owned(), target)
+            }
+            None => fresh(py, 3)?,
+        };
+        let found = batch::project_one(&this.get().core, wanted, Keep::Curvature).ok()?;
+        // SAFETY: the twist has been copied, and nothing else is at work.
+        unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(found));
+        Some(array)
+    }
+}
 
 #[pymethods]
 impl Rover {

@@ -15,13 +15,28 @@ static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 
 /// What a call of so many rows is to be worked through with.
 pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
+    let workers = any_workers(threads, kernel)?;
+    Ok(match kernel {
+        None if rows < BATCH => Workers {
+            level: Level::Plain,
+            ..workers
+        },
+        _ => workers,
+    })
+}
+
+/// The same where there are kernels for any number of rows.
+pub fn any_workers(threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
     let threads = threads.map_or_else(|| Ok(DEFAULT_THREADS.load(Ordering::Relaxed)), count)?;
     let level = match kernel {
         Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
-        None if rows < BATCH => Level::Plain,
         None => Level::best(),
     };
-    Ok(Workers { level, threads })
+    Ok(Workers {
+        level,
+        threads,
+        fresh: false,
+    })
 }
 
 fn count(threads: i64) -> PyResult<usize> {

@@ -2,9 +2,9 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::batch;
+use six_wheel_core::batch::{self, Durations, Workers};
 use six_wheel_core::geometry as core;
-use six_wheel_core::{Pose, Twist};
+use six_wheel_core::{Error, Pose, Twist};
 
 use crate::batch::workers;
 use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape_text};
@@ -55,7 +55,8 @@ pub fn integrate<'py>(
     kernel: Option<&str>,
 ) -> PyResult<Array<'py>> {
     let twists = Rows::read("twists", twists, 3)?;
-    poses_along(py, "twists", &twists, dt, start, out, (threads, kernel))
+    let course = Course::read("twists", twists, dt, start)?;
+    poses_along(py, &course, out, (threads, kernel))
 }
 
 /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
@@ -98,63 +99,129 @@ pub fn rollout<'py>(
     threads: Option<i64>,
     kernel: Option<&str>,
 ) -> PyResult<Array<'py>> {
-    let controls = Rows::read("controls", controls, 3)?;
-    if controls.leading.len() < 2 {
-        let got = format!("shape {}", shape_text(&controls.shape()));
-        return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
-    }
-    poses_along(py, "controls", &controls, dt, start, out, (threads, kernel))
+    let course = Course::read_controls(controls, dt, start)?;
+    poses_along(py, &course, out, (threads, kernel))
 }
 
-/// Reads what goes with the twists, integrates, writes.
+/// Logs of twists, with what goes with them.
+pub struct Course<'py> {
+    argument: &'static str,
+    pub twists: Rows<'py>,
+    dt: Scalars<'py>,
+    starts: Option<Rows<'py>>,
+    /// Steps of a log.
+    pub count: usize,
+}
+
+impl<'py> Course<'py> {
+    pub fn read(
+        argument: &'static str,
+        twists: Rows<'py>,
+        dt: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let Some((&count, logs)) = twists.leading.split_last() else {
+            return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
+        };
+        let starts = start
+            .map(|start| Rows::read("start", start, 3))
+            .transpose()?;
+        if let Some(starts) = starts.as_ref().filter(|starts| !starts.is_single())
+            && starts.leading != logs
+        {
+            let got = format!("leading axes {}", shape_text(&starts.leading));
+            let rule = format!("be one pose or have leading axes {}", shape_text(logs));
+            return Err(refuse("start", &rule, &got));
+        }
+        let dt = Scalars::read("dt", dt)?;
+        dt.fit("dt", &[count])?;
+        Ok(Self {
+            argument,
+            twists,
+            dt,
+            starts,
+            count,
+        })
+    }
+
+    /// Reads controls: at least one axis of rollouts before that of the steps.
+    pub fn read_controls(
+        controls: &Bound<'py, PyAny>,
+        dt: &Bound<'py, PyAny>,
+        start: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let controls = Rows::read("controls", controls, 3)?;
+        if controls.leading.len() < 2 {
+            let got = format!("shape {}", shape_text(&controls.shape()));
+            return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
+        }
+        Self::read("controls", controls, dt, start)
+    }
+
+    /// Leading axes of the logs.
+    pub fn logs(&self) -> &[usize] {
+        &self.twists.leading[..self.twists.leading.len() - 1]
+    }
+
+    /// Where the poses go.
+    pub fn poses(
+        &self,
+        py: Python<'py>,
+        argument: &str,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Output<'py>> {
+        let logs = self.logs().iter().copied();
+        let shape: Vec<usize> = logs.chain([self.count + 1, 3]).collect();
+        Output::new(py, argument, out, &shape, &self.inputs())
+    }
+
+    /// What no output may overlap.
+    pub fn inputs(&self) -> [Option<&Rows<'py>>; 2] {
+        [Some(&self.twists), self.starts.as_ref()]
+    }
+
+    pub fn durations(&self) -> Durations<'_> {
+        self.dt.durations()
+    }
+
+    /// One start for all logs, or one for each.
+    pub fn starts(&self) -> &[[f64; 3]] {
+        self.starts.as_ref().map_or(&[[0.0; 3]], Rows::triples)
+    }
+
+    /// The exception of a core error.
+    pub fn raise(&self, mut error: Error) -> PyErr {
+        if error.argument == "twists" || error.argument == "twist" {
+            error.argument = self.argument.into();
+        }
+        let leading = if error.argument == "dt" {
+            &[self.count][..]
+        } else {
+            &self.twists.leading
+        };
+        raise(error, leading)
+    }
+}
+
+/// Integrates and writes.
 fn poses_along<'py>(
     py: Python<'py>,
-    argument: &'static str,
-    twists: &Rows<'py>,
-    dt: &Bound<'py, PyAny>,
-    start: Option<&Bound<'py, PyAny>>,
+    course: &Course<'py>,
     out: Option<&Bound<'py, PyAny>>,
     (threads, kernel): (Option<i64>, Option<&str>),
 ) -> PyResult<Array<'py>> {
-    let Some((&count, logs)) = twists.leading.split_last() else {
-        return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
+    let mut poses = course.poses(py, "out", out)?;
+    let rows = course.twists.count();
+    let workers = Workers {
+        fresh: out.is_none(),
+        ..workers(rows, threads, kernel)?
     };
-    let starts = start
-        .map(|start| Rows::read("start", start, 3))
-        .transpose()?;
-    if let Some(starts) = starts.as_ref().filter(|starts| !starts.is_single())
-        && starts.leading != logs
-    {
-        let got = format!("leading axes {}", shape_text(&starts.leading));
-        let rule = format!("be one pose or have leading axes {}", shape_text(logs));
-        return Err(refuse("start", &rule, &got));
-    }
-    let dt = Scalars::read("dt", dt)?;
-    dt.fit("dt", &[count])?;
-    let shape: Vec<usize> = logs.iter().copied().chain([count + 1, 3]).collect();
-    let mut poses = Output::new(py, "out", out, &shape, &[Some(twists), starts.as_ref()])?;
-    let first = |log: usize| match &starts {
-        None => [0.0; 3],
-        Some(starts) if starts.is_single() => starts.triples()[0],
-        Some(starts) => starts.triples()[log],
-    };
-    let firsts: Vec<[f64; 3]> = (0..logs.iter().product()).map(first).collect();
-    let (rows, steps, target) = (twists.triples(), dt.steps(), poses.triples());
-    let workers = workers(rows.len(), threads, kernel)?;
-    compute(py, rows.len(), || {
-        batch::integrate(rows, count, steps, &firsts, target, workers)
+    let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());
+    let (count, target) = (course.count, poses.triples());
+    compute(py, rows, || {
+        batch::integrate(twists, count, steps, starts, target, workers)
     })
-    .map_err(|mut error| {
-        if error.argument == "twists" {
-            error.argument = argument.into();
-        }
-        let leading = if error.argument == "dt" {
-            &[count][..]
-        } else {
-            &twists.leading
-        };
-        raise(error, leading)
-    })?;
+    .map_err(|error| course.raise(error))?;
     poses.finish()
 }
 

@@ -1,13 +1,17 @@
 //! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
 
+mod quick;
+
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyTuple};
-use six_wheel_core::batch::{self, Log};
-use six_wheel_core::{Inputs, Twist, Unseen};
+use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
+use six_wheel_core::{Twist, Unseen};
 
-use crate::batch::workers;
+use crate::batch::any_workers;
 use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
 use crate::rover::Rover;
+
+pub use quick::install;
 
 /// What a log holds, as read from Python.
 pub struct Readings<'py> {
@@ -17,6 +21,15 @@ pub struct Readings<'py> {
 }
 
 impl Readings<'_> {
+    /// All of it, for the batches.
+    fn tables(&self) -> batch::Readings<'_> {
+        batch::Readings {
+            steering: self.steering.as_ref().map_or(Table::Flat(&[]), Rows::table),
+            speeds: self.speeds.table(),
+            steering_rates: self.rates.as_ref().map(Rows::table),
+        }
+    }
+
     /// All of it, as the core takes it.
     pub fn log(&self) -> Log<'_> {
         Log {
@@ -167,16 +180,19 @@ impl Rover {
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
-        let rows = twists.triples();
-        let inputs = Inputs {
-            previous: previous.as_ref().map(Rows::flat),
-            previous_speeds: rolling.as_ref().map(Rows::flat),
-            steering_rates: rates.as_ref().map(Rows::flat),
+        let (rows, count) = (twists.table(), twists.count());
+        let beside = Beside {
+            previous: previous.as_ref().map(Rows::table),
+            previous_speeds: rolling.as_ref().map(Rows::table),
+            steering_rates: rates.as_ref().map(Rows::table),
         };
-        let workers = workers(rows.len(), threads, kernel)?;
+        let workers = Workers {
+            fresh: out.is_none(),
+            ..any_workers(threads, kernel)?
+        };
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, rows.len(), || {
-            batch::inverse(&self.core, rows, inputs, angles, rotations, workers)
+        compute(py, count, || {
+            batch::inverse(&self.core, rows, beside, angles, rotations, workers)
         })
         .map_err(|error| raise(error, leading))?;
         Ok((steering.finish()?, speeds.finish()?))
@@ -233,11 +249,14 @@ impl Rover {
             readings.rates.as_ref(),
         ];
         let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
-        let (log, target) = (readings.log(), twists.triples());
+        let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = workers(target.len(), threads, kernel)?;
+        let workers = Workers {
+            fresh: out.is_none(),
+            ..any_workers(threads, kernel)?
+        };
         compute(py, target.len(), || {
-            batch::forward(&self.core, log, unseen, target, workers)
+            batch::forward(&self.core, tables, unseen, target, workers)
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()

@@ -61,7 +61,11 @@ fn batches(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(ROWS as u64));
     let inputs = Inputs::default();
     for level in Level::available() {
-        let workers = Workers { level, threads: 1 };
+        let workers = Workers {
+            level,
+            threads: 1,
+            fresh: false,
+        };
         let name = |job: &str| format!("{job}, {}", level.name());
         group.bench_function(name("inverse"), |bencher| {
             bencher.iter(|| {

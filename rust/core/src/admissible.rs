@@ -12,6 +12,7 @@ use crate::error::{Error, ErrorKind, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::jacobi::Jacobi;
 use crate::rover::{Mount, Rover};
+use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
@@ -62,18 +63,7 @@ type Condition = (Vector3<f64>, f64);
 impl Rover {
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
     pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
-        finite("twist", &<[f64; 3]>::from(twist))?;
-        let fastest = self.fastest(twist, steering_rates);
-        // Twice: the length of a velocity against its larger component.
-        if !self
-            .wheels()
-            .iter()
-            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
-        {
-            return Err(
-                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
-            );
-        }
+        let fastest = self.check_speeds(twist, steering_rates)?;
         let tolerance = SLIP_TOLERANCE * fastest;
         let vector = Vector3::from(twist);
         for bank in &self.banks {
@@ -98,6 +88,62 @@ impl Rover {
             self.check_steering(i, twist, rate, tolerance)?;
         }
         Ok(())
+    }
+
+    /// Fails unless the twist and every wheel speed are finite; a bound of the fastest pivot's speed [m/s].
+    pub(crate) fn check_speeds(
+        &self,
+        twist: Twist,
+        steering_rates: Option<&[f64]>,
+    ) -> Result<f64, Error> {
+        finite("twist", &<[f64; 3]>::from(twist))?;
+        let fastest = self.fastest(twist, steering_rates);
+        // Twice: the length of a velocity against its larger component.
+        if !self
+            .wheels()
+            .iter()
+            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
+        {
+            return Err(
+                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
+            );
+        }
+        Ok(fastest)
+    }
+
+    /// The steered wheels that may be off the way of their pivots, at the ends of their ranges, and their joints.
+    fn at_an_end<'a>(&'a self, steering: &'a [f64]) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let steered = self.steered().iter().copied().enumerate();
+        steered.filter(|&(joint, i)| {
+            let wheel = &self.wheels()[i];
+            let inside = |range: SteeringRange| {
+                range.lower < steering[joint] && steering[joint] < range.upper
+            };
+            wheel.trail != 0.0 || !wheel.steering().is_some_and(inside)
+        })
+    }
+
+    /// How fast the worst wheel slides sideways at these steering angles, those of [`Self::solve`] [m/s]: 0 if the
+    /// rover can make the twist.
+    pub(crate) fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
+        let vector = Vector3::from(twist);
+        let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
+        let slip = |(joint, i): (usize, usize)| {
+            let wheel: &Wheel = &self.wheels()[i];
+            wheel.side_slip(steering[joint], twist, 0.0).abs()
+        };
+        let steered = self.at_an_end(steering).map(slip);
+        fixed.chain(steered).fold(0.0, f64::max)
+    }
+
+    /// Wheels that miss the way of their pivots roll only as far as they point along it [rad/s].
+    pub(crate) fn slow_down(&self, twist: Twist, steering: &[f64], speeds: &mut [f64]) {
+        for (joint, i) in self.at_an_end(steering) {
+            let wheel = &self.wheels()[i];
+            let direction = Direction::from(wheel.heading + steering[joint]);
+            let rolling = wheel.rows(direction).rolling;
+            speeds[i] = rolling.dot(&Vector3::from(twist)) / wheel.radius;
+        }
     }
 
     /// Fails if the wheel cannot steer to where the twist wants it.

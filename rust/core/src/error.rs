@@ -59,6 +59,13 @@ impl Error {
         self
     }
 
+    /// The same failure, found in rows that begin with this row of a batch.
+    #[must_use]
+    pub(crate) fn below(mut self, first: usize) -> Self {
+        self.row = self.row.map(|row| first + row);
+        self
+    }
+
     /// The message, with the place in a batch written by the caller, who knows its shape.
     pub fn message(&self, place: &str) -> String {
         format!(

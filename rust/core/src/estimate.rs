@@ -82,10 +82,10 @@ pub struct Fit {
 /// Both rows of one wheel with their right-hand sides.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reading {
-    rolling: Vector3<f64>,
-    side_slip: Vector3<f64>,
-    rolled: f64,
-    slipped: f64,
+    pub rolling: Vector3<f64>,
+    pub side_slip: Vector3<f64>,
+    pub rolled: f64,
+    pub slipped: f64,
 }
 
 impl Reading {
@@ -187,9 +187,30 @@ impl Rover {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
+        let twist = self.estimate(readings, measured, method, unseen, weights)?;
+        for (reading, residual) in readings.iter().zip(residual) {
+            *residual = reading.residual(&twist.into());
+        }
+        let (rank, sigma_min) = self.singular_values(readings, weights);
+        Ok(Fit {
+            twist,
+            rank,
+            sigma_min,
+        })
+    }
+
+    /// The twist by any method, and the weights it gave the wheels.
+    pub(crate) fn estimate(
+        &self,
+        readings: &[Reading],
+        measured: Measured<'_>,
+        method: Method,
+        unseen: Unseen,
+        weights: &mut [f64],
+    ) -> Result<Twist, Error> {
         weights.fill(1.0);
-        let twist = match method {
-            Method::LeastSquares => self.least_squares(readings, measured, unseen)?,
+        match method {
+            Method::LeastSquares => self.least_squares(readings, measured, unseen),
             Method::MiddleWheels => {
                 for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
                     *weight = if wheel.pivot == Pivot::Fixed {
@@ -202,22 +223,13 @@ impl Rover {
                     let rule = "be another one for a rover without unsteered wheels";
                     return Err(Error::value("method", rule, "'middle_wheels'"));
                 }
-                self.weighted(readings, weights, unseen)?
+                self.weighted(readings, weights, unseen)
             }
             Method::Robust => {
                 let start = self.least_squares(readings, measured, unseen)?;
-                self.reweigh(readings, measured.speeds, start, weights, unseen)?
+                self.reweigh(readings, measured.speeds, start, weights, unseen)
             }
-        };
-        for (reading, residual) in readings.iter().zip(residual) {
-            *residual = reading.residual(&twist.into());
         }
-        let (rank, sigma_min) = self.singular_values(readings, weights);
-        Ok(Fit {
-            twist,
-            rank,
-            sigma_min,
-        })
     }
 
     /// Puts the readings into the wheel equation.
@@ -245,6 +257,9 @@ impl Rover {
             if speed.is_finite() {
                 reading.rolling = rows.rolling;
                 reading.rolled = wheel.radius * speed + wheel.scrub * rate;
+            } else {
+                reading.rolling = Vector3::zeros();
+                reading.rolled = 0.0;
             }
         }
         &readings[..self.wheels().len()]
@@ -257,7 +272,11 @@ impl Rover {
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+    pub(crate) fn normal(
+        &self,
+        readings: &[Reading],
+        weight: impl Fn(usize) -> f64,
+    ) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
             let (rolling, side_slip) = (
@@ -271,7 +290,11 @@ impl Rover {
     }
 
     /// What turns the right-hand side of the normal equations into their solution.
-    fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+    pub(crate) fn solution(
+        &self,
+        normal: Matrix3<f64>,
+        unseen: Unseen,
+    ) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
@@ -307,6 +330,22 @@ impl Rover {
             centred.y - omega * self.centre.x,
             omega,
         )
+    }
+
+    /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
+    pub(crate) fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
+        let turn = Matrix3::new(
+            1.0,
+            0.0,
+            self.centre.y / self.size, //
+            0.0,
+            1.0,
+            -self.centre.x / self.size, //
+            0.0,
+            0.0,
+            1.0 / self.size,
+        );
+        turn * solution * turn.transpose()
     }
 
     /// Least squares, every wheel alike.

@@ -65,7 +65,7 @@ impl From<Pose> for [f64; 3] {
 }
 
 /// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
-fn sinc(x: f64) -> f64 {
+pub(crate) fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
@@ -222,7 +222,7 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    fn new(start: f64) -> Self {
+    pub fn new(start: f64) -> Self {
         Self {
             sum: start,
             lost: 0.0,
@@ -244,7 +244,7 @@ impl Sum {
 }
 
 /// What a whole turn is more than [`TAU`].
-const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
+pub(crate) const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 
 /// A pose on its way along a log.
 #[derive(Clone, Copy, Debug)]
@@ -294,6 +294,13 @@ impl Walk {
         self.turn(step.yaw);
         [self.x.value(), self.y.value(), self.yaw.value()]
     }
+
+    /// Goes on along a log that has been checked; the pose after every step.
+    pub fn follow(&mut self, twists: &[[f64; 3]], steps: Steps<'_>, poses: &mut [[f64; 3]]) {
+        for (k, (twist, pose)) in twists.iter().zip(poses).enumerate() {
+            *pose = self.step(*twist, steps.get(k));
+        }
+    }
 }
 
 /// Takes whole turns out of an angle, exactly but for what a turn in two parts leaves.
@@ -304,37 +311,31 @@ fn unwind(angle: &mut Sum) {
     angle.lost -= turns.mul_add(TAU, -product) + turns * TAU_REST;
 }
 
-/// Poses of one log that has been checked: its start, and one after every step.
-pub(crate) fn integrate_log(
-    twists: &[[f64; 3]],
-    steps: Steps<'_>,
-    start: [f64; 3],
-    poses: &mut [[f64; 3]],
-) {
-    let mut walk = Walk::new(start);
-    poses[0] = start;
-    for (k, (twist, pose)) in twists.iter().zip(&mut poses[1..]).enumerate() {
-        *pose = walk.step(*twist, steps.get(k));
-    }
-}
+/// Bound of the way and the turn of a log so far: while it is finite, every pose on the way is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound(f64);
 
-/// The total way and turn are finite, so that every pose on the way is.
-pub(crate) fn check_log(
-    twists: &[[f64; 3]],
-    steps: Steps<'_>,
-    start: [f64; 3],
-) -> Result<(), Error> {
-    finite("start", &start)?;
-    let mut total = start.iter().map(|value| value.abs()).fold(0.0, f64::max);
-    for (k, twist) in twists.iter().enumerate() {
-        finite("twists", twist).map_err(|error| error.at_row(k))?;
-        total += twist.iter().map(|value| value.abs()).fold(0.0, f64::max) * steps.get(k) * 2.0;
-        if !total.is_finite() {
-            let rule = "keep the pose finite over its step";
-            return Err(Error::value("twists", rule, numbers(twist)).at_row(k));
-        }
+impl Bound {
+    pub fn new(start: [f64; 3]) -> Result<Self, Error> {
+        finite("start", &start)?;
+        Ok(Self(
+            start.iter().map(|value| value.abs()).fold(0.0, f64::max),
+        ))
     }
-    Ok(())
+
+    /// Goes on along the log; rows of errors count from here.
+    pub fn extend(&mut self, twists: &[[f64; 3]], steps: Steps<'_>) -> Result<(), Error> {
+        for (k, twist) in twists.iter().enumerate() {
+            finite("twists", twist).map_err(|error| error.at_row(k))?;
+            self.0 +=
+                twist.iter().map(|value| value.abs()).fold(0.0, f64::max) * steps.get(k) * 2.0;
+            if !self.0.is_finite() {
+                let rule = "keep the pose finite over its step";
+                return Err(Error::value("twists", rule, numbers(twist)).at_row(k));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The twists that, each held over its step, pass through the poses: the inverse of [`crate::batch::integrate`].
@@ -365,11 +366,11 @@ mod tests {
     fn the_closed_circle_ends_where_it_began() -> Result<(), Error> {
         let count = 1_000_000;
         let twists = vec![[1.0, 0.0, TAU / (count as f64 * 1e-3)]; count];
-        let mut poses = vec![[0.0; 3]; count + 1];
+        let mut poses = vec![[0.0; 3]; count];
         let (steps, start) = (Steps::Constant(1e-3), [0.0; 3]);
-        check_log(&twists, steps, start)?;
-        integrate_log(&twists, steps, start, &mut poses);
-        let [x, y, yaw] = poses[count];
+        Bound::new(start)?.extend(&twists, steps)?;
+        Walk::new(start).follow(&twists, steps, &mut poses);
+        let [x, y, yaw] = poses[count - 1];
         // 1 km of path; yaw carries the rounding of its own increments, 1e6 half ulps at worst.
         assert!(x.hypot(y) < 1e-8, "{x} {y}");
         assert!((yaw - TAU).abs() < 1e-12, "{yaw}");

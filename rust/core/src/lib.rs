@@ -11,12 +11,14 @@
 //!
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
-//! vehicles), [`estimate`] (forward, fit), [`admissible`] (limits, projection), [`mobility`] (rank of the
-//! constraints), [`batch`] (whole arrays), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
+//! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
+//! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`profiles`] (values over time,
+//! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
 //! pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
+pub mod controller;
 pub mod error;
 pub mod estimate;
 pub mod four_axle;
@@ -24,20 +26,24 @@ pub mod geometry;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod odometry;
 pub mod presets;
+pub mod profiles;
 pub mod rover;
 pub mod steering;
 pub mod suspension;
 pub mod wheels;
 
 pub use admissible::Keep;
+pub use controller::{Controller, Limits};
 pub use error::{Error, ErrorKind};
-pub use estimate::{Fit, Method, Unseen};
+pub use estimate::{Fit, Measured, Method, Unseen};
 
 pub use four_axle::FourAxle;
 pub use geometry::{Pose, Twist};
 pub use layouts::{Drive, SkidCentres};
 pub use mobility::Mobility;
+pub use odometry::Odometry;
 pub use rover::{Inputs, Rover};
 pub use steering::SteeringRange;
 pub use suspension::RockerBogie;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+use crate::batch;
 use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
@@ -53,6 +54,9 @@ pub struct Rover {
     pub(crate) solution: Option<Matrix3<f64>>,
     /// Readings times this must be finite.
     pub(crate) reading_bound: f64,
+    /// How one call is answered by registers, where it is.
+    pub(crate) single: Option<batch::single::Plan>,
+    pub(crate) single_forward: Option<batch::single_forward::Plan>,
     min_radius: f64,
     spin_radius: f64,
 }
@@ -122,11 +126,15 @@ impl Rover {
             metric,
             solution: None,
             reading_bound,
+            single: None,
+            single_forward: None,
             min_radius: 0.0,
             spin_radius: f64::INFINITY,
         };
         rover.solution = rover.constant_solution();
         (rover.min_radius, rover.spin_radius) = rover.turning_limits();
+        rover.single = batch::single::Plan::new(&rover);
+        rover.single_forward = batch::single_forward::Plan::new(&rover);
         Ok(rover)
     }
 
@@ -245,11 +253,6 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    /// Whether nothing is given.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.previous.is_none() && self.previous_speeds.is_none() && self.steering_rates.is_none()
-    }
-
     /// Fails unless every value is finite.
     pub(crate) fn check(&self) -> Result<(), Error> {
         finite("previous", self.previous.unwrap_or_default())?;

@@ -6,7 +6,7 @@ use crate::error::{Error, number, positive};
 use crate::wheels::WheelCommand;
 
 /// Overshoot of a steering angle that is rounding, not a request [rad].
-const ANGLE_TOLERANCE: f64 = 1e-9;
+pub(crate) const ANGLE_TOLERANCE: f64 = 1e-9;
 
 /// A wheel whose two ways differ by less than this is undecided: it goes with the other undecided wheels,
 /// so that angles on either side of a quarter turn do not split the rover [rad].

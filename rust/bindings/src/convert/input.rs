@@ -1,14 +1,18 @@
 //! Arguments on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
+use std::cell::OnceCell;
+
 use numpy::{
     PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
+use six_wheel_core::batch::{Durations, Table};
 use six_wheel_core::error::finite;
 use six_wheel_core::geometry::Steps;
 
+use super::strided::Strided;
 use super::{ArgumentTypeError, Array, joined, numpy, raise, refuse, shape_text};
 
 /// Rows of numbers: leading axes are samples, the last axis has meaning.
@@ -23,8 +27,50 @@ pub struct Rows<'py> {
 
 enum Data<'py> {
     Three([f64; 3]),
-    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+    Array(Numbers<'py>),
     Owned(Vec<f64>),
+}
+
+/// The numbers of an array.
+enum Numbers<'py> {
+    /// As the kernels take them.
+    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+    /// To be read a block at a time, or all at once where that is asked for.
+    Strided {
+        strided: Strided,
+        all: OnceCell<Vec<f64>>,
+        /// Keeps the memory.
+        _array: Bound<'py, PyUntypedArray>,
+        _borrow: Option<PyReadonlyArrayDyn<'py, f64>>,
+    },
+}
+
+/// Numbers from which an array in another form is read block by block.
+const MANY: usize = 1 << 15;
+
+impl Numbers<'_> {
+    fn shape(&self) -> &[usize] {
+        match self {
+            Self::Borrowed(array) => array.shape(),
+            Self::Strided { _array, .. } => _array.shape(),
+        }
+    }
+
+    /// All of them, row after row.
+    fn flat(&self) -> &[f64] {
+        match self {
+            // Contiguity was established on reading: an empty slice cannot come of it.
+            Self::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Self::Strided { strided, all, .. } => all.get_or_init(|| strided.all()),
+        }
+    }
+
+    fn table(&self) -> Table<'_> {
+        match self {
+            Self::Strided { strided, .. } => Table::Read(strided),
+            Self::Borrowed(_) => Table::Flat(self.flat()),
+        }
+    }
 }
 
 impl<'py> Rows<'py> {
@@ -59,7 +105,7 @@ impl<'py> Rows<'py> {
         let leading = leading.to_vec();
         let source = value.cast::<PyUntypedArray>().ok().cloned();
         Ok(Self {
-            data: Data::Borrowed(array),
+            data: Data::Array(array),
             leading,
             width,
             source,
@@ -103,9 +149,16 @@ impl<'py> Rows<'py> {
     pub fn flat(&self) -> &[f64] {
         match &self.data {
             Data::Three(three) => three,
-            // Contiguity was established on reading: an empty slice cannot come of it.
-            Data::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Data::Array(numbers) => numbers.flat(),
             Data::Owned(values) => values,
+        }
+    }
+
+    /// All numbers, for the batches: those of a large array in another form are read block by block.
+    pub fn table(&self) -> Table<'_> {
+        match &self.data {
+            Data::Array(numbers) => numbers.table(),
+            _ => Table::Flat(self.flat()),
         }
     }
 
@@ -164,7 +217,7 @@ impl<'py> Rows<'py> {
 /// One number, or one per row.
 pub struct Scalars<'py> {
     one: f64,
-    each: Option<PyReadonlyArrayDyn<'py, f64>>,
+    each: Option<Numbers<'py>>,
     /// The shape: empty for one number.
     pub shape: Vec<usize>,
 }
@@ -181,12 +234,10 @@ impl<'py> Scalars<'py> {
         }
         let array = read_array(argument, value)?;
         let shape = array.shape().to_vec();
-        let one = array
-            .as_slice()
-            .ok()
-            .and_then(<[f64]>::first)
-            .copied()
-            .unwrap_or_default();
+        let one = match shape.is_empty() {
+            true => array.flat().first().copied().unwrap_or_default(),
+            false => 0.0,
+        };
         let each = (!shape.is_empty()).then_some(array);
         Ok(Self { one, each, shape })
     }
@@ -195,7 +246,15 @@ impl<'py> Scalars<'py> {
     pub fn steps(&self) -> Steps<'_> {
         match &self.each {
             None => Steps::Constant(self.one),
-            Some(each) => Steps::Each(each.as_slice().unwrap_or_default()),
+            Some(each) => Steps::Each(each.flat()),
+        }
+    }
+
+    /// The numbers as durations, for the batches.
+    pub fn durations(&self) -> Durations<'_> {
+        match &self.each {
+            None => Durations::Constant(self.one),
+            Some(each) => Durations::Each(each.table(), self.shape.iter().product()),
         }
     }
 
@@ -208,7 +267,7 @@ impl<'py> Scalars<'py> {
     pub fn flat(&self) -> &[f64] {
         match &self.each {
             None => std::slice::from_ref(&self.one),
-            Some(each) => each.as_slice().unwrap_or_default(),
+            Some(each) => each.flat(),
         }
     }
 
@@ -287,16 +346,14 @@ fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
 }
 
-/// A C-contiguous, aligned array of native `f64`: the caller's own memory where it is that already.
-fn read_array<'py>(
-    argument: &str,
-    value: &Bound<'py, PyAny>,
-) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+/// Native `f64`, C-contiguous and aligned: the caller's own memory where it is that already, read block by
+/// block where it is large, a copy otherwise.
+fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Numbers<'py>> {
     if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
         && array.is_c_contiguous()
         && array.is_aligned()
     {
-        return borrow(argument, array);
+        return borrow(argument, array).map(Numbers::Borrowed);
     }
     let numpy = numpy(value.py())?;
     let array = numpy
@@ -318,10 +375,23 @@ fn read_array<'py>(
         let message = format!("{argument} must be real numbers, got dtype {dtype}");
         return Err(ArgumentTypeError::new_err(message));
     }
+    if value.is_instance_of::<PyUntypedArray>()
+        && let Ok(large) = array.cast::<PyUntypedArray>()
+        && large.len() >= MANY
+        && let Some(strided) = Strided::of(large)
+    {
+        let floats = array.cast::<PyArrayDyn<f64>>().ok();
+        return Ok(Numbers::Strided {
+            strided,
+            all: OnceCell::new(),
+            _array: large.clone(),
+            _borrow: floats.map(|array| borrow(argument, array)).transpose()?,
+        });
+    }
     let array = numpy
         .call_method1(intern!(value.py(), "require"), (array, "d", ["C", "A"]))
         .and_then(|array| Ok(array.cast_into::<PyArrayDyn<f64>>()?))?;
-    borrow(argument, &array)
+    borrow(argument, &array).map(Numbers::Borrowed)
 }
 
 fn borrow<'py>(argument: &str, array: &Array<'py>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {

@@ -2,6 +2,9 @@
 
 mod input;
 mod output;
+mod strided;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
@@ -85,9 +88,34 @@ fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
     Ok(module.bind(py))
 }
 
+/// Kernels at work while other Python threads run.
+static BATCHES: AtomicUsize = AtomicUsize::new(0);
+
+/// Whether a kernel may be reading or writing arrays meanwhile. It changes only with the interpreter's lock held.
+pub fn batches_at_work() -> bool {
+    BATCHES.load(Ordering::Relaxed) > 0
+}
+
+/// Counts a kernel for as long as it is at work, even if it panics.
+struct AtWork;
+
+impl AtWork {
+    fn begin() -> Self {
+        BATCHES.fetch_add(1, Ordering::Relaxed);
+        Self
+    }
+}
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        BATCHES.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// Runs a kernel, letting other Python threads run meanwhile if it takes long enough to matter.
 pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T + Send) -> T {
     if rows >= DETACH_ROWS {
+        let _at_work = AtWork::begin();
         py.detach(kernel)
     } else {
         kernel()

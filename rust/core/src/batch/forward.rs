@@ -8,18 +8,18 @@ use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
 use super::polynomials::{LARGEST_ANGLE, sin_cos};
 use super::vector::Vector;
-use super::weave::{BLOCK, Column, unweave, weave};
+use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use super::{Log, row};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
-use crate::rover::{MAX_WHEELS, Mount, Rover};
+use crate::rover::{Mount, Rover};
 use crate::wheels::Wheel;
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
-const LARGEST_SPEED: f64 = 1e100;
+pub(super) const LARGEST_SPEED: f64 = 1e100;
 
 /// Bound of what the rover multiplies readings by.
-const LARGEST_ROVER: f64 = 1e100;
+pub(super) const LARGEST_ROVER: f64 = 1e100;
 
 /// What one wheel adds to the right-hand side of the normal equations.
 #[derive(Clone, Copy, Debug)]
@@ -104,14 +104,17 @@ impl<'a> Plan<'a> {
         unseen: Unseen,
         twists: &mut [[f64; 3]],
     ) -> Result<(), Error> {
-        let solve = Solve {
-            plan: self,
-            log,
-            first,
-            unseen,
-            twists,
-        };
-        level.run(solve).unwrap_or(Ok(()))
+        with_columns(self.joints + self.parts.len(), |columns| {
+            let solve = Solve {
+                plan: self,
+                log,
+                first,
+                unseen,
+                twists,
+                columns,
+            };
+            level.run(solve).unwrap_or(Ok(()))
+        })
     }
 
     /// What the plain core reads of a row.
@@ -179,6 +182,8 @@ struct Solve<'a> {
     first: usize,
     unseen: Unseen,
     twists: &'a mut [[f64; 3]],
+    /// One per steering angle and one per speed.
+    columns: &'a mut [Column],
 }
 
 impl Kernel for Solve<'_> {
@@ -188,23 +193,14 @@ impl Kernel for Solve<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (plan, log) = (self.plan, self.log);
         let (joints, wheels) = (plan.joints, plan.parts.len());
-        let mut steering = [Column::ZERO; MAX_WHEELS];
-        let mut speeds = [Column::ZERO; MAX_WHEELS];
+        let (steering, speeds) = self.columns.split_at_mut(joints);
         let mut twists = [Column::ZERO; 3];
         for (block, rows) in self.twists.chunks_mut(BLOCK).enumerate() {
             let first = self.first + block * BLOCK;
             let end = first + rows.len();
-            unweave(
-                simd,
-                &log.steering[first * joints..end * joints],
-                &mut steering[..joints],
-            );
-            unweave(
-                simd,
-                &log.speeds[first * wheels..end * wheels],
-                &mut speeds[..wheels],
-            );
-            let usual = solve_block(simd, plan, &steering, &speeds, &mut twists);
+            unweave(simd, &log.steering[first * joints..end * joints], steering);
+            unweave(simd, &log.speeds[first * wheels..end * wheels], speeds);
+            let usual = solve_block(simd, plan, steering, speeds, &mut twists);
             weave(simd, &twists, rows.as_flattened_mut());
             if usual {
                 continue;

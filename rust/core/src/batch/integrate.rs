@@ -1,40 +1,17 @@
-//! Poses along logs of twists, a register of steps at a time.
-//!
-//! Inside a register the steps are summed plainly, from zero; from register to register in compensated sums,
-//! with the heading kept within half a turn. Rounding therefore grows with the length of a few steps, not
-//! with that of the log.
+//! Poses along one log, cut into as many pieces as a register has lanes, tile by tile.
 
 use super::lanes::Lanes;
 use super::level::{Kernel, Level};
-use super::polynomials::{sin_cos, sinc_of_square};
+use super::tile::{LANES, LARGEST_HEADING, PerStep, STEPS, Sums, Tile, WIDTH, columns, durations};
 use super::vector::Vector;
-use super::weave::{BLOCK, Column};
-use crate::geometry::{Steps, Sum, Walk, integrate_log};
+use crate::geometry::{Steps, Sum, Walk};
 
-/// Half of a step's turn up to which the chord is a polynomial [rad].
-const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
+/// Numbers up to here surely add up to something finite.
+pub(crate) const LARGEST_TOTAL: f64 = 1e300;
 
-/// Half a turn and what rounding adds: a heading beyond it has turned so far in one step that it has no digits.
-const LARGEST_HEADING: f64 = 4.0;
-
-/// Way and turn of a log that are surely finite.
-const LARGEST_TOTAL: f64 = 1e300;
-
-/// Whether the poses of a log surely stay finite; its durations have been checked.
-pub(crate) fn stays_finite(
-    level: Level,
-    twists: &[[f64; 3]],
-    steps: Steps<'_>,
-    start: [f64; 3],
-) -> bool {
-    let longest = match steps {
-        Steps::Constant(dt) => dt,
-        Steps::Each(dts) => dts.iter().fold(0.0, |a: f64, b| a.max(*b)),
-    };
-    let bound = start.iter().map(|value| value.abs()).sum::<f64>();
-    let sum = level.run(SumOfSizes(twists.as_flattened()));
-    // False where the sum is NaN.
-    sum.is_some_and(|sum| bound + sum * longest * 2.0 <= LARGEST_TOTAL)
+/// Sum of the absolute values. NaN if one is NaN.
+pub(crate) fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
+    level.run(SumOfSizes(values)).unwrap_or(f64::NAN)
 }
 
 struct SumOfSizes<'a>(&'a [f64]);
@@ -60,186 +37,154 @@ impl Kernel for SumOfSizes<'_> {
     }
 }
 
-/// Poses of a log that has been checked: its start, and one after every step.
-pub(crate) fn log(
+/// Goes on along a log that has been checked; the pose after every step.
+pub(crate) fn follow(
     level: Level,
     twists: &[[f64; 3]],
     steps: Steps<'_>,
-    start: [f64; 3],
     poses: &mut [[f64; 3]],
+    walk: &mut Walk,
 ) {
     if level == Level::Plain {
-        return integrate_log(twists, steps, start, poses);
+        return walk.follow(twists, steps, poses);
     }
-    level.run(Integrate {
+    level.run(Follow {
         twists,
         steps,
-        start,
         poses,
+        walk,
     });
 }
 
-struct Integrate<'a> {
+struct Follow<'a> {
     twists: &'a [[f64; 3]],
     steps: Steps<'a>,
-    start: [f64; 3],
     poses: &'a mut [[f64; 3]],
+    walk: &'a mut Walk,
 }
 
-impl Kernel for Integrate<'_> {
+impl Kernel for Follow<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
-        let Some((first, poses)) = self.poses.split_first_mut() else {
-            return;
-        };
-        *first = self.start;
-        let mut walk = Walk::new(self.start);
-        let mut block = Block::new();
-        let blocks = self.twists.chunks(BLOCK).zip(poses.chunks_mut(BLOCK));
-        for (k, (twists, poses)) in blocks.enumerate() {
-            let first = k * BLOCK;
+        let size = STEPS * S::F64_LANES;
+        let constant = durations(simd, self.steps, 0);
+        let mut tile = Tile::new(simd);
+        let mut spare = [[0.0; WIDTH]; LANES];
+        let pieces = self.twists.chunks(size).zip(self.poses.chunks_mut(size));
+        for (k, (twists, poses)) in pieces.enumerate() {
             let steps = match self.steps {
                 Steps::Constant(dt) => Steps::Constant(dt),
-                Steps::Each(dts) => Steps::Each(&dts[first..first + twists.len()]),
+                Steps::Each(dts) => Steps::Each(&dts[k * size..k * size + twists.len()]),
             };
-            let before = walk;
-            let mut done = twists.len() - twists.len() % S::F64_LANES;
-            if block.turn(simd, &twists[..done], steps, &mut walk) {
-                block.shift(simd, done);
-                block.place(simd, &mut poses[..done], &mut walk);
+            let dts = |dts: &[[f64; STEPS]]| side_by_side(simd, dts);
+            let done = if twists.len() == size {
+                let dts = match steps {
+                    Steps::Constant(_) => constant,
+                    Steps::Each(each) => dts(each.as_chunks().0),
+                };
+                let twists = twists.as_flattened().as_chunks().0;
+                let poses = poses.as_flattened_mut().as_chunks_mut().0;
+                place(simd, &mut tile, twists, &dts, poses, &mut spare, self.walk)
             } else {
-                walk = before;
-                done = 0;
-            }
-            for (k, (twist, pose)) in twists.iter().zip(poses).enumerate().skip(done) {
-                *pose = walk.step(*twist, steps.get(k));
-            }
-        }
-    }
-}
-
-/// What is known of a block of steps on the way to its poses. Three short loops instead of a long one: the
-/// processor then works on many registers of steps at once.
-struct Block {
-    /// Way ahead and to the left at constant heading [m].
-    way: [Column; 2],
-    /// Half of the turn [rad].
-    half: Column,
-    /// Heading along the chord [rad].
-    heading: Column,
-    /// Yaw after the step, with all turns [rad].
-    yaw: Column,
-    /// Chord in world axes [m].
-    shift: [Column; 2],
-}
-
-impl Block {
-    fn new() -> Self {
-        let zero = Column::ZERO;
-        Self {
-            way: [zero; 2],
-            half: zero,
-            heading: zero,
-            yaw: zero,
-            shift: [zero; 2],
-        }
-    }
-
-    /// Turns step by step. False where one turns too far for the polynomials; `walk` is then of no use.
-    #[inline(always)]
-    fn turn<S: Vector>(
-        &mut self,
-        simd: S,
-        twists: &[[f64; 3]],
-        steps: Steps<'_>,
-        walk: &mut Walk,
-    ) -> bool {
-        if walk.heading.sum.abs() > LARGEST_HEADING {
-            return false;
-        }
-        let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
-        let mut near = largest.at_most(largest);
-        let groups = S::as_simd_f64s(twists.as_flattened()).0.as_chunks::<3>().0;
-        for (k, group) in groups.iter().enumerate() {
-            let dt = match steps {
-                Steps::Constant(dt) => Lanes::splat(simd, dt),
-                Steps::Each(dts) => Lanes::load(simd, S::as_simd_f64s(dts).0, k),
+                // The last steps: those that are missing stand still.
+                let mut padded = [[0.0; WIDTH]; LANES];
+                let mut placed = padded;
+                fill(&mut padded, twists.as_flattened());
+                let dts = match steps {
+                    Steps::Constant(_) => constant,
+                    Steps::Each(each) => {
+                        let mut padded = [[0.0; STEPS]; LANES];
+                        fill(&mut padded, each);
+                        dts(&padded)
+                    }
+                };
+                let done = place(
+                    simd,
+                    &mut tile,
+                    &padded,
+                    &dts,
+                    &mut placed,
+                    &mut spare,
+                    self.walk,
+                );
+                let poses = poses.as_flattened_mut();
+                poses.copy_from_slice(&placed.as_flattened()[..poses.len()]);
+                done
             };
-            let twists = simd.unbraid(*group);
-            for (j, way) in self.way.iter_mut().enumerate() {
-                (Lanes::load(simd, &twists, j) * dt).store(registers::<S>(way), k);
+            if !done {
+                self.walk.follow(twists, steps, poses);
             }
-            let turn = Lanes::load(simd, &twists, 2) * dt;
-            let half = turn * Lanes::splat(simd, 0.5);
-            near = near & half.abs().at_most(largest);
-            half.store(registers::<S>(&mut self.half), k);
-            let turned = running_sum(simd, turn);
-            // Along the chord, which leaves at half the turn.
-            let since = Lanes::shift::<0>(simd, turned) + half;
-            beyond(simd, &walk.heading, since).store(registers::<S>(&mut self.heading), k);
-            beyond(simd, &walk.yaw, turned).store(registers::<S>(&mut self.yaw), k);
-            walk.turn(turned.last(simd));
-        }
-        !(!near).any()
-    }
-
-    /// Chords of the steps in world axes.
-    #[inline(always)]
-    fn shift<S: Vector>(&mut self, simd: S, steps: usize) {
-        for k in 0..steps / S::F64_LANES {
-            let [ahead, left] = &self.way;
-            let (ahead, left) = (load(simd, ahead, k), load(simd, left, k));
-            let (half, heading) = (load(simd, &self.half, k), load(simd, &self.heading, k));
-            let (sin, cos) = sin_cos(simd, heading);
-            let length = sinc_of_square(simd, half * half);
-            let (ahead, left) = (ahead * length, left * length);
-            let [x, y] = &mut self.shift;
-            (cos * ahead - sin * left).store(registers::<S>(x), k);
-            sin.mul_add(ahead, cos * left).store(registers::<S>(y), k);
-        }
-    }
-
-    /// The poses.
-    #[inline(always)]
-    fn place<S: Vector>(&self, simd: S, poses: &mut [[f64; 3]], walk: &mut Walk) {
-        let groups = S::as_mut_simd_f64s(poses.as_flattened_mut()).0;
-        for (k, group) in groups.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-            let [x, y] = &self.shift;
-            let x = running_sum(simd, load(simd, x, k));
-            let y = running_sum(simd, load(simd, y, k));
-            let yaw = load(simd, &self.yaw, k);
-            let (east, north) = (beyond(simd, &walk.x, x), beyond(simd, &walk.y, y));
-            *group = simd.braid([
-                east.into_register(),
-                north.into_register(),
-                yaw.into_register(),
-            ]);
-            walk.shift(x.last(simd), y.last(simd));
         }
     }
 }
 
-#[inline(always)]
-fn load<S: Vector>(simd: S, column: &Column, k: usize) -> Lanes<S> {
-    Lanes::load(simd, S::as_simd_f64s(&column.0).0, k)
+fn fill<const N: usize>(padded: &mut [[f64; N]; LANES], numbers: &[f64]) {
+    padded.as_flattened_mut()[..numbers.len()].copy_from_slice(numbers);
 }
 
+/// One row per lane; where there are fewer lanes, nobody looks at the others.
 #[inline(always)]
-fn registers<S: Vector>(column: &mut Column) -> &mut [S::f64s] {
-    S::as_mut_simd_f64s(&mut column.0).0
+fn lanes<const N: usize>(rows: &[[f64; N]]) -> [&[f64; N]; LANES] {
+    std::array::from_fn(|lane| &rows[lane.min(rows.len() - 1)])
 }
 
-/// So much more than a sum.
+/// Durations of the steps of pieces of a log.
 #[inline(always)]
-fn beyond<S: Vector>(simd: S, sum: &Sum, more: Lanes<S>) -> Lanes<S> {
-    Lanes::splat(simd, sum.sum) + (Lanes::splat(simd, sum.lost) + more)
+fn side_by_side<S: Vector>(simd: S, dts: &[[f64; STEPS]]) -> PerStep<S> {
+    let mut registers = [simd.splat_f64s(0.0); STEPS];
+    columns(simd, &lanes(&dts[..S::F64_LANES]), &mut registers);
+    let mut dts = [Lanes::splat(simd, 0.0); STEPS];
+    for (t, dt) in dts.iter_mut().enumerate() {
+        *dt = Lanes::load(simd, &registers, t);
+    }
+    dts
 }
 
-/// Every lane plus all before it.
+/// A tile whose lanes follow each other. Whether no step turns too far for the polynomials; if one does,
+/// nothing has happened to `walk`.
 #[inline(always)]
-fn running_sum<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
+fn place<S: Vector>(
+    simd: S,
+    tile: &mut Tile<S>,
+    twists: &[[f64; WIDTH]],
+    dts: &PerStep<S>,
+    poses: &mut [[f64; WIDTH]],
+    spare: &mut [[f64; WIDTH]; LANES],
+    walk: &mut Walk,
+) -> bool {
+    if walk.heading.sum.abs() > LARGEST_HEADING {
+        return false;
+    }
+    tile.read(simd, &lanes(&twists[..S::F64_LANES]));
+    let (turn, near) = tile.turn(simd, dts, None);
+    if (!near).any() {
+        return false;
+    }
+    let (turns, turn) = one_after_another(simd, turn);
+    let heading = after(simd, &walk.heading, turns);
+    let [x, y] = tile.walk(simd, &heading, None);
+    let ((easts, east), (norths, north)) = (one_after_another(simd, x), one_after_another(simd, y));
+    let sums = [
+        after(simd, &walk.x, easts),
+        after(simd, &walk.y, norths),
+        after(simd, &walk.yaw, turns),
+    ];
+    let mut targets = spare.each_mut();
+    for (target, poses) in targets.iter_mut().zip(&mut poses[..S::F64_LANES]) {
+        *target = poses;
+    }
+    tile.place(simd, [&sums[0], &sums[1], &sums[2]]);
+    tile.write(simd, &mut targets);
+    walk.turn(turn);
+    walk.shift(east, north);
+    true
+}
+
+/// What comes before every lane, and what all come to.
+#[inline(always)]
+fn one_after_another<S: Vector>(simd: S, terms: Lanes<S>) -> (Lanes<S>, f64) {
     let mut sum = terms + Lanes::shift::<0>(simd, terms);
     if S::F64_LANES > 2 {
         sum = sum + Lanes::shift::<1>(simd, sum);
@@ -247,5 +192,13 @@ fn running_sum<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
     if S::F64_LANES > 4 {
         sum = sum + Lanes::shift::<2>(simd, sum);
     }
-    sum
+    (Lanes::shift::<0>(simd, sum), sum.last(simd))
+}
+
+/// A sum, and so much more in every lane.
+#[inline(always)]
+fn after<S: Vector>(simd: S, sum: &Sum, more: Lanes<S>) -> Sums<S> {
+    let mut sums = Sums::splat(simd, sum);
+    sums.lost = sums.lost + more;
+    sums
 }

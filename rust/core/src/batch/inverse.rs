@@ -7,22 +7,22 @@ use super::lanes::{Lanes, Mask};
 use super::level::{Kernel, Level};
 use super::steered::{Reach, Steer, Steered, absolute, load};
 use super::vector::Vector;
-use super::weave::{BLOCK, Column, unweave, weave};
+use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::admissible::SLIP_TOLERANCE;
 use crate::error::Error;
 use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
-use crate::wheels::REST;
+use crate::rover::{Inputs, Mount, Rover};
+use crate::wheels::{REST, Wheel};
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
-const SMALLEST: f64 = 1e-100;
-const LARGEST: f64 = 1e100;
+pub(super) const SMALLEST: f64 = 1e-100;
+pub(super) const LARGEST: f64 = 1e100;
 
 /// Sizes of rovers with which that holds at every pivot.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+pub(super) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 #[derive(Clone, Copy, Debug)]
-enum Part {
+pub(crate) enum Part {
     Fixed([f64; 3]),
     Steered(Steered),
 }
@@ -31,9 +31,9 @@ enum Part {
 pub(crate) struct Plan<'a> {
     rover: &'a Rover,
     /// Every wheel with one over its radius.
-    parts: Vec<(Part, f64)>,
+    pub parts: Vec<(Part, f64)>,
     joints: usize,
-    banks: Vec<[f64; 3]>,
+    pub banks: Vec<[f64; 3]>,
     /// Two pivots far apart: the faster one is a lower bound of the fastest.
     pivots: [[f64; 2]; 2],
     /// The longest way to a pivot, along the axes [m].
@@ -44,7 +44,7 @@ impl<'a> Plan<'a> {
     /// Nothing where a wheel is not one of those the kernel knows.
     pub fn new(rover: &'a Rover) -> Option<Self> {
         let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
-        let part = |(wheel, mount): (&crate::wheels::Wheel, &Mount)| {
+        let part = |(wheel, mount): (&Wheel, &Mount)| {
             let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
             if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
                 return None;
@@ -56,6 +56,7 @@ impl<'a> Plan<'a> {
                     x: wheel.x,
                     y: wheel.y,
                     heading: (wheel.heading != 0.0).then_some(heading),
+                    range,
                     reach: Reach::new(range)?,
                 }),
                 Mount::Steered(..) => return None,
@@ -64,20 +65,12 @@ impl<'a> Plan<'a> {
         };
         let wheels = rover.wheels();
         let parts: Option<Vec<_>> = wheels.iter().zip(&rover.mounts).map(part).collect();
-        let first = [wheels[0].x, wheels[0].y];
-        let mut other = first;
-        let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();
-        for wheel in wheels {
-            if distance([wheel.x, wheel.y]) > distance(other) {
-                other = [wheel.x, wheel.y];
-            }
-        }
         Some(Self {
             rover,
             parts: parts?,
             joints: rover.steered().len(),
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
-            pivots: [first, other],
+            pivots: pivots_apart(wheels),
             arm: wheels
                 .iter()
                 .map(|wheel| wheel.x.abs() + wheel.y.abs())
@@ -105,11 +98,14 @@ impl<'a> Plan<'a> {
         steering: &mut [f64],
         speeds: &mut [f64],
     ) {
-        level.run(Solve {
-            plan: self,
-            twists,
-            steering,
-            speeds,
+        with_columns(self.joints + self.parts.len(), |columns| {
+            level.run(Solve {
+                plan: self,
+                twists,
+                steering,
+                speeds,
+                columns,
+            })
         });
     }
 
@@ -123,7 +119,7 @@ impl<'a> Plan<'a> {
 
     /// Whether a twist is surely finite, and its squares are too.
     #[inline(always)]
-    fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
         let [vx, vy, omega] = absolute(twist);
         let size = vx + vy + omega;
         let fits = size.at_most(Lanes::splat(simd, LARGEST));
@@ -160,9 +156,22 @@ impl<'a> Plan<'a> {
     }
 }
 
+/// Two pivots far apart.
+pub(super) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
+    let first = [wheels[0].x, wheels[0].y];
+    let mut other = first;
+    let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();
+    for wheel in wheels {
+        if distance([wheel.x, wheel.y]) > distance(other) {
+            other = [wheel.x, wheel.y];
+        }
+    }
+    [first, other]
+}
+
 /// A row times a twist, by the same operations as the plain core.
 #[inline(always)]
-fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
+pub(crate) fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
     let [a, b, c] = [row[0], row[1], row[2]];
     vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }
@@ -198,6 +207,8 @@ struct Solve<'a> {
     twists: &'a [[f64; 3]],
     steering: &'a mut [f64],
     speeds: &'a mut [f64],
+    /// One per steering angle and one per speed.
+    columns: &'a mut [Column],
 }
 
 impl Kernel for Solve<'_> {
@@ -208,18 +219,17 @@ impl Kernel for Solve<'_> {
         let plan = self.plan;
         let (joints, wheels) = (plan.joints, plan.parts.len());
         let mut twists = [Column::ZERO; 3];
-        let mut steering = [Column::ZERO; MAX_WHEELS];
-        let mut speeds = [Column::ZERO; MAX_WHEELS];
+        let (steering, speeds) = self.columns.split_at_mut(joints);
         for (block, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = block * BLOCK;
             let end = first + rows.len();
             unweave(simd, rows.as_flattened(), &mut twists);
             let steering_rows = &mut self.steering[first * joints..end * joints];
             let speed_rows = &mut self.speeds[first * wheels..end * wheels];
-            let brisk = solve_block(simd, plan, &twists, &mut steering, &mut speeds);
-            let doubtful = !brisk && hold_still(simd, plan, &twists, &mut steering, &mut speeds);
-            weave(simd, &steering[..joints], steering_rows);
-            weave(simd, &speeds[..wheels], speed_rows);
+            let brisk = solve_block(simd, plan, &twists, steering, speeds);
+            let doubtful = !brisk && hold_still(simd, plan, &twists, steering, speeds);
+            weave(simd, steering, steering_rows);
+            weave(simd, speeds, speed_rows);
             if doubtful {
                 let mut doubts = Column::ZERO;
                 find_doubts(simd, plan, &twists, &mut doubts);

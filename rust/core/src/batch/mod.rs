@@ -5,8 +5,16 @@ mod integrate;
 mod inverse;
 mod lanes;
 mod level;
+mod logs;
 mod polynomials;
+mod poses;
+mod rollout_cost;
+mod rows;
+pub(crate) mod single;
+pub(crate) mod single_forward;
 mod steered;
+mod table;
+mod tile;
 mod vector;
 mod weave;
 mod workers;
@@ -15,10 +23,16 @@ use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Measured, Method, Unseen};
-use crate::geometry::{self, Steps, Twist};
+use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
 pub use level::Level;
+pub use poses::integrate;
+pub use rollout_cost::{Costs, rollout_cost};
+pub use rows::{forward, inverse};
+pub use single::{check_one, inverse_one, project_one};
+pub use single_forward::forward_one;
+pub use table::{Beside, Durations, Log, Readings, Source, Table};
 pub use workers::Workers;
 
 impl<'a> Inputs<'a> {
@@ -32,17 +46,6 @@ impl<'a> Inputs<'a> {
             steering_rates: at(self.steering_rates, joints),
         }
     }
-}
-
-/// Readings of many instants, row after row.
-#[derive(Clone, Copy, Debug)]
-pub struct Log<'a> {
-    /// Steering angles [rad], one row of steered wheels per instant.
-    pub steering: &'a [f64],
-    /// Wheel speeds [rad/s], one row of wheels per instant.
-    pub speeds: &'a [f64],
-    /// Steering rates [rad/s].
-    pub steering_rates: Option<&'a [f64]>,
 }
 
 impl<'a> Log<'a> {
@@ -64,147 +67,9 @@ fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
     &mut values[k * width..(k + 1) * width]
 }
 
-/// Rows from which a batch is worth setting up a kernel for.
-const FEW: usize = 8;
-
-/// [`Rover::inverse`] of every twist.
-pub fn inverse(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    inputs: Inputs<'_>,
-    steering: &mut [f64],
-    speeds: &mut [f64],
-    workers: Workers,
-) -> Result<(), Error> {
-    let workers = workers.here();
-    let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-    let plan = (workers.level != Level::Plain && twists.len() >= FEW && inputs.is_empty())
-        .then(|| inverse::Plan::new(rover))
-        .flatten();
-    let share = workers.share(twists.len());
-    let shares = twists
-        .chunks(share)
-        .enumerate()
-        .map(|(k, rows)| (k * share, rows));
-    workers::each(shares.clone(), |(first, rows)| match &plan {
-        Some(plan) => plan.check(workers.level, rows, first),
-        None => rows.iter().enumerate().try_for_each(|(k, twist)| {
-            let inputs = inputs.row(rover, first + k);
-            inputs
-                .check()
-                .and_then(|()| rover.check(Twist::from(*twist), inputs.steering_rates))
-                .map_err(|error| error.at_row(first + k))
-        }),
-    })?;
-    // A rover without steered wheels has no columns to cut.
-    let mut steering = steering.chunks_mut((share * joints).max(1));
-    let targets = speeds
-        .chunks_mut(share * wheels)
-        .map(|speeds| (steering.next().unwrap_or_default(), speeds));
-    workers::each(
-        shares.zip(targets),
-        |((first, rows), (steering, speeds))| {
-            if let Some(plan) = &plan {
-                plan.solve(workers.level, rows, steering, speeds);
-                return Ok(());
-            }
-            for (k, twist) in rows.iter().enumerate() {
-                let (steering, speeds) = (row_mut(steering, joints, k), row_mut(speeds, wheels, k));
-                let inputs = inputs.row(rover, first + k);
-                rover.solve(Twist::from(*twist), inputs, steering, speeds);
-            }
-            Ok(())
-        },
-    )
-}
-
-/// [`Rover::forward`] of every row of a log.
-pub fn forward(
-    rover: &Rover,
-    log: Log<'_>,
-    unseen: Unseen,
-    twists: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    let workers = workers.here();
-    let count = twists.len();
-    let plan = (workers.level != Level::Plain && count >= FEW && log.steering_rates.is_none())
-        .then(|| forward::Plan::new(rover))
-        .flatten();
-    // Where the rows depend on the angles or on gaps in the readings, only solving shows whether it works.
-    let solvable = |k: usize| {
-        let measured = log.row(rover, k);
-        if rover.solution.is_some() && measured.is_complete() {
-            rover.check_readings(measured)
-        } else {
-            rover.forward(measured, unseen).map(drop)
-        }
-    };
-    let share = workers.share(count);
-    let firsts = (0..count).step_by(share);
-    workers::each(firsts.clone(), |first| {
-        let rows = first..count.min(first + share);
-        match &plan {
-            Some(plan) => plan.check(workers.level, log, rows, unseen),
-            None => rows
-                .clone()
-                .try_for_each(|k| solvable(k).map_err(|error| error.at_row(k))),
-        }
-    })?;
-    workers::each(firsts.zip(twists.chunks_mut(share)), |(first, twists)| {
-        if let Some(plan) = &plan {
-            return plan.solve(workers.level, log, first, unseen, twists);
-        }
-        for (k, twist) in twists.iter_mut().enumerate() {
-            *twist = rover.forward(log.row(rover, first + k), unseen)?.into();
-        }
-        Ok(())
-    })
-}
-
-/// Poses along logs of `count` twists each, every twist held over its step: exact, whatever its length.
-///
-/// There is one start per log; `poses` takes `count + 1` rows per log, the first of which is its start.
-/// Nothing is written on failure, and rows of errors count over all logs.
-pub fn integrate(
-    twists: &[[f64; 3]],
-    count: usize,
-    steps: Steps<'_>,
-    starts: &[[f64; 3]],
-    poses: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    debug_assert_eq!(twists.len(), starts.len() * count);
-    debug_assert_eq!(poses.len(), starts.len() * (count + 1));
-    let workers = workers.here();
-    let level = workers.level;
-    steps.check(count)?;
-    let share = workers.share_of_logs(starts.len(), count);
-    let log = |k: usize| &twists[k * count..(k + 1) * count];
-    let shares = starts
-        .chunks(share)
-        .enumerate()
-        .map(|(k, starts)| (k * share, starts));
-    workers::each(shares.clone(), |(first, starts)| {
-        starts.iter().enumerate().try_for_each(|(k, start)| {
-            if integrate::stays_finite(level, log(first + k), steps, *start) {
-                return Ok(());
-            }
-            geometry::check_log(log(first + k), steps, *start).map_err(|error| Error {
-                row: error.row.map(|row| (first + k) * count + row),
-                ..error
-            })
-        })
-    })?;
-    let targets = poses.chunks_mut(share * (count + 1));
-    workers::each(shares.zip(targets), |((first, starts), poses)| {
-        let logs = starts.iter().zip(poses.chunks_exact_mut(count + 1));
-        for (k, (start, poses)) in logs.enumerate() {
-            integrate::log(level, log(first + k), steps, *start, poses);
-        }
-        Ok(())
-    })
-}
+/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
+/// numbers stay in the second-level cache.
+const BLOCK_ROWS: usize = 2048;
 
 /// [`Rover::fit`] of every row of a log.
 pub fn fit(

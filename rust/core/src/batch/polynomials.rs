@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use super::lanes::Numbers;
 
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 
@@ -52,93 +52,116 @@ const QUARTER: [f64; 3] = [
 ];
 
 /// Adding this brings the nearest whole number into the lowest bits.
-const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 
 /// Largest angle of [`sin_cos`] [rad]: its quarter turns are whole numbers of far less than 52 bits.
 pub(crate) const LARGEST_ANGLE: f64 = 1e9;
 
 /// A polynomial by two interleaved Horner chains: half the latency of one.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: [f64; N], z: Lanes<S>) -> Lanes<S> {
+fn polynomial<S: Simd, V: Numbers<S>, const N: usize>(simd: S, coefficients: [f64; N], z: V) -> V {
     let square = z * z;
-    let mut even = Lanes::splat(simd, coefficients[(N - 1) & !1]);
-    let mut odd = Lanes::splat(simd, coefficients[(N - 2) | 1]);
+    let mut even = V::all(simd, coefficients[(N - 1) & !1]);
+    let mut odd = V::all(simd, coefficients[(N - 2) | 1]);
     let mut k = (N - 1) & !1;
     while k >= 2 {
         k -= 2;
-        even = even.mul_add(square, Lanes::splat(simd, coefficients[k]));
+        even = even.fused(square, V::all(simd, coefficients[k]));
     }
     let mut k = (N - 2) | 1;
     while k >= 3 {
         k -= 2;
-        odd = odd.mul_add(square, Lanes::splat(simd, coefficients[k]));
+        odd = odd.fused(square, V::all(simd, coefficients[k]));
     }
-    odd.mul_add(z, even)
+    odd.fused(z, even)
 }
 
 /// The angle of a vector in the first quadrant, `x >= 0` and `y >= 0`. NaN for the zero vector.
 #[inline(always)]
-pub(crate) fn angle<S: Simd>(simd: S, x: Lanes<S>, y: Lanes<S>) -> Lanes<S> {
-    let (large, small) = (x.max(y), x.min(y));
+pub(crate) fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
+    let [large, small] = x.sorted(y);
     // Counted from 0, an eighth or a quarter turn, whichever is nearest: one division for all three.
-    let eighth = (large * Lanes::splat(simd, TAN_EIGHTH)).below(small);
-    let over = eighth.select(small - large, small);
-    let under = eighth.select(small + large, large);
-    let t = over.quotient(under);
+    let eighth = (large * V::all(simd, TAN_EIGHTH)).less(small);
+    let over = V::either(eighth, small - large, small);
+    let under = V::either(eighth, small + large, large);
+    let t = over.over(under);
     let z = t * t;
-    let rest = (t * z).mul_add(polynomial(simd, ATAN, z), t);
-    let from = eighth.select(
-        Lanes::splat(simd, std::f64::consts::FRAC_PI_4),
-        Lanes::splat(simd, 0.0),
+    let rest = (t * z).fused(polynomial(simd, ATAN, z), t);
+    let from = V::either(
+        eighth,
+        V::all(simd, std::f64::consts::FRAC_PI_4),
+        V::all(simd, 0.0),
     );
     let near = from + rest;
-    let from_quarter = Lanes::splat(simd, std::f64::consts::FRAC_PI_2) - near;
-    x.below(y).select(from_quarter, near)
+    let from_quarter = V::all(simd, std::f64::consts::FRAC_PI_2) - near;
+    V::either(x.less(y), from_quarter, near)
 }
 
 /// Sine and cosine of angles up to [`LARGEST_ANGLE`] to either side.
 #[inline(always)]
-pub(crate) fn sin_cos<S: Simd>(simd: S, angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    let round = Lanes::splat(simd, ROUND);
-    let shifted = angle.mul_add(Lanes::splat(simd, std::f64::consts::FRAC_2_PI), round);
-    let quarters = -(shifted - round);
+pub(crate) fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
+    let round = V::all(simd, ROUND);
+    let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
+    let quarters = round - shifted;
     let mut rest = angle;
     for part in QUARTER {
-        rest = quarters.mul_add(Lanes::splat(simd, part), rest);
+        rest = quarters.fused(V::all(simd, part), rest);
     }
     let z = rest * rest;
-    let sin = (rest * z).mul_add(polynomial(simd, SIN, z), rest);
+    let sin = (rest * z).fused(polynomial(simd, SIN, z), rest);
     let cos = cos_of_rest(simd, z);
-    let (odd, half) = (shifted.has_bit(0), shifted.has_bit(1));
-    let minus = Lanes::splat(simd, -0.0);
-    let zero = Lanes::splat(simd, 0.0);
-    let sign = half.select(minus, zero);
-    let crossed = odd.select(minus, zero);
+    in_quarter(simd, shifted, sin, cos)
+}
+
+/// Sine and cosine of angles up to a hundred turns, absolutely as exact as [`sin_cos`], but not in the last
+/// digits of a sine near zero: what a direction needs.
+#[inline(always)]
+pub(crate) fn direction<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
+    let round = V::all(simd, ROUND);
+    let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
+    let quarters = round - shifted;
+    let rest = quarters.fused(V::all(simd, QUARTER[0]), angle);
+    let rest = quarters.fused(V::all(simd, QUARTER[1]), rest);
+    let z = rest * rest;
+    let sin = (rest * z).fused(polynomial(simd, SIN, z), rest);
+    let head = z.fused(V::all(simd, -0.5), V::all(simd, 1.0));
+    let cos = (z * z).fused(polynomial(simd, COS, z), head);
+    in_quarter(simd, shifted, sin, cos)
+}
+
+/// Sine and cosine after so many quarter turns, the whole number in the lowest bits of `shifted`.
+#[inline(always)]
+fn in_quarter<S: Simd, V: Numbers<S>>(simd: S, shifted: V, sin: V, cos: V) -> (V, V) {
+    let (odd, half) = (shifted.bit(0), shifted.bit(1));
+    let (minus, zero) = (V::all(simd, -0.0), V::all(simd, 0.0));
+    let sign = V::either(half, minus, zero);
+    let crossed = V::either(odd, minus, zero);
     (
-        odd.select(cos, sin).flip(sign),
-        odd.select(sin, cos).flip(sign).flip(crossed),
+        V::either(odd, cos, sin).flipped(sign),
+        V::either(odd, sin, cos).flipped(sign).flipped(crossed),
     )
 }
 
 /// Cosine of an angle up to pi/4, given its square: what `1 - z / 2` rounds away is added back.
 #[inline(always)]
-fn cos_of_rest<S: Simd>(simd: S, z: Lanes<S>) -> Lanes<S> {
-    let (one, half) = (Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.5) * z);
+fn cos_of_rest<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
+    let (one, half) = (V::all(simd, 1.0), V::all(simd, 0.5) * z);
     let head = one - half;
     let lost = (one - head) - half;
-    head + (z * z).mul_add(polynomial(simd, COS, z), lost)
+    head + (z * z).fused(polynomial(simd, COS, z), lost)
 }
 
 /// `sin(x) / x` for `x` up to pi/4, given the square of `x`.
 #[inline(always)]
-pub(crate) fn sinc_of_square<S: Simd>(simd: S, z: Lanes<S>) -> Lanes<S> {
-    z.mul_add(polynomial(simd, SIN, z), Lanes::splat(simd, 1.0))
+pub(crate) fn sinc_of_square<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
+    z.fused(polynomial(simd, SIN, z), V::all(simd, 1.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::batch::Level;
+    use crate::batch::lanes::Lanes;
     use crate::batch::level::Kernel;
     use crate::batch::vector::Vector;
 

@@ -9,10 +9,10 @@ use crate::steering::SteeringRange;
 use crate::wheels::{Direction, REST};
 
 /// Angles this near to an end of the reach are left to the plain core, which knows the tolerances [rad].
-const NEAR_AN_END: f64 = 1e-8;
+pub(super) const NEAR_AN_END: f64 = 1e-8;
 
 /// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
-const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
+pub(super) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
 
 /// The angles that need no thought, as two half planes `across * y < along * x` of the pivot's velocity.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,10 @@ pub(crate) struct Reach {
     pub symmetric: bool,
     /// Whether angles outside it may be impossible.
     pub limited: bool,
+    /// Whether it is a quarter turn to either side at most.
+    pub folded: bool,
+    /// Sine and cosine of its lower and its upper end.
+    pub ends: [(f64, f64); 2],
 }
 
 impl Reach {
@@ -42,6 +46,8 @@ impl Reach {
             lower: end(-range.lower),
             symmetric: range.lower == -range.upper,
             limited: !range.is_full(),
+            folded,
+            ends: [range.lower.sin_cos(), range.upper.sin_cos()],
         })
     }
 
@@ -73,13 +79,14 @@ pub(crate) struct Steered {
     pub y: f64,
     /// `None` where it is straight ahead.
     pub heading: Option<Direction>,
+    pub range: SteeringRange,
     pub reach: Reach,
 }
 
 impl Steered {
     /// Velocity of the pivot in the axes of the heading, by the same operations as the plain core.
     #[inline(always)]
-    fn velocity<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
+    pub fn velocity<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
         let ux = vx - omega * Lanes::splat(simd, self.y);
         let uy = vy + omega * Lanes::splat(simd, self.x);
         let Some(Direction { sin, cos }) = self.heading else {

@@ -19,6 +19,9 @@ pub(crate) trait Vector: Simd {
     /// The reverse of [`Self::braid`].
     fn unbraid(self, registers: [Self::f64s; 3]) -> [Self::f64s; 3];
 
+    /// Every `F64_LANES` of these registers are the rows of a square, and become its columns.
+    fn transpose(self, registers: [Self::f64s; 8]) -> [Self::f64s; 8];
+
     /// `0 .. 0 a0 a1 ..`: every lane `1 << LOG` places on.
     fn shift<const LOG: u32>(self, register: Self::f64s) -> Self::f64s;
 
@@ -28,7 +31,7 @@ pub(crate) trait Vector: Simd {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::__m256d;
+    use std::arch::x86_64::{__m256d, __m512d};
 
     use pulp::bytemuck::cast;
     use pulp::x86::{V3, V4};
@@ -87,6 +90,32 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn transpose(self, rows: [f64x8; 8]) -> [f64x8; 8] {
+            let [a, b, c, d, e, f, g, h] = rows.map(cast);
+            let simd = self.avx512f;
+            // a0 b0 a2 b2 .., and so on; then a1 b1 a3 b3 .., and so on.
+            let [c0, c2, c4, c6] = pairs(
+                self,
+                [
+                    simd._mm512_unpacklo_pd(a, b),
+                    simd._mm512_unpacklo_pd(c, d),
+                    simd._mm512_unpacklo_pd(e, f),
+                    simd._mm512_unpacklo_pd(g, h),
+                ],
+            );
+            let [c1, c3, c5, c7] = pairs(
+                self,
+                [
+                    simd._mm512_unpackhi_pd(a, b),
+                    simd._mm512_unpackhi_pd(c, d),
+                    simd._mm512_unpackhi_pd(e, f),
+                    simd._mm512_unpackhi_pd(g, h),
+                ],
+            );
+            [c0, c1, c2, c3, c4, c5, c6, c7]
+        }
+
+        #[inline(always)]
         fn shift<const LOG: u32>(self, register: f64x8) -> f64x8 {
             let pair = [register, self.splat_f64x8(0.0)];
             match LOG {
@@ -102,6 +131,25 @@ mod x86 {
         }
     }
 
+    /// The columns of four registers of four pairs each.
+    #[inline(always)]
+    fn pairs(simd: V4, [a, b, c, d]: [__m512d; 4]) -> [f64x8; 4] {
+        let simd = simd.avx512f;
+        let ab = simd._mm512_shuffle_f64x2::<FIRST_PAIRS>(a, b); // a0 a2 b0 b2
+        let cd = simd._mm512_shuffle_f64x2::<FIRST_PAIRS>(c, d);
+        let first = simd._mm512_shuffle_f64x2::<FIRST_PAIRS>(ab, cd); // a0 b0 c0 d0
+        let third = simd._mm512_shuffle_f64x2::<SECOND_PAIRS>(ab, cd);
+        let ab = simd._mm512_shuffle_f64x2::<SECOND_PAIRS>(a, b); // a1 a3 b1 b3
+        let cd = simd._mm512_shuffle_f64x2::<SECOND_PAIRS>(c, d);
+        let second = simd._mm512_shuffle_f64x2::<FIRST_PAIRS>(ab, cd);
+        let fourth = simd._mm512_shuffle_f64x2::<SECOND_PAIRS>(ab, cd);
+        [cast(first), cast(second), cast(third), cast(fourth)]
+    }
+
+    /// Pairs 0 and 2 of the one register, then of the other; pairs 1 and 3 likewise.
+    const FIRST_PAIRS: i32 = 0b10_00_10_00;
+    const SECOND_PAIRS: i32 = 0b11_01_11_01;
+
     /// Halves of two registers.
     #[inline(always)]
     fn halves<const WHICH: i32>(simd: V3, a: __m256d, b: __m256d) -> __m256d {
@@ -112,6 +160,26 @@ mod x86 {
     const HIGH_HIGH: i32 = 0x31;
     const LOW_HIGH: i32 = 0x30;
     const HIGH_LOW: i32 = 0x21;
+
+    /// Columns of four rows.
+    #[inline(always)]
+    fn square(simd: V3, [a, b, c, d]: [f64x4; 4]) -> [f64x4; 4] {
+        let (a, b, c, d) = (cast(a), cast(b), cast(c), cast(d));
+        let low = [
+            simd.avx._mm256_unpacklo_pd(a, b), // a0 b0 a2 b2
+            simd.avx._mm256_unpacklo_pd(c, d),
+        ];
+        let high = [
+            simd.avx._mm256_unpackhi_pd(a, b), // a1 b1 a3 b3
+            simd.avx._mm256_unpackhi_pd(c, d),
+        ];
+        [
+            cast(halves::<LOW_LOW>(simd, low[0], low[1])),
+            cast(halves::<LOW_LOW>(simd, high[0], high[1])),
+            cast(halves::<HIGH_HIGH>(simd, low[0], low[1])),
+            cast(halves::<HIGH_HIGH>(simd, high[0], high[1])),
+        ]
+    }
 
     impl Vector for V3 {
         #[inline(always)]
@@ -161,6 +229,13 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn transpose(self, [a, b, c, d, e, f, g, h]: [f64x4; 8]) -> [f64x4; 8] {
+            let [a, b, c, d] = square(self, [a, b, c, d]);
+            let [e, f, g, h] = square(self, [e, f, g, h]);
+            [a, b, c, d, e, f, g, h]
+        }
+
+        #[inline(always)]
         fn shift<const LOG: u32>(self, register: f64x4) -> f64x4 {
             let register = cast(register);
             let low_up = self.avx._mm256_permute2f128_pd::<0x08>(register, register); // 0 0 a0 a1
@@ -206,6 +281,13 @@ mod aarch64 {
         #[inline(always)]
         fn unbraid(self, [a, b, c]: [f64x2; 3]) -> [f64x2; 3] {
             [f64x2(a.0, b.1), f64x2(a.1, c.0), f64x2(b.0, c.1)]
+        }
+
+        #[inline(always)]
+        fn transpose(self, [a, b, c, d, e, f, g, h]: [f64x2; 8]) -> [f64x2; 8] {
+            let ([a, b], [c, d]) = (self.zip([a, b]), self.zip([c, d]));
+            let ([e, f], [g, h]) = (self.zip([e, f]), self.zip([g, h]));
+            [a, b, c, d, e, f, g, h]
         }
 
         #[inline(always)]

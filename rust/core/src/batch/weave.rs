@@ -1,6 +1,7 @@
 //! Between rows, as the caller keeps them, and columns, as the kernels take them, one block at a time.
 
 use super::vector::Vector;
+use crate::rover::MAX_WHEELS;
 
 /// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
 pub(crate) const BLOCK: usize = 64;
@@ -13,6 +14,24 @@ pub(crate) struct Column(pub [f64; BLOCK]);
 impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; BLOCK]);
+}
+
+/// Columns of a usual rover, steering and speeds.
+const FEW: usize = 16;
+
+/// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
+/// some hundred rows.
+pub(crate) fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+    if count <= FEW {
+        work(&mut [Column::ZERO; FEW][..count])
+    } else {
+        with_many_columns(count, work)
+    }
+}
+
+#[inline(never)] // for its large frame
+fn with_many_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+    work(&mut [Column::ZERO; 2 * MAX_WHEELS][..count])
 }
 
 /// Registers of rows into one register per column, group by group. A macro, because a closure may be left

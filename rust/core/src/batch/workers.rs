@@ -17,6 +17,9 @@ pub struct Workers {
     pub level: Level,
     /// How many threads at most.
     pub threads: usize,
+    /// Whether a failure may leave the outputs half written, since nobody sees them then. Every row is
+    /// otherwise checked before the first is written.
+    pub fresh: bool,
 }
 
 impl Workers {
@@ -24,6 +27,7 @@ impl Workers {
     pub const PLAIN: Self = Self {
         level: Level::Plain,
         threads: 1,
+        fresh: false,
     };
 
     /// The same without instructions that the machine does not have.
@@ -50,7 +54,9 @@ impl Workers {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
-        logs.div_ceil(self.threads.max(1)).max(1)
+        logs.div_ceil(self.threads.max(1))
+            .max(1)
+            .next_multiple_of(8)
     }
 }
 

@@ -117,7 +117,7 @@ impl Linearised<'_> {
     }
 
     /// What turns a gradient of the normal equations into a twist.
-    pub(crate) fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
+    fn solve(&self, gradient: Vector3<f64>) -> Vector3<f64> {
         let centred = self.solution * self.rover.shifted(&gradient);
         self.rover.unshifted(&centred)
     }
@@ -138,8 +138,13 @@ impl Linearised<'_> {
             (Some(rates), Some(joint)) => rates[joint],
             _ => 0.0,
         };
-        if quantity == Quantity::Steering && wheel.steering().is_none() {
-            return Vector3::zeros();
+        match (quantity, wheel.steering()) {
+            (Quantity::Steering, None) => return Vector3::zeros(),
+            // Both rows turn together and AᵀA stays: what is left of the sum below is that of Aᵀ db.
+            (Quantity::Steering, Some(_)) if wheel.is_centred() && read => {
+                return reading.side_slip * (reading.rolled * self.weight(i));
+            }
+            _ => {}
         }
         let direction = match self.rover.mounts[i] {
             Mount::Steered(..) => Direction {
@@ -193,12 +198,11 @@ impl Linearised<'_> {
         if quantity == Quantity::SideSlip {
             return self.weight(i);
         }
-        match self
-            .rover
-            .banks
-            .iter()
-            .find(|bank| bank.wheels.contains(&i))
-        {
+        if !matches!(self.rover.mounts[i], Mount::Fixed(_)) {
+            return self.weight(i);
+        }
+        let mut banks = self.rover.banks.iter();
+        match banks.find(|bank| bank.wheels.contains(&i)) {
             Some(bank) => {
                 let own = Direction::from(self.rover.wheels()[i].heading);
                 let same_way = (bank.row.y * own.cos - bank.row.x * own.sin).signum();

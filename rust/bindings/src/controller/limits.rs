@@ -1,0 +1,258 @@
+//! `six_wheel.Limits`: what a motion may not exceed, as data.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::Limits as Core;
+
+use crate::convert::{number, raise};
+use crate::wheel::reduce;
+
+/// What a motion may not exceed. A limit left out, None or infinite is none, and reads as infinity.
+///
+/// Linear limits are of the velocity of the body's origin, angular ones of the yaw rate. Speeding up and
+/// slowing down count along the motion: they mean the same forwards and backwards.
+///
+/// Parameters
+/// ----------
+/// speed, yaw_rate : float, optional
+///     Of the body [m/s, rad/s].
+/// acceleration, deceleration : float, optional
+///     Change of the velocity while speeding up and slowing down [m/s^2]. Slowing down is limited as speeding
+///     up is unless told otherwise.
+/// jerk : float, optional
+///     Change of the acceleration [m/s^3].
+/// angular_acceleration, angular_deceleration, angular_jerk : float, optional
+///     The same of the yaw rate [rad/s^2, rad/s^2, rad/s^3].
+/// lateral_acceleration : float, optional
+///     Speed times yaw rate [m/s^2].
+/// wheel_speed, wheel_acceleration : float, optional
+///     Of every wheel [rad/s, rad/s^2].
+/// steering_limit : float, optional
+///     Steering angle to either side [rad], inside the ranges of the rover's wheels.
+/// steering_rate, steering_acceleration : float, optional
+///     Of every steering angle [rad/s, rad/s^2].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a limit is zero, negative or not a number: the rover could not move, or not stop.
+#[pyclass(frozen, module = "six_wheel", from_py_object)]
+#[derive(Clone)]
+pub struct Limits(pub Core);
+
+impl Limits {
+    /// The arguments that make these limits.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let keywords = PyDict::new(py);
+        for (name, value) in self.given() {
+            keywords.set_item(name, value)?;
+        }
+        Ok(keywords)
+    }
+
+    /// The call that makes these limits.
+    pub fn text(&self) -> String {
+        let text = |value: f64| {
+            if value.is_infinite() {
+                "float('inf')".into()
+            } else {
+                format!("{value:?}")
+            }
+        };
+        let given: Vec<String> = self
+            .given()
+            .map(|(name, value)| format!("{name}={}", text(value)))
+            .collect();
+        format!("Limits({})", given.join(", "))
+    }
+
+    /// The limits that are not what leaving them out makes them.
+    fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let core = self.0;
+        let left_out = move |name: &str| match name {
+            "deceleration" => core.acceleration,
+            "angular_deceleration" => core.angular_acceleration,
+            _ => f64::INFINITY,
+        };
+        let pairs = Core::NAMES.into_iter().zip(core.values());
+        pairs.filter(move |(name, value)| *value != left_out(name))
+    }
+}
+
+#[pymethods]
+impl Limits {
+    #[new]
+    #[pyo3(signature = (*, speed=None, yaw_rate=None, acceleration=None, deceleration=None, jerk=None,
+        angular_acceleration=None, angular_deceleration=None, angular_jerk=None, lateral_acceleration=None,
+        wheel_speed=None, wheel_acceleration=None, steering_limit=None, steering_rate=None,
+        steering_acceleration=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn new(
+        speed: Option<&Bound<'_, PyAny>>,
+        yaw_rate: Option<&Bound<'_, PyAny>>,
+        acceleration: Option<&Bound<'_, PyAny>>,
+        deceleration: Option<&Bound<'_, PyAny>>,
+        jerk: Option<&Bound<'_, PyAny>>,
+        angular_acceleration: Option<&Bound<'_, PyAny>>,
+        angular_deceleration: Option<&Bound<'_, PyAny>>,
+        angular_jerk: Option<&Bound<'_, PyAny>>,
+        lateral_acceleration: Option<&Bound<'_, PyAny>>,
+        wheel_speed: Option<&Bound<'_, PyAny>>,
+        wheel_acceleration: Option<&Bound<'_, PyAny>>,
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        steering_rate: Option<&Bound<'_, PyAny>>,
+        steering_acceleration: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let given = [
+            speed,
+            yaw_rate,
+            acceleration,
+            deceleration,
+            jerk,
+            angular_acceleration,
+            angular_deceleration,
+            angular_jerk,
+            lateral_acceleration,
+            wheel_speed,
+            wheel_acceleration,
+            steering_limit,
+            steering_rate,
+            steering_acceleration,
+        ];
+        let mut values = [None; Core::NAMES.len()];
+        for ((value, given), name) in values.iter_mut().zip(given).zip(Core::NAMES) {
+            *value = given.map(|given| number(name, given)).transpose()?;
+        }
+        let core = Core::new(values).map_err(|error| raise(error, &[]))?;
+        Ok(Self(core))
+    }
+
+    /// Speed of the body's origin [m/s].
+    #[getter]
+    fn speed(&self) -> f64 {
+        self.0.speed
+    }
+
+    /// Yaw rate [rad/s].
+    #[getter]
+    fn yaw_rate(&self) -> f64 {
+        self.0.yaw_rate
+    }
+
+    /// Change of the velocity while speeding up [m/s^2].
+    #[getter]
+    fn acceleration(&self) -> f64 {
+        self.0.acceleration
+    }
+
+    /// Change of the velocity while slowing down [m/s^2].
+    #[getter]
+    fn deceleration(&self) -> f64 {
+        self.0.deceleration
+    }
+
+    /// Change of the acceleration [m/s^3].
+    #[getter]
+    fn jerk(&self) -> f64 {
+        self.0.jerk
+    }
+
+    /// Change of the yaw rate while speeding up [rad/s^2].
+    #[getter]
+    fn angular_acceleration(&self) -> f64 {
+        self.0.angular_acceleration
+    }
+
+    /// Change of the yaw rate while slowing down [rad/s^2].
+    #[getter]
+    fn angular_deceleration(&self) -> f64 {
+        self.0.angular_deceleration
+    }
+
+    /// Change of the angular acceleration [rad/s^3].
+    #[getter]
+    fn angular_jerk(&self) -> f64 {
+        self.0.angular_jerk
+    }
+
+    /// Speed times yaw rate [m/s^2].
+    #[getter]
+    fn lateral_acceleration(&self) -> f64 {
+        self.0.lateral_acceleration
+    }
+
+    /// Rotation rate of every wheel [rad/s].
+    #[getter]
+    fn wheel_speed(&self) -> f64 {
+        self.0.wheel_speed
+    }
+
+    /// Change of the rotation rate of every wheel [rad/s^2].
+    #[getter]
+    fn wheel_acceleration(&self) -> f64 {
+        self.0.wheel_acceleration
+    }
+
+    /// Steering angle to either side [rad].
+    #[getter]
+    fn steering_limit(&self) -> f64 {
+        self.0.steering_limit
+    }
+
+    /// Rate of every steering angle [rad/s].
+    #[getter]
+    fn steering_rate(&self) -> f64 {
+        self.0.steering_rate
+    }
+
+    /// Change of the rate of every steering angle [rad/s^2].
+    #[getter]
+    fn steering_acceleration(&self) -> f64 {
+        self.0.steering_acceleration
+    }
+
+    /// Way of the quickest stop straight ahead from a steady speed.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed : float
+    ///     [m/s]
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     At the deceleration and jerk of these limits [m].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the speed is not finite.
+    fn stopping_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let speed = number("speed", speed)?;
+        six_wheel_core::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
+        Ok(self.0.stopping_distance(speed))
+    }
+
+    fn __repr__(&self) -> String {
+        self.text()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().0 == self.0)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut state = DefaultHasher::new();
+        self.0.values().map(f64::to_bits).hash(&mut state);
+        state.finish()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let keywords = slf.get().keywords(slf.py())?;
+        reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
+    }
+}

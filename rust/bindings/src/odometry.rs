@@ -1,0 +1,541 @@
+//! `six_wheel.Odometry`.
+
+mod quick;
+pub mod state;
+pub mod values;
+
+use std::str::FromStr;
+
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use six_wheel_core::Method;
+use six_wheel_core::odometry::{
+    Encoder as CoreEncoder, Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
+};
+
+pub use quick::install;
+
+use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
+use crate::rover::Rover;
+use state::OdometryState;
+use values::{Encoder, Noise};
+
+/// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
+///
+/// A step is exact: the displacement that fits the turns of all wheels best, at the steering angles of its middle, is
+/// held as one arc. Its covariance comes from the analytic derivatives of that fit. The first sample is the reference
+/// from which the next one counts.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     Any vehicle.
+/// noise : Noise, optional
+///     Standard deviations of readings and slip, default ``Noise()``.
+/// readings : {'angles', 'speeds', 'increments'}
+///     What is read of the wheels: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
+///     of its two ends; or what came since the sample before [rad].
+/// wheel_encoders, steering_encoders : Encoder, sequence of Encoder or dict of str to Encoder, optional
+///     For readings in counts: one for all, one each, or by the name of the wheel.
+/// method : {'least_squares', 'middle_wheels', 'robust'}
+///     How the wheels are weighed, as in `Rover.fit`.
+/// inflate : bool
+///     Count what the wheels disagree by beyond the noise as more noise of the step.
+/// slip_threshold : float, optional
+///     Slip of a wheel from which on a sample is flagged [m/s]; by default four standard deviations of the noise.
+/// max_gap : float, optional
+///     Time between samples beyond which a step is flagged [s]. It still is one arc.
+/// max_speed : float, optional
+///     Rim speed beyond which a sample is refused [m/s].
+/// max_steering_rate : float, optional
+///     Steering rate beyond which a sample is refused [rad/s].
+/// smoothing : float
+///     Time constant of the first-order filter of `velocity` [s]; 0: none.
+/// lag : float
+///     How late a pose may come to `correct` [s]; 0: not before the last step.
+/// history : int
+///     Samples that are kept for that at most.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a parameter makes no sense.
+///
+/// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 5.
+#[pyclass(module = "six_wheel")]
+pub struct Odometry {
+    core: Core,
+    rover: Py<Rover>,
+}
+
+/// An encoder for all joints, one per joint, or some by name.
+fn encoders(
+    argument: &str,
+    given: Option<&Bound<'_, PyAny>>,
+    names: &[&str],
+) -> PyResult<Vec<CoreEncoder>> {
+    let Some(given) = given else {
+        return Ok(Vec::new());
+    };
+    let one = |item: &Bound<'_, PyAny>| {
+        item.cast::<Encoder>()
+            .map(|encoder| encoder.get().0)
+            .map_err(|_| {
+                let got = item.get_type().to_string();
+                refuse(
+                    argument,
+                    "be an Encoder, several of them or a dict of them by name",
+                    &got,
+                )
+            })
+    };
+    if let Ok(mapping) = given.cast::<PyMapping>() {
+        let mut all = vec![CoreEncoder::default(); names.len()];
+        for pair in mapping.items()?.iter() {
+            let (name, encoder): (String, Bound<'_, PyAny>) = pair.extract()?;
+            let Some(place) = names.iter().position(|known| *known == name) else {
+                let rule = format!("name some of {}", names.join(", "));
+                return Err(refuse(argument, &rule, &format!("'{name}'")));
+            };
+            all[place] = one(&encoder)?;
+        }
+        return Ok(all);
+    }
+    if given.is_instance_of::<Encoder>() {
+        return Ok(vec![one(given)?]);
+    }
+    let items = given.try_iter().map_err(|_| {
+        one(given)
+            .err()
+            .unwrap_or_else(|| refuse(argument, "be an Encoder", "something else"))
+    })?;
+    let all: Vec<CoreEncoder> = items.map(|item| one(&item?)).collect::<PyResult<_>>()?;
+    if all.len() == names.len() {
+        Ok(all)
+    } else {
+        let rule = format!("be one encoder or {}", names.len());
+        Err(refuse(argument, &rule, &all.len().to_string()))
+    }
+}
+
+/// A number that may be left out.
+fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    value.map(|value| number(argument, value)).transpose()
+}
+
+fn triple(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let rows = Rows::read(argument, value, 3)?;
+    match (rows.is_single(), rows.triples()) {
+        (true, [row]) => Ok(*row),
+        _ => Err(refuse(argument, "have shape (3,)", "more rows than one")),
+    }
+}
+
+/// A covariance: three variances or a matrix.
+fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
+    let mut matrix = [[0.0; 3]; 3];
+    let Some(value) = value else {
+        return Ok(matrix);
+    };
+    let rows = Rows::read("covariance", value, 3)?;
+    match (rows.leading.as_slice(), rows.triples()) {
+        ([], [variances]) => {
+            for i in 0..3 {
+                matrix[i][i] = variances[i];
+            }
+        }
+        ([3], rows) => matrix.copy_from_slice(rows),
+        _ => {
+            let rule = "have shape (3,) or (3, 3)";
+            return Err(refuse("covariance", rule, "another shape"));
+        }
+    }
+    Ok(matrix)
+}
+
+impl Odometry {
+    /// The readings of one joint kind, a single row.
+    fn row<'py>(
+        argument: &str,
+        value: &Bound<'py, PyAny>,
+        width: usize,
+    ) -> PyResult<Option<Rows<'py>>> {
+        if width == 0 && value.is_none() {
+            return Ok(None);
+        }
+        let rows = Rows::read(argument, value, width)?;
+        if rows.is_single() {
+            Ok(Some(rows))
+        } else {
+            Err(refuse(
+                argument,
+                &format!("have shape ({width},)"),
+                "more rows than one",
+            ))
+        }
+    }
+
+    fn joints(&self) -> usize {
+        self.core.rover().steered().len()
+    }
+
+    fn wheels(&self) -> usize {
+        self.core.rover().wheels().len()
+    }
+}
+
+#[pymethods]
+impl Odometry {
+    #[new]
+    #[pyo3(
+        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024),
+        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn new(
+        rover: &Bound<'_, Rover>,
+        noise: Option<&Bound<'_, Noise>>,
+        readings: &str,
+        wheel_encoders: Option<&Bound<'_, PyAny>>,
+        steering_encoders: Option<&Bound<'_, PyAny>>,
+        method: &str,
+        inflate: bool,
+        slip_threshold: Option<&Bound<'_, PyAny>>,
+        max_gap: Option<&Bound<'_, PyAny>>,
+        max_speed: Option<&Bound<'_, PyAny>>,
+        max_steering_rate: Option<&Bound<'_, PyAny>>,
+        smoothing: Option<&Bound<'_, PyAny>>,
+        lag: Option<&Bound<'_, PyAny>>,
+        history: usize,
+    ) -> PyResult<Self> {
+        let core = &rover.get().core;
+        let wheels: Vec<&str> = core
+            .wheels()
+            .iter()
+            .map(|wheel| wheel.name.as_str())
+            .collect();
+        let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
+        let readings = match readings {
+            "angles" => Readings::Angles,
+            "speeds" => Readings::Speeds,
+            "increments" => Readings::Increments,
+            _ => {
+                let rule = "be 'angles', 'speeds' or 'increments'";
+                return Err(refuse("readings", rule, &format!("'{readings}'")));
+            }
+        };
+        let settings = Settings {
+            noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
+            readings,
+            wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
+            steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
+            method: Method::from_str(method).map_err(|error| raise(error, &[]))?,
+            inflate,
+            slip_threshold: optional("slip_threshold", slip_threshold)?,
+            max_gap: optional("max_gap", max_gap)?,
+            max_speed: optional("max_speed", max_speed)?,
+            max_steering_rate: optional("max_steering_rate", max_steering_rate)?,
+            smoothing: optional("smoothing", smoothing)?.unwrap_or(0.0),
+            lag: optional("lag", lag)?.unwrap_or(0.0),
+            history,
+        };
+        Ok(Self {
+            core: Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?,
+            rover: rover.clone().unbind(),
+        })
+    }
+
+    /// Takes in one sample.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (steered wheels,)
+    ///     Steering angles [rad], or counts of their encoders; None for a rover that does not steer.
+    /// wheel_angles : array_like, shape (wheels,)
+    ///     Running totals [rad], or what `readings` and the encoders say; NaN where a passive wheel has no encoder.
+    /// stamp : float
+    ///     When they were read [s].
+    /// yaw : float, optional
+    ///     Absolute yaw from a sensor with a zero of its own [rad]; the first one tells where that is.
+    /// yaw_rate : float, optional
+    ///     Yaw rate of a gyroscope [rad/s], of which a step takes the mean of its two ends.
+    ///
+    /// Returns
+    /// -------
+    /// OdometryState
+    ///     `pose`, `twist`, `covariance`, `residual` and more.
+    ///
+    /// Raises
+    /// ------
+    /// UnderdeterminedError
+    ///     If the wheels do not determine the motion.
+    /// ValueError
+    ///     If a reading is not finite, the stamp not later than the last one, a limit exceeded or a shape wrong. The
+    ///     state is as before.
+    #[pyo3(signature = (steering, wheel_angles, stamp, *, yaw=None, yaw_rate=None))]
+    fn update(
+        &mut self,
+        py: Python<'_>,
+        steering: &Bound<'_, PyAny>,
+        wheel_angles: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        yaw: Option<&Bound<'_, PyAny>>,
+        yaw_rate: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<OdometryState> {
+        let steering = Self::row("steering", steering, self.joints())?;
+        let wheels = Self::row("wheel_angles", wheel_angles, self.wheels())?;
+        let sample = Sample {
+            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
+            wheels: wheels.as_ref().map_or(&[], Rows::flat),
+            stamp: number("stamp", stamp)?,
+            yaw: optional("yaw", yaw)?,
+            yaw_rate: optional("yaw_rate", yaw_rate)?,
+        };
+        self.core
+            .update(sample)
+            .map_err(|error| raise(error, &[]))?;
+        Ok(self.state(py))
+    }
+
+    /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (n, steered wheels)
+    ///     As in `update`; None for a rover that does not steer.
+    /// wheel_angles : array_like, shape (n, wheels)
+    ///     As in `update`.
+    /// stamps : array_like, shape (n,)
+    ///     When they were read [s].
+    /// yaw, yaw_rate : array_like, shape (n,), optional
+    ///     As in `update`; NaN in rows without.
+    /// errors : {'flag', 'raise'}
+    ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
+    /// covariances, residuals : bool
+    ///     Whether to compute these; what is not is None.
+    ///
+    /// Returns
+    /// -------
+    /// Track
+    ///     `poses`, `twists`, `covariances`, `residuals`, `weights` (of the robust method) and `health`, one row per
+    ///     sample.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
+    #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        wheel_angles: &Bound<'py, PyAny>,
+        stamps: &Bound<'py, PyAny>,
+        yaw: Option<&Bound<'py, PyAny>>,
+        yaw_rate: Option<&Bound<'py, PyAny>>,
+        errors: &str,
+        covariances: bool,
+        residuals: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let strict = match errors {
+            "raise" => true,
+            "flag" => false,
+            _ => {
+                return Err(refuse(
+                    "errors",
+                    "be 'flag' or 'raise'",
+                    &format!("'{errors}'"),
+                ));
+            }
+        };
+        let (count, joints) = (self.wheels(), self.joints());
+        let wheels = Rows::read_table("wheel_angles", wheel_angles, count)?;
+        let leading = wheels.leading.as_slice();
+        let steering = if steering.is_none() && joints == 0 {
+            None
+        } else {
+            Rows::read_beside("steering", Some(steering), joints, leading)?
+        };
+        let column = |argument, value: &Bound<'py, PyAny>| {
+            let column = Scalars::read(argument, value)?;
+            column.fit_exactly(argument, leading).map(|()| column)
+        };
+        let stamps = column("stamps", stamps)?;
+        let yaws = yaw.map(|yaw| column("yaw", yaw)).transpose()?;
+        let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
+        let recording = Recording {
+            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
+            wheels: wheels.flat(),
+            stamps: stamps.flat(),
+            yaws: yaws.as_ref().map(Scalars::flat),
+            yaw_rates: rates.as_ref().map(Scalars::flat),
+        };
+        let rows = wheels.count();
+        let output = |shape: &[usize]| Output::new(py, "out", None, shape, &[]);
+        let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
+        let is_robust = self.core.settings().method == Method::Robust;
+        let (mut poses, mut twists) = (output(&[rows, 3])?, output(&[rows, 3])?);
+        let mut covariances = wanted(covariances, &[rows, 3, 3])?;
+        let mut residuals = wanted(residuals, &[rows, count])?;
+        let mut weights = wanted(is_robust, &[rows, count])?;
+        let health = PyArray1::<u32>::zeros(py, rows, false);
+        let mut flags = health.readwrite();
+        let track = TrackRows {
+            poses: poses.triples(),
+            twists: twists.triples(),
+            covariances: covariances.as_mut().map(|out| out.flat().as_chunks_mut().0),
+            residuals: residuals.as_mut().map(Output::flat),
+            weights: weights.as_mut().map(Output::flat),
+            health: flags.as_slice_mut()?,
+        };
+        let core = &mut self.core;
+        compute(py, rows, || core.run(recording, strict, track))
+            .map_err(|error| raise(error, leading))?;
+        drop(flags);
+        let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> {
+            out.map(Output::finish).transpose()
+        };
+        let keywords = PyDict::new(py);
+        keywords.set_item("rover", &self.rover)?;
+        keywords.set_item("stamps", PyArray1::from_slice(py, stamps.flat()))?;
+        keywords.set_item("poses", poses.finish()?)?;
+        keywords.set_item("twists", twists.finish()?)?;
+        keywords.set_item("covariances", finish(covariances)?)?;
+        keywords.set_item("residuals", finish(residuals)?)?;
+        keywords.set_item("weights", finish(weights)?)?;
+        keywords.set_item("health", health)?;
+        py.import(intern!(py, "six_wheel.odometry"))?
+            .getattr(intern!(py, "Track"))?
+            .call((), Some(&keywords))
+    }
+
+    /// Open loop, for a rover without readings: it is taken to have held a commanded twist since the last stamp.
+    ///
+    /// The next sample of `update` is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (3,)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// stamp : float
+    ///     Until when it was held [s]. The first stamp is the reference.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If the rover cannot make the twist.
+    /// ValueError
+    ///     If a value is not finite or the stamp not later than the last one.
+    fn command(
+        &mut self,
+        py: Python<'_>,
+        twist: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+    ) -> PyResult<OdometryState> {
+        let (twist, stamp) = (triple("twist", twist)?, number("stamp", stamp)?);
+        self.core
+            .command(twist.into(), stamp)
+            .map_err(|error| raise(error, &[]))?;
+        Ok(self.state(py))
+    }
+
+    /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad].
+    /// stamp : float
+    ///     When the rover was there [s], not before the last `lag` seconds.
+    /// covariance : array_like, shape (3,) or (3, 3)
+    ///     Variances of x, y and yaw, or their covariance, in world axes. An infinite variance says nothing of that
+    ///     direction; zeros take the pose at its word.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
+    fn correct(
+        &mut self,
+        py: Python<'_>,
+        pose: &Bound<'_, PyAny>,
+        stamp: &Bound<'_, PyAny>,
+        covariance: &Bound<'_, PyAny>,
+    ) -> PyResult<OdometryState> {
+        let (pose, stamp) = (triple("pose", pose)?, number("stamp", stamp)?);
+        let matrix = self::covariance(Some(covariance))?;
+        self.core
+            .correct(pose.into(), stamp, matrix)
+            .map_err(|error| raise(error, &[]))?;
+        Ok(self.state(py))
+    }
+
+    /// Goes on from this pose; the readings count on from the last sample.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad].
+    /// covariance : array_like, shape (3,) or (3, 3), optional
+    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    #[pyo3(signature = (pose, covariance=None))]
+    fn set_pose(
+        &mut self,
+        pose: &Bound<'_, PyAny>,
+        covariance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let (pose, matrix) = (triple("pose", pose)?, self::covariance(covariance)?);
+        self.core
+            .set_pose(pose.into(), matrix)
+            .map_err(|error| raise(error, &[]))
+    }
+
+    /// Starts over: the next sample is a first one.
+    ///
+    /// Parameters
+    /// ----------
+    /// pose : array_like, shape (3,)
+    ///     ``[x, y, yaw]`` in the world [m, m, rad], default the origin.
+    /// covariance : array_like, shape (3,) or (3, 3), optional
+    ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
+    #[pyo3(signature = (pose=None, covariance=None), text_signature = "($self, pose=(0.0, 0.0, 0.0), covariance=None)")]
+    fn reset(
+        &mut self,
+        pose: Option<&Bound<'_, PyAny>>,
+        covariance: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let pose = pose.map_or(Ok([0.0; 3]), |pose| triple("pose", pose))?;
+        let matrix = self::covariance(covariance)?;
+        self.core
+            .set_pose(pose.into(), matrix)
+            .map_err(|error| raise(error, &[]))?;
+        self.core.forget();
+        Ok(())
+    }
+
+    /// Where the rover is after the last sample.
+    #[getter]
+    fn state(&self, py: Python<'_>) -> OdometryState {
+        OdometryState::of(&self.core, self.rover.clone_ref(py))
+    }
+
+    /// The rover.
+    #[getter]
+    fn rover(&self, py: Python<'_>) -> Py<Rover> {
+        self.rover.clone_ref(py)
+    }
+
+    /// Standard deviations of readings and slip.
+    #[getter]
+    fn noise(&self) -> Noise {
+        Noise(self.core.settings().noise)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let state = Py::new(py, self.state(py))?;
+        Ok(format!("Odometry({})", state.bind(py).repr()?))
+    }
+}

@@ -1,0 +1,62 @@
+//! The quick way of `Odometry.update`: one sample in tuples, lists or arrays.
+
+use pyo3::prelude::*;
+use six_wheel_core::odometry::Sample;
+
+use super::Odometry;
+use crate::fast::{self, Method, Numbers, Object, Quick, float};
+
+/// Puts the quick way before the method of the class.
+pub fn install(py: Python<'_>) -> PyResult<()> {
+    fast::install::<5, Update>(py)
+}
+
+struct Update;
+
+impl Quick<5> for Update {
+    type Class = Odometry;
+
+    fn method() -> &'static Method<5> {
+        static METHOD: Method<5> = Method::new(
+            c"update",
+            [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"],
+            3,
+        );
+        &METHOD
+    }
+
+    #[inline(always)]
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Odometry>,
+        [steering, wheels, stamp, yaw, yaw_rate]: [Option<Object<'_, 'py>>; 5],
+    ) -> Option<Bound<'py, PyAny>> {
+        let py = this.py();
+        let mut this = this.try_borrow_mut().ok()?;
+        let (joints, count) = (this.joints(), this.wheels());
+        let mut rooms = [Numbers::new(), Numbers::new()];
+        let [room, other] = &mut rooms;
+        let optional = |number: Option<Object<'_, 'py>>| match number {
+            None => Some(None),
+            Some(number) => float(number).map(Some),
+        };
+        // SAFETY: nothing is written to arrays, and no Python code runs before the sample has been taken in.
+        let sample = unsafe {
+            Sample {
+                steering: match steering {
+                    Some(steering) => room.read(steering, joints)?,
+                    None if joints == 0 => &[],
+                    None => return None,
+                },
+                wheels: other.read(wheels?, count)?,
+                stamp: float(stamp?)?,
+                yaw: optional(yaw)?,
+                yaw_rate: optional(yaw_rate)?,
+            }
+        };
+        // What is refused here is refused again by the general way, which says why.
+        this.core.update(sample).ok()?;
+        let state = this.state(py);
+        drop(this);
+        Bound::new(py, state).ok().map(Bound::into_any)
+    }
+}

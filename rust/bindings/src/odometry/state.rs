@@ -1,0 +1,197 @@
+//! `six_wheel.OdometryState`.
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+use six_wheel_core::Method;
+use six_wheel_core::odometry::Odometry;
+
+use crate::rover::Rover;
+
+/// Where the rover is after a sample, and how far that may be off.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct OdometryState {
+    stamp: Option<f64>,
+    pose: [f64; 3],
+    twist: [f64; 3],
+    velocity: [f64; 3],
+    covariance: [[f64; 3]; 3],
+    twist_covariance: [[f64; 3]; 3],
+    residual: Box<[f64]>,
+    /// None where all count alike.
+    weights: Option<Box<[f64]>>,
+    health: u32,
+    rover: Py<Rover>,
+}
+
+impl OdometryState {
+    pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
+        let alike = odometry.settings().method == Method::LeastSquares;
+        Self {
+            stamp: odometry.stamp(),
+            pose: odometry.pose().into(),
+            twist: odometry.twist().into(),
+            velocity: odometry.velocity().into(),
+            covariance: odometry.covariance(),
+            twist_covariance: odometry.twist_covariance(),
+            residual: odometry.residual().into(),
+            weights: (!alike).then(|| odometry.weights().into()),
+            health: odometry.health().0,
+            rover,
+        }
+    }
+}
+
+/// A covariance of x, y and yaw in ROS order: x, y, z, roll, pitch, yaw.
+fn spatial<'py>(
+    py: Python<'py>,
+    planar: &[[f64; 3]; 3],
+    unmeasured: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    const PLACES: [usize; 3] = [0, 1, 5];
+    let mut matrix = [[0.0; 6]; 6];
+    for (i, row) in planar.iter().enumerate() {
+        for (k, value) in row.iter().enumerate() {
+            matrix[PLACES[i]][PLACES[k]] = *value;
+        }
+    }
+    for i in 2..5 {
+        matrix[i][i] = unmeasured;
+    }
+    PyArray1::from_slice(py, matrix.as_flattened()).reshape([6, 6])
+}
+
+fn square<'py>(py: Python<'py>, matrix: &[[f64; 3]; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_slice(py, matrix.as_flattened()).reshape([3, 3])
+}
+
+#[pymethods]
+impl OdometryState {
+    /// When the sample was taken [s]; None before the first one.
+    #[getter]
+    fn stamp(&self) -> Option<f64> {
+        self.stamp
+    }
+
+    /// ``[x, y, yaw]`` in the world, the yaw with its full turns, shape (3,) [m, m, rad].
+    #[getter]
+    fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.pose)
+    }
+
+    /// The yaw, with its full turns [rad].
+    #[getter]
+    fn yaw(&self) -> f64 {
+        self.pose[2]
+    }
+
+    /// Mean ``[vx, vy, omega]`` over the last step in body axes, shape (3,) [m/s, m/s, rad/s].
+    #[getter]
+    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.twist)
+    }
+
+    /// The twist through a first-order filter of time constant `smoothing`, shape (3,) [m/s, m/s, rad/s].
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.velocity)
+    }
+
+    /// Covariance of the pose in world axes, shape (3, 3) [m², m rad, rad²].
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        square(py, &self.covariance)
+    }
+
+    /// Covariance of the twist in body axes, shape (3, 3).
+    #[getter]
+    fn twist_covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        square(py, &self.twist_covariance)
+    }
+
+    /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.residual)
+    }
+
+    /// Say of each wheel over the last step, shape (wheels,), 0 to 1.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        match &self.weights {
+            Some(weights) => PyArray1::from_slice(py, weights),
+            None => PyArray1::from_vec(py, vec![1.0; self.residual.len()]),
+        }
+    }
+
+    /// Name of the wheel that disagrees most; None if none does.
+    #[getter]
+    fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
+        let residuals = self.residual.iter().enumerate();
+        let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
+        let name = &self.rover.get().core.wheels()[worst].name;
+        (*residual > 0.0).then(|| PyString::new(py, name))
+    }
+
+    /// Flags of the sample, a `Health`.
+    #[getter]
+    fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("six_wheel.odometry")?
+            .getattr("Health")?
+            .call1((self.health,))
+    }
+
+    /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).
+    ///
+    /// Parameters
+    /// ----------
+    /// unmeasured : float
+    ///     Variance of z [m²], roll and pitch [rad²], of which wheels on a plane say nothing.
+    #[pyo3(signature = (unmeasured=1e6))]
+    fn covariance_6x6<'py>(
+        &self,
+        py: Python<'py>,
+        unmeasured: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        spatial(py, &self.covariance, unmeasured)
+    }
+
+    /// `twist_covariance` in the order of ROS messages, shape (6, 6).
+    ///
+    /// Parameters
+    /// ----------
+    /// unmeasured : float
+    ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²].
+    #[pyo3(signature = (unmeasured=1e6))]
+    fn twist_covariance_6x6<'py>(
+        &self,
+        py: Python<'py>,
+        unmeasured: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        spatial(py, &self.twist_covariance, unmeasured)
+    }
+
+    fn __repr__(&self) -> String {
+        let deviations: Vec<f64> = (0..3).map(|i| self.covariance[i][i].sqrt()).collect();
+        let [x, y, yaw] = self.pose;
+        format!(
+            "OdometryState(x={x:.4} ± {} m, y={y:.4} ± {} m, yaw={yaw:.4} ± {} rad)",
+            Short(deviations[0]),
+            Short(deviations[1]),
+            Short(deviations[2])
+        )
+    }
+}
+
+/// A number to two digits.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0 == 0.0 || !self.0.is_finite() {
+            return write!(f, "{}", self.0);
+        }
+        let digits = (1.0 - self.0.abs().log10().floor()).max(0.0) as usize;
+        write!(f, "{:.*}", digits, self.0)
+    }
+}

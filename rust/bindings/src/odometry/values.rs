@@ -1,0 +1,299 @@
+//! `six_wheel.Noise` and `six_wheel.Encoder`.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
+
+use crate::convert::{number, raise};
+use crate::wheel::reduce;
+
+/// How far readings and wheels may err: standard deviations.
+///
+/// Errors of different wheels and of different readings are independent. `speed`, `steering` and `yaw_rate` are
+/// those of one reading, as a data sheet or a quick test gives them; what they add up to over a second depends on how
+/// often one reads, unless `period` says for how long an error stays the same. `slip` and `side_slip` grow with the
+/// root of the distance, at any rate.
+///
+/// Parameters
+/// ----------
+/// speed : float
+///     Of every wheel's rim speed over one step [m/s].
+/// steering : float
+///     Of every steering angle [rad].
+/// slip : float
+///     Of the distance a wheel slips along its heading while its pivot travels one metre [m].
+/// side_slip : float
+///     The same across its heading [m].
+/// yaw : float
+///     Of an absolute yaw reading [rad]; 0 takes it at its word.
+/// yaw_rate : float
+///     Of a gyroscope's reading [rad/s]; 0 takes it at its word.
+/// period : float, optional
+///     Time over which an error of `speed`, `steering` and `yaw_rate` stays the same [s]: readings that come more
+///     often share it. Without it every reading errs on its own.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is negative or not finite.
+#[pyclass(frozen, module = "six_wheel", from_py_object)]
+#[derive(Clone, Copy)]
+pub struct Noise(pub CoreNoise);
+
+impl Noise {
+    fn numbers(&self) -> [(&'static str, f64); 6] {
+        let noise = &self.0;
+        [
+            ("speed", noise.speed),
+            ("steering", noise.steering),
+            ("slip", noise.slip),
+            ("side_slip", noise.side_slip),
+            ("yaw", noise.yaw),
+            ("yaw_rate", noise.yaw_rate),
+        ]
+    }
+}
+
+#[pymethods]
+impl Noise {
+    #[new]
+    #[pyo3(
+        signature = (speed=None, steering=None, *, slip=None, side_slip=None, yaw=None, yaw_rate=None, period=None),
+        text_signature = "(speed=0.01, steering=0.009, *, slip=0.0, side_slip=0.0, yaw=0.0, yaw_rate=0.0, period=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn new(
+        speed: Option<&Bound<'_, PyAny>>,
+        steering: Option<&Bound<'_, PyAny>>,
+        slip: Option<&Bound<'_, PyAny>>,
+        side_slip: Option<&Bound<'_, PyAny>>,
+        yaw: Option<&Bound<'_, PyAny>>,
+        yaw_rate: Option<&Bound<'_, PyAny>>,
+        period: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut noise = CoreNoise::default();
+        let given = [
+            ("speed", speed, &mut noise.speed),
+            ("steering", steering, &mut noise.steering),
+            ("slip", slip, &mut noise.slip),
+            ("side_slip", side_slip, &mut noise.side_slip),
+            ("yaw", yaw, &mut noise.yaw),
+            ("yaw_rate", yaw_rate, &mut noise.yaw_rate),
+        ];
+        for (argument, value, target) in given {
+            if let Some(value) = value {
+                *target = number(argument, value)?;
+            }
+        }
+        noise.period = period.map(|period| number("period", period)).transpose()?;
+        noise.check().map_err(|error| raise(error, &[]))?;
+        Ok(Self(noise))
+    }
+
+    /// Of every wheel's rim speed over one step [m/s].
+    #[getter]
+    fn speed(&self) -> f64 {
+        self.0.speed
+    }
+
+    /// Of every steering angle [rad].
+    #[getter]
+    fn steering(&self) -> f64 {
+        self.0.steering
+    }
+
+    /// Of the distance a wheel slips along its heading over one metre [m].
+    #[getter]
+    fn slip(&self) -> f64 {
+        self.0.slip
+    }
+
+    /// The same across its heading [m].
+    #[getter]
+    fn side_slip(&self) -> f64 {
+        self.0.side_slip
+    }
+
+    /// Of an absolute yaw reading [rad].
+    #[getter]
+    fn yaw(&self) -> f64 {
+        self.0.yaw
+    }
+
+    /// Of a gyroscope's reading [rad/s].
+    #[getter]
+    fn yaw_rate(&self) -> f64 {
+        self.0.yaw_rate
+    }
+
+    /// Time over which an error of a reading stays the same [s].
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.0.period
+    }
+
+    fn __repr__(&self) -> String {
+        let [speed, steering, rest @ ..] = self.numbers();
+        let mut text = format!("Noise(speed={:?}, steering={:?}", speed.1, steering.1);
+        for (argument, value) in rest.iter().filter(|(_, value)| *value != 0.0) {
+            text += &format!(", {argument}={value:?}");
+        }
+        if let Some(period) = self.0.period {
+            text += &format!(", period={period:?}");
+        }
+        text + ")"
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().0 == self.0)
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.numbers()
+            .into_iter()
+            .chain([("period", self.0.period.unwrap_or(-1.0))])
+            .fold(0, |hash: u64, (_, value)| {
+                hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
+            })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let keywords = PyDict::new(slf.py());
+        for (argument, value) in slf.get().numbers() {
+            keywords.set_item(argument, value)?;
+        }
+        keywords.set_item("period", slf.get().0.period)?;
+        reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
+    }
+}
+
+/// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
+///
+/// Parameters
+/// ----------
+/// resolution : float, optional
+///     Counts per turn of the shaft it sits on. Without it the reading is in radians (or radians per second).
+/// gear : float
+///     Turns of that shaft per turn of the wheel or steering joint; negative if it runs the other way round.
+/// modulus : float, optional
+///     Counts after which the counter starts over: ``2**16``, ``2**32``, or `resolution` for an absolute encoder.
+///     Between two samples a counter is taken to have gone the shorter way.
+/// offset : float
+///     Angle of a steering joint where the counter is zero [rad].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is not finite, resolution or modulus not positive, or the gear 0.
+#[pyclass(frozen, module = "six_wheel", from_py_object)]
+#[derive(Clone, Copy)]
+pub struct Encoder(pub CoreEncoder);
+
+#[pymethods]
+impl Encoder {
+    #[new]
+    #[pyo3(
+        signature = (resolution=None, *, gear=None, modulus=None, offset=None),
+        text_signature = "(resolution=None, *, gear=1.0, modulus=None, offset=0.0)"
+    )]
+    fn new(
+        resolution: Option<&Bound<'_, PyAny>>,
+        gear: Option<&Bound<'_, PyAny>>,
+        modulus: Option<&Bound<'_, PyAny>>,
+        offset: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let optional = |argument, value: Option<&Bound<'_, PyAny>>| {
+            value.map(|value| number(argument, value)).transpose()
+        };
+        let encoder = CoreEncoder {
+            resolution: optional("resolution", resolution)?,
+            gear: optional("gear", gear)?.unwrap_or(1.0),
+            modulus: optional("modulus", modulus)?,
+            offset: optional("offset", offset)?.unwrap_or(0.0),
+        };
+        encoder.check().map_err(|error| raise(error, &[]))?;
+        Ok(Self(encoder))
+    }
+
+    /// Counts per turn of the shaft it sits on; None if it reads radians.
+    #[getter]
+    fn resolution(&self) -> Option<f64> {
+        self.0.resolution
+    }
+
+    /// Turns of that shaft per turn of the joint.
+    #[getter]
+    fn gear(&self) -> f64 {
+        self.0.gear
+    }
+
+    /// Counts after which the counter starts over; None if it never does.
+    #[getter]
+    fn modulus(&self) -> Option<f64> {
+        self.0.modulus
+    }
+
+    /// Angle of the joint where the counter is zero [rad].
+    #[getter]
+    fn offset(&self) -> f64 {
+        self.0.offset
+    }
+
+    /// Angle of the joint per count [rad].
+    #[getter]
+    fn angle_per_count(&self) -> f64 {
+        self.0.angle_per_count()
+    }
+
+    fn __repr__(&self) -> String {
+        let optional =
+            |value: Option<f64>| value.map_or("None".into(), |value| format!("{value:?}"));
+        let CoreEncoder {
+            resolution,
+            gear,
+            modulus,
+            offset,
+        } = self.0;
+        format!(
+            "Encoder(resolution={}, gear={gear:?}, modulus={}, offset={offset:?})",
+            optional(resolution),
+            optional(modulus)
+        )
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().0 == self.0)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let CoreEncoder {
+            resolution,
+            gear,
+            modulus,
+            offset,
+        } = self.0;
+        let numbers = [
+            resolution.unwrap_or(0.0),
+            gear,
+            modulus.unwrap_or(0.0),
+            offset,
+        ];
+        numbers.iter().fold(0, |hash: u64, value| {
+            hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
+        })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, encoder) = (slf.py(), slf.get().0);
+        let keywords = PyDict::new(py);
+        keywords.set_item("gear", encoder.gear)?;
+        keywords.set_item("modulus", encoder.modulus)?;
+        keywords.set_item("offset", encoder.offset)?;
+        let arguments = (encoder.resolution,).into_pyobject(py)?;
+        reduce(slf.as_any(), &arguments, &keywords)
+    }
+}

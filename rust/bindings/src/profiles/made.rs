@@ -1,0 +1,47 @@
+//! How a profile or transition was made: that is what it prints, compares and pickles.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+/// A function of `six_wheel.profiles` and what it was called with.
+pub struct Made {
+    pub maker: &'static str,
+    pub arguments: Py<PyTuple>,
+    /// The keywords that are not the default ones.
+    pub keywords: Py<PyDict>,
+}
+
+/// A class or function of `six_wheel.profiles`.
+pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("six_wheel.profiles")?.getattr(name)
+}
+
+impl Made {
+    /// The call, to be pasted back.
+    pub fn repr(&self, py: Python<'_>) -> PyResult<String> {
+        let mut arguments = Vec::new();
+        for argument in self.arguments.bind(py).iter() {
+            arguments.push(argument.repr()?.to_string());
+        }
+        for (keyword, value) in self.keywords.bind(py).iter() {
+            arguments.push(format!("{keyword}={}", value.repr()?));
+        }
+        Ok(format!("profiles.{}({})", self.maker, arguments.join(", ")))
+    }
+
+    pub fn equals(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        Ok(self.maker == other.maker
+            && self.arguments.bind(py).eq(other.arguments.bind(py))?
+            && self.keywords.bind(py).eq(other.keywords.bind(py))?)
+    }
+
+    pub fn hash(&self, py: Python<'_>) -> PyResult<isize> {
+        self.arguments.bind(py).hash()
+    }
+
+    /// What pickle needs to make it again.
+    pub fn reduce<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let call = (self.maker, &self.arguments, &self.keywords);
+        (class(py, "_remake")?, call).into_pyobject(py)
+    }
+}

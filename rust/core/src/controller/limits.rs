@@ -1,0 +1,226 @@
+//! What the motion may not exceed: of the body, of the wheels, of the steering.
+
+use crate::error::{Error, number};
+
+/// Number of limits.
+pub const COUNT: usize = 14;
+
+/// Limits of a motion. Infinite where there is none.
+///
+/// Linear ones concern the velocity of the body's origin, angular ones the yaw rate. Speeding up and slowing
+/// down count along the motion, so that both are the same forwards and backwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Speed of the body's origin [m/s].
+    pub speed: f64,
+    /// Yaw rate [rad/s].
+    pub yaw_rate: f64,
+    /// Change of velocity while speeding up [m/s²].
+    pub acceleration: f64,
+    /// Change of velocity while slowing down [m/s²].
+    pub deceleration: f64,
+    /// Change of the acceleration [m/s³].
+    pub jerk: f64,
+    /// Change of the yaw rate while speeding up [rad/s²].
+    pub angular_acceleration: f64,
+    /// Change of the yaw rate while slowing down [rad/s²].
+    pub angular_deceleration: f64,
+    /// Change of the angular acceleration [rad/s³].
+    pub angular_jerk: f64,
+    /// Speed times yaw rate [m/s²].
+    pub lateral_acceleration: f64,
+    /// Rotation rate of every wheel [rad/s].
+    pub wheel_speed: f64,
+    /// Change of the rotation rate of every wheel [rad/s²].
+    pub wheel_acceleration: f64,
+    /// Steering angle to either side [rad].
+    pub steering_limit: f64,
+    /// Rate of every steering angle [rad/s].
+    pub steering_rate: f64,
+    /// Change of the rate of every steering angle [rad/s²].
+    pub steering_acceleration: f64,
+}
+
+impl Default for Limits {
+    /// No limit at all.
+    fn default() -> Self {
+        Self::of_values([f64::INFINITY; COUNT])
+    }
+}
+
+impl Limits {
+    /// Names, in the order of [`Self::values`].
+    pub const NAMES: [&'static str; COUNT] = [
+        "speed",
+        "yaw_rate",
+        "acceleration",
+        "deceleration",
+        "jerk",
+        "angular_acceleration",
+        "angular_deceleration",
+        "angular_jerk",
+        "lateral_acceleration",
+        "wheel_speed",
+        "wheel_acceleration",
+        "steering_limit",
+        "steering_rate",
+        "steering_acceleration",
+    ];
+
+    /// All limits, in the order of [`Self::NAMES`].
+    pub fn values(&self) -> [f64; COUNT] {
+        [
+            self.speed,
+            self.yaw_rate,
+            self.acceleration,
+            self.deceleration,
+            self.jerk,
+            self.angular_acceleration,
+            self.angular_deceleration,
+            self.angular_jerk,
+            self.lateral_acceleration,
+            self.wheel_speed,
+            self.wheel_acceleration,
+            self.steering_limit,
+            self.steering_rate,
+            self.steering_acceleration,
+        ]
+    }
+
+    fn of_values(values: [f64; COUNT]) -> Self {
+        let [
+            speed,
+            yaw_rate,
+            acceleration,
+            deceleration,
+            jerk,
+            angular_acceleration,
+            angular_deceleration,
+            angular_jerk,
+            lateral_acceleration,
+            wheel_speed,
+            wheel_acceleration,
+            steering_limit,
+            steering_rate,
+            steering_acceleration,
+        ] = values;
+        Self {
+            speed,
+            yaw_rate,
+            acceleration,
+            deceleration,
+            jerk,
+            angular_acceleration,
+            angular_deceleration,
+            angular_jerk,
+            lateral_acceleration,
+            wheel_speed,
+            wheel_acceleration,
+            steering_limit,
+            steering_rate,
+            steering_acceleration,
+        }
+    }
+
+    /// Limits from values in the order of [`Self::NAMES`]; what is not given is unlimited, but slowing down
+    /// is limited as speeding up is. Fails unless every one is positive; infinite is unlimited.
+    pub fn new(given: [Option<f64>; COUNT]) -> Result<Self, Error> {
+        for (&name, value) in Self::NAMES.iter().zip(given) {
+            let Some(value) = value else { continue };
+            if value > 0.0 {
+                continue;
+            }
+            let still = name.ends_with("deceleration") && value == 0.0;
+            let top = [("speed", given[0]), ("yaw_rate", given[1])];
+            let moving = top.iter().find_map(|(top, v)| Some((top, (*v)?)));
+            let rule = match moving.filter(|_| still) {
+                Some((top, value)) => {
+                    let value = number(value);
+                    format!("be positive: with {top}={value} the rover would never stop again")
+                }
+                None => "be positive (leave it out for no limit)".into(),
+            };
+            return Err(Error::value(name, rule, number(value)));
+        }
+        let mut values = given.map(|value| value.unwrap_or(f64::INFINITY));
+        for (slower, faster) in [(3, 2), (6, 5)] {
+            values[slower] = given[slower].unwrap_or(values[faster]);
+        }
+        Ok(Self::of_values(values))
+    }
+
+    /// Way [m] of a stop straight ahead from a steady speed [m/s], at the deceleration and jerk allowed.
+    pub fn stopping_distance(&self, speed: f64) -> f64 {
+        stop(speed.abs(), 0.0, self.deceleration, self.jerk)
+    }
+}
+
+/// Way of the quickest stop from a speed that changes at `rate`, while that is limited to `deceleration` and
+/// changes by `jerk` at most.
+pub fn stop(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
+    if speed == 0.0 || jerk.is_infinite() {
+        return speed * speed / (2.0 * deceleration);
+    }
+    // Until the rate is zero, and from the peak of the speed there: the same as from an earlier start at
+    // rate 0, for a rate that falls already.
+    let turn = rate.abs() / jerk;
+    let gained = turn * rate / 2.0;
+    let peak = speed + gained.abs();
+    let way = gained.abs().mul_add(2.0 / 3.0, speed) * turn;
+    // The deceleration rises and falls symmetrically about half the speed.
+    let time = if peak * jerk <= deceleration * deceleration {
+        2.0 * (peak / jerk).sqrt()
+    } else {
+        peak / deceleration + deceleration / jerk
+    };
+    let after = peak * time / 2.0;
+    if rate > 0.0 {
+        way + after
+    } else {
+        // From `peak` to `speed` the way covered already is this much.
+        let before = peak * turn - jerk * turn.powi(3) / 6.0;
+        (after - before).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The quickest stop in small steps.
+    fn simulated(speed: f64, rate: f64, deceleration: f64, jerk: f64) -> f64 {
+        let (mut v, mut a, mut way) = (speed, rate, 0.0);
+        let dt = 1e-5;
+        while v > 0.0 {
+            // Ease off once what is left is what easing off takes.
+            let ease = a < 0.0 && v <= a * a / (2.0 * jerk);
+            a = if ease {
+                (a + jerk * dt).min(-1e-4)
+            } else {
+                (a - jerk * dt).max(-deceleration)
+            };
+            way += v * dt;
+            v += a * dt;
+        }
+        way
+    }
+
+    #[test]
+    fn the_way_of_a_stop_is_that_of_its_integral() {
+        for (speed, rate, deceleration, jerk) in [
+            (1.0, 0.0, 0.5, 2.0),
+            (0.05, 0.0, 0.5, 2.0),
+            (1.0, 0.4, 0.5, 2.0),
+            (1.0, -0.4, 0.5, 2.0),
+            (0.2, -0.5, 0.5, 2.0),
+            (2.0, 1.0, 3.0, 0.7),
+        ] {
+            let (way, expected) = (
+                stop(speed, rate, deceleration, jerk),
+                simulated(speed, rate, deceleration, jerk),
+            );
+            // The steps: about v dt and the tail of the easing.
+            assert!((way - expected).abs() < 2e-3 * expected, "{way} {expected}");
+        }
+    }
+}

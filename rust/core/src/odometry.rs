@@ -1,0 +1,452 @@
+//! Dead reckoning that knows its error: where the wheels say the rover is, and how far that may be off.
+//!
+//! [`Odometry`] is one visible struct of state, stepped by one method. A step is exact: the displacement that fits
+//! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
+//! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
+
+pub mod encoder;
+pub mod health;
+mod history;
+pub mod noise;
+pub mod settings;
+mod spread;
+mod state;
+mod step;
+mod tolerant;
+mod uncertainty;
+
+pub use encoder::Encoder;
+pub use health::Health;
+pub use noise::Noise;
+pub use settings::{Readings, Settings};
+
+use crate::error::{Error, number, numbers};
+use crate::geometry::{Pose, Twist, Walk};
+use crate::rover::{Inputs, Rover};
+use history::History;
+use state::{State, advance, check_covariance, meet_yaw};
+use step::{Motion, Workspace, shared_readings};
+use tolerant::Suspect;
+pub use tolerant::{Recording, TrackRows};
+use uncertainty::Uncertainty;
+
+/// What was read at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Readings of the steering joints.
+    pub steering: &'a [f64],
+    /// Readings of the wheels. NaN where a passive wheel has no encoder.
+    pub wheels: &'a [f64],
+    /// When [s].
+    pub stamp: f64,
+    /// Absolute yaw from a sensor with a zero of its own [rad].
+    pub yaw: Option<f64>,
+    /// Yaw rate of a gyroscope [rad/s].
+    pub yaw_rate: Option<f64>,
+}
+
+/// The sample from which the next one counts.
+#[derive(Clone, Debug)]
+struct Reference {
+    /// Whether there is one.
+    known: bool,
+    stamp: f64,
+    wheels: Vec<f64>,
+    /// As read.
+    steering: Vec<f64>,
+    /// Whole turns kept [rad].
+    angles: Vec<f64>,
+    yaw_rate: Option<f64>,
+}
+
+/// Why a sample is refused.
+struct Refusal {
+    flag: Health,
+    error: Error,
+}
+
+impl Refusal {
+    fn new(flag: Health, error: Error) -> Self {
+        Self { flag, error }
+    }
+}
+
+/// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
+#[derive(Clone, Debug)]
+pub struct Odometry {
+    rover: Rover,
+    settings: Settings,
+    reference: Reference,
+    state: State,
+    residual: Vec<f64>,
+    health: Health,
+    work: Workspace,
+    turned: Vec<f64>,
+    angles: Vec<f64>,
+    history: History,
+    suspect: Suspect,
+}
+
+impl Odometry {
+    /// At the origin, waiting for a first sample.
+    pub fn new(rover: Rover, settings: Settings) -> Result<Self, Error> {
+        settings.check(&rover)?;
+        let from_rates = settings.readings == Readings::Speeds;
+        let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let state = State {
+            walk: Walk::new([0.0; 3]),
+            twist: Twist::ZERO,
+            velocity: None,
+            uncertainty: Uncertainty::new(shared_readings(&rover, from_rates)),
+        };
+        let reference = Reference {
+            known: false,
+            stamp: 0.0,
+            wheels: vec![0.0; wheels],
+            steering: vec![0.0; joints],
+            angles: vec![0.0; joints],
+            yaw_rate: None,
+        };
+        Ok(Self {
+            history: History::new(&settings, &state, wheels, joints),
+            suspect: Suspect::new(wheels, joints),
+            reference,
+            state,
+            residual: vec![0.0; wheels],
+            health: Health::GOOD,
+            work: Workspace::new(&rover, from_rates),
+            turned: vec![0.0; wheels],
+            angles: vec![0.0; joints],
+            rover,
+            settings,
+        })
+    }
+
+    /// The rover.
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// How it works.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Where the rover is.
+    pub fn pose(&self) -> Pose {
+        self.state.pose()
+    }
+
+    /// Mean twist over the last step, in body axes.
+    pub fn twist(&self) -> Twist {
+        self.state.twist
+    }
+
+    /// The twist through a first-order filter with the time constant `smoothing`, which starts with the first step.
+    pub fn velocity(&self) -> Twist {
+        self.state.velocity.unwrap_or_default()
+    }
+
+    /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
+    pub fn covariance(&self) -> [[f64; 3]; 3] {
+        self.state.uncertainty.reported().into()
+    }
+
+    /// Covariance of the twist over the last step, in body axes.
+    pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
+        let dt = self.history.last_duration();
+        if dt == 0.0 {
+            return [[0.0; 3]; 3];
+        }
+        (self.work.noise.total().matrix() / (dt * dt)).into()
+    }
+
+    /// Speed at which each wheel's contact slid over the last step [m/s].
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
+    /// Say of each wheel over the last step, 0 to 1.
+    pub fn weights(&self) -> &[f64] {
+        &self.work.weights
+    }
+
+    /// What there is to say about the last sample.
+    pub fn health(&self) -> Health {
+        self.health
+    }
+
+    /// When the last sample was taken [s]; None before the first one.
+    pub fn stamp(&self) -> Option<f64> {
+        self.reference.known.then_some(self.reference.stamp)
+    }
+
+    /// Goes on from this pose; the readings count on from the last sample.
+    pub fn set_pose(&mut self, pose: Pose, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
+        let covariance = check_covariance(covariance)?;
+        if covariance.iter().any(|value| !value.is_finite()) {
+            let rule = "be finite";
+            return Err(Error::value(
+                "covariance",
+                rule,
+                numbers(covariance.as_slice()),
+            ));
+        }
+        crate::error::finite("pose", &<[f64; 3]>::from(pose))?;
+        self.state.walk = Walk::new(pose.into());
+        self.state.uncertainty.set(covariance);
+        self.history.clear();
+        Ok(())
+    }
+
+    /// Forgets every reading: the next sample is a first one. The pose stays.
+    pub fn forget(&mut self) {
+        self.reference.known = false;
+        self.reference.yaw_rate = None;
+        self.state.twist = Twist::ZERO;
+        self.state.velocity = None;
+        self.state.uncertainty.let_go();
+        self.residual.fill(0.0);
+        self.work.weights.fill(1.0);
+        self.health = Health::GOOD;
+        self.history.clear();
+        self.suspect.clear();
+    }
+
+    /// Takes in a sample. On failure nothing has changed.
+    pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
+        self.take(sample).map_err(|refusal| refusal.error)
+    }
+
+    fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        self.check_numbers(&sample)
+            .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
+        if !self.reference.known {
+            self.refer_to(&sample);
+            self.health = Health::FIRST;
+            if let Some(yaw) = sample.yaw {
+                self.meet_yaw(yaw);
+            }
+            return Ok(Health::FIRST);
+        }
+        let dt = sample.stamp - self.reference.stamp;
+        if dt <= 0.0 {
+            let flag = if dt == 0.0 {
+                Health::DUPLICATE
+            } else {
+                Health::BACKWARDS
+            };
+            let rule = format!(
+                "be later than the last one, {}",
+                number(self.reference.stamp)
+            );
+            let error = Error::value("stamp", rule, number(sample.stamp));
+            return Err(Refusal::new(flag, error));
+        }
+        let wrapped = self.difference(&sample, dt);
+        self.check_jump(dt)
+            .map_err(|error| Refusal::new(Health::JUMP, error))?;
+        let gyro_turn = sample
+            .yaw_rate
+            .map(|rate| f64::midpoint(self.reference.yaw_rate.unwrap_or(rate), rate) * dt);
+        let motion = Motion {
+            steering: [&self.reference.angles, &self.angles],
+            turned: &self.turned,
+            from_rates: self.settings.readings == Readings::Speeds,
+            dt,
+            gyro_turn,
+        };
+        let rules = self.settings.rules();
+        advance(
+            &self.rover,
+            &rules,
+            motion,
+            &mut self.work,
+            &mut self.state,
+            self.settings.smoothing,
+        )
+        .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
+        for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
+            *residual = slid / dt;
+        }
+        let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
+        self.health = Health::GAP.when(is_gap)
+            | Health::WRAPPED.when(wrapped)
+            | Health::SLIP.when(self.work.slips);
+        self.reference.known = true;
+        self.reference.stamp = sample.stamp;
+        self.reference.yaw_rate = sample.yaw_rate;
+        self.reference.wheels.copy_from_slice(sample.wheels);
+        self.reference.steering.copy_from_slice(sample.steering);
+        self.reference.angles.copy_from_slice(&self.angles);
+        if let Some(yaw) = sample.yaw {
+            self.meet_yaw(yaw);
+        }
+        self.suspect.clear();
+        self.history.push(
+            sample,
+            dt,
+            &self.angles,
+            &self.turned,
+            gyro_turn,
+            &self.state,
+        );
+        Ok(self.health)
+    }
+
+    fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {
+        crate::error::finite("steering", sample.steering)?;
+        for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
+            if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
+                return Err(Error::value(
+                    "wheel_angles",
+                    "be finite",
+                    numbers(sample.wheels),
+                ));
+            }
+        }
+        let others = [
+            ("stamp", Some(sample.stamp)),
+            ("yaw", sample.yaw),
+            ("yaw_rate", sample.yaw_rate),
+        ];
+        for (argument, value) in others {
+            if let Some(value) = value
+                && !value.is_finite()
+            {
+                return Err(Error::value(argument, "be finite", number(value)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the sample as the one from which the next one counts.
+    fn refer_to(&mut self, sample: &Sample<'_>) {
+        for (joint, (angle, reading)) in self
+            .reference
+            .angles
+            .iter_mut()
+            .zip(sample.steering)
+            .enumerate()
+        {
+            *angle = self.settings.steering_encoder(joint).first_angle(*reading);
+        }
+        self.reference.known = true;
+        self.reference.stamp = sample.stamp;
+        self.reference.wheels.copy_from_slice(sample.wheels);
+        self.reference.steering.copy_from_slice(sample.steering);
+        self.reference.yaw_rate = sample.yaw_rate;
+    }
+
+    /// What wheels and joints turned since the reference. Whether a counter started over.
+    fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+        let mut wrapped = false;
+        let pairs = self.reference.wheels.iter().zip(sample.wheels);
+        for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
+            let encoder = self.settings.wheel_encoder(i);
+            let counts = match self.settings.readings {
+                Readings::Angles => {
+                    let (counts, over) = encoder.difference(*before, *after);
+                    wrapped |= over;
+                    counts
+                }
+                Readings::Speeds => f64::midpoint(*before, *after) * dt,
+                Readings::Increments => *after + self.suspect.owed(i),
+            };
+            *turned = counts * encoder.angle_per_count();
+        }
+        let pairs = self.reference.steering.iter().zip(sample.steering);
+        for (joint, ((before, after), angle)) in pairs.zip(&mut self.angles).enumerate() {
+            let encoder = self.settings.steering_encoder(joint);
+            let (counts, over) = encoder.difference(*before, *after);
+            wrapped |= over;
+            *angle = self.reference.angles[joint] + counts * encoder.angle_per_count();
+        }
+        wrapped
+    }
+
+    /// Fails if the rover would have moved faster than it can.
+    fn check_jump(&self, dt: f64) -> Result<(), Error> {
+        if let Some(limit) = self.settings.max_speed {
+            for (i, wheel) in self.rover.wheels().iter().enumerate() {
+                let owed = self.suspect.owed(i) * self.settings.wheel_encoder(i).angle_per_count();
+                let speed = wheel.radius * (self.turned[i] - owed) / dt;
+                if speed.abs() > limit {
+                    let rule = format!("keep {} at a rim speed of {limit} m/s at most", wheel.name);
+                    return Err(Error::value("wheel_angles", rule, number(speed)));
+                }
+            }
+        }
+        if let Some(limit) = self.settings.max_steering_rate {
+            let joints = self.angles.iter().zip(&self.reference.angles);
+            for ((after, before), &wheel) in joints.zip(self.rover.steered()) {
+                let rate = (after - before) / dt;
+                if rate.abs() > limit {
+                    let name = &self.rover.wheels()[wheel].name;
+                    let rule = format!("keep {name} at a steering rate of {limit} rad/s at most");
+                    return Err(Error::value("steering", rule, number(rate)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn meet_yaw(&mut self, yaw: f64) {
+        meet_yaw(&mut self.state, yaw, self.settings.noise.yaw);
+    }
+
+    /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
+    /// first one.
+    pub fn command(&mut self, twist: Twist, stamp: f64) -> Result<Health, Error> {
+        crate::error::finite("twist", &<[f64; 3]>::from(twist))?;
+        if !stamp.is_finite() {
+            return Err(Error::value("stamp", "be finite", number(stamp)));
+        }
+        let Some(before) = self.stamp().or(self.history.commanded) else {
+            self.history.commanded = Some(stamp);
+            return Ok(Health::FIRST);
+        };
+        let dt = stamp - before;
+        if dt <= 0.0 {
+            let rule = format!("be later than the last one, {}", number(before));
+            return Err(Error::value("stamp", rule, number(stamp)));
+        }
+        let joints = self.rover.steered().len();
+        let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; self.rover.wheels().len()]);
+        let inputs = Inputs {
+            previous: Some(&self.reference.angles),
+            ..Inputs::default()
+        };
+        self.rover
+            .inverse(twist, inputs, &mut steering, &mut speeds)?;
+        for speed in &mut speeds {
+            *speed *= dt;
+        }
+        let motion = Motion {
+            steering: [&steering, &steering],
+            turned: &speeds,
+            from_rates: false,
+            dt,
+            gyro_turn: None,
+        };
+        let rules = self.settings.rules();
+        advance(
+            &self.rover,
+            &rules,
+            motion,
+            &mut self.work,
+            &mut self.state,
+            self.settings.smoothing,
+        )?;
+        self.state.uncertainty.let_go();
+        self.residual.fill(0.0);
+        self.reference.known = false;
+        self.reference.angles.copy_from_slice(&steering);
+        self.reference.yaw_rate = None;
+        self.suspect.clear();
+        self.history.clear();
+        self.history.commanded = Some(stamp);
+        self.health = Health::GAP.when(self.settings.max_gap.is_some_and(|gap| dt > gap));
+        Ok(self.health)
+    }
+}

@@ -1,0 +1,442 @@
+//! The displacement over one step, from what the wheels turned, and what it may be off by.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::noise::Noise;
+use super::spread::Spread;
+use super::state::HUGE;
+use super::uncertainty::{StepJacobian, StepNoise};
+use crate::error::{Error, numbers};
+use crate::estimate::sensitivity::{Linearised, Quantity};
+use crate::estimate::{Measured, Method, Reading, Unseen};
+use crate::geometry::{Twist, sinc};
+use crate::rover::Rover;
+
+/// Half turn of a steered wheel during a step below which its series is exact to rounding [rad].
+const SMALL_TURN: f64 = 0.25;
+
+/// How many standard deviations a wheel may disagree before it is said to slip.
+const SUSPICIOUS: f64 = 4.0;
+
+/// Share of a wheel's way below which a residual is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What is known of one step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion<'a> {
+    /// Steering angles at its start and end [rad].
+    pub steering: [&'a [f64]; 2],
+    /// What every wheel turned [rad].
+    pub turned: &'a [f64],
+    /// Whether that is the mean of readings at its start and end, which other steps share.
+    pub from_rates: bool,
+    /// Duration [s].
+    pub dt: f64,
+    /// What a gyroscope turned [rad].
+    pub gyro_turn: Option<f64>,
+}
+
+/// How a step is worked out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    pub noise: Noise,
+    pub method: Method,
+    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    pub inflate: bool,
+    /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
+    pub slip_threshold: Option<f64>,
+}
+
+/// Memory of a step, so that none is asked for while driving.
+#[derive(Clone, Debug)]
+pub(crate) struct Workspace {
+    readings: Vec<Reading>,
+    /// Inverse of the normal equations, where it is the same for all readings.
+    inverse: Option<Matrix3<f64>>,
+    middle: Vec<f64>,
+    steered_by: Vec<f64>,
+    pub weights: Vec<f64>,
+    /// How far each wheel's contact slid [m].
+    pub slid: Vec<f64>,
+    pub noise: StepNoise,
+    /// Whether a wheel slid further than the noise explains.
+    pub slips: bool,
+}
+
+/// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.
+pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
+    let wheels = if from_rates { rover.wheels().len() } else { 0 };
+    rover.steered().len() + wheels + 1
+}
+
+impl Workspace {
+    pub fn new(rover: &Rover, from_rates: bool) -> Self {
+        let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
+        Self {
+            readings: vec![Reading::NONE; wheels],
+            inverse: rover
+                .solution
+                .map(|solution| rover.unshifted_inverse(&solution)),
+            middle: vec![0.0; joints],
+            steered_by: vec![0.0; joints],
+            weights: vec![1.0; wheels],
+            slid: vec![0.0; wheels],
+            noise: StepNoise {
+                own: Spread::default(),
+                old: shared.clone(),
+                new: shared,
+            },
+            slips: false,
+        }
+    }
+
+    /// The displacement in body axes over one step: its exponential takes the start to the end.
+    ///
+    /// Angles are taken in the middle of the step. A pivot whose wheel turns by `d` meanwhile goes along an arc
+    /// in body axes, whose chord is `sin(d/2) / (d/2)` of the way the wheel rolled.
+    pub fn displacement(
+        &mut self,
+        rover: &Rover,
+        motion: Motion<'_>,
+        rules: &Rules,
+    ) -> Result<Twist, Error> {
+        let [before, after] = motion.steering;
+        for (joint, (before, after)) in before.iter().zip(after).enumerate() {
+            self.middle[joint] = f64::midpoint(*before, *after);
+            self.steered_by[joint] = after - before;
+        }
+        let measured = Measured {
+            steering: &self.middle,
+            speeds: motion.turned,
+            steering_rates: Some(&self.steered_by),
+        };
+        let mut read = motion.turned.iter().chain(&self.steered_by);
+        if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
+            let rule = "be small enough for a finite pose and covariance";
+            return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
+        }
+        rover.read(measured, &mut self.readings);
+        for (steered_by, &wheel) in self.steered_by.iter().zip(rover.steered()) {
+            let chord = chord(*steered_by);
+            self.readings[wheel].rolled *= chord;
+            self.readings[wheel].slipped *= chord;
+        }
+        let by_wheels = rover.estimate(
+            &self.readings,
+            measured,
+            rules.method,
+            Unseen::Refuse,
+            &mut self.weights,
+        )?;
+        let is_plain = rules.method == Method::LeastSquares;
+        let solution = if is_plain {
+            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
+        } else {
+            let normal = rover.normal(&self.readings, |i| self.weights[i]);
+            rover.solution(normal, Unseen::Refuse)?
+        };
+        let inverse = match self.inverse.filter(|_| is_plain && measured.is_complete()) {
+            Some(inverse) => inverse,
+            None => rover.unshifted_inverse(&solution),
+        };
+        let displacement = Vector3::from(by_wheels);
+        for (reading, slid) in self.readings.iter().zip(&mut self.slid) {
+            let along = reading.rolling.dot(&displacement) - reading.rolled;
+            let across = reading.side_slip.dot(&displacement) - reading.slipped;
+            *slid = (along * along + across * across).sqrt();
+        }
+        let linearised = Linearised {
+            rover,
+            readings: &self.readings,
+            measured,
+            solution,
+            twist: displacement,
+            weights: (!is_plain).then_some(self.weights.as_slice()),
+        };
+        self.slips = errors(
+            &linearised,
+            &inverse,
+            motion,
+            rules,
+            &self.slid,
+            &mut self.noise,
+        );
+        Ok(match motion.gyro_turn {
+            Some(turn) => self
+                .fuse(displacement, turn, motion.dt, &rules.noise)
+                .into(),
+            None => by_wheels,
+        })
+    }
+
+    /// The displacement that wheels and a gyroscope agree on, each by its noise.
+    fn fuse(
+        &mut self,
+        displacement: Vector3<f64>,
+        turn: f64,
+        dt: f64,
+        noise: &Noise,
+    ) -> Vector3<f64> {
+        // The reading at each end counts for half the step.
+        let deviation = noise.yaw_rate * noise.sharing(dt).sqrt() * dt / 2.0;
+        let total = self.noise.total();
+        let spread = total.zz() + 2.0 * deviation * deviation;
+        let gain = if spread > 0.0 {
+            total.with_z() / spread
+        } else {
+            Vector3::z()
+        };
+        let rest = Matrix3::identity() - gain * Vector3::z().transpose();
+        self.noise.multiply(&rest);
+        let ends = [&mut self.noise.old, &mut self.noise.new];
+        for column in ends.into_iter().filter_map(|columns| columns.last_mut()) {
+            *column = gain * deviation;
+        }
+        displacement + gain * (turn - displacement.z)
+    }
+}
+
+/// Fills in what the displacement may be off by. Whether a wheel slid further than that explains.
+fn errors(
+    linearised: &Linearised<'_>,
+    inverse: &Matrix3<f64>,
+    motion: Motion<'_>,
+    rules: &Rules,
+    slid: &[f64],
+    into: &mut StepNoise,
+) -> bool {
+    let (rover, noise, dt) = (linearised.rover, &rules.noise, motion.dt);
+    let sharing = noise.sharing(dt);
+    let reading_variance = sharing * (noise.speed * dt).powi(2);
+    let steering_deviation = sharing.sqrt() * noise.steering;
+    let steering_variance = steering_deviation * steering_deviation;
+    let displacement = Twist::from(linearised.twist);
+    let mut gradients = Spread::default();
+    let mut slips = false;
+    let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
+    // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
+    let furthest = linearised
+        .readings
+        .iter()
+        .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
+    let shares_wheels = |i: usize| {
+        let steered = rover.steered().len();
+        motion.from_rates.then_some(steered + i)
+    };
+    for (i, (wheel, reading)) in rover.wheels().iter().zip(linearised.readings).enumerate() {
+        let distance = if noise.slip == 0.0 && noise.side_slip == 0.0 {
+            0.0
+        } else {
+            displacement.at(wheel.x, wheel.y).norm()
+        };
+        let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+        let along = noise.slip * noise.slip * distance;
+        let across = noise.side_slip * noise.side_slip * distance;
+        let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
+        let own = match shares_wheels(i) {
+            Some(column) => {
+                let half = inverse * rolling * (reading_variance.sqrt() / 2.0);
+                (into.old[column], into.new[column]) = (half, half);
+                along
+            }
+            None => along + reading_variance,
+        };
+        gradients.add(&rolling, own);
+        gradients.add(&side_slip, across);
+        let steering = if wheel.steering().is_some() {
+            steering_variance * reading.rolled * reading.rolled
+        } else {
+            0.0
+        };
+        let (has_rolling, has_side_slip) = (
+            reading.rolling.x != 0.0 || reading.rolling.y != 0.0,
+            reading.side_slip.x != 0.0 || reading.side_slip.y != 0.0,
+        );
+        let variance = if has_rolling {
+            along + reading_variance
+        } else {
+            0.0
+        } + if has_side_slip {
+            across + steering
+        } else {
+            0.0
+        };
+        seen += weight * slid[i] * slid[i];
+        explained += weight * variance;
+        rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));
+        let bound = match rules.slip_threshold {
+            Some(threshold) => threshold * dt,
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
+        };
+        slips |= slid[i] > bound;
+    }
+    if rules.inflate && rows > 3.0 {
+        let excess = (seen / (rows - 3.0) - explained / rows).max(0.0);
+        for (i, reading) in linearised.readings.iter().enumerate() {
+            let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+            let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
+            gradients.add(&rolling, excess);
+            gradients.add(&side_slip, excess);
+        }
+    }
+    into.own = gradients.image(inverse);
+    for (joint, &wheel) in rover.steered().iter().enumerate() {
+        let by_angle = linearised.gradient(wheel, Quantity::Steering);
+        let half = inverse * by_angle * (steering_deviation / 2.0);
+        (into.old[joint], into.new[joint]) = (half, half);
+        if !rover.wheels()[wheel].is_centred() {
+            let by_change = linearised.gradient(wheel, Quantity::SteeringRate);
+            let change = inverse * by_change * steering_deviation;
+            into.old[joint] -= change;
+            into.new[joint] += change;
+        }
+    }
+    for columns in [&mut into.old, &mut into.new] {
+        if let Some(gyro) = columns.last_mut() {
+            *gyro = Vector3::zeros();
+        }
+    }
+    slips
+}
+
+/// Chord of an arc that turns by `angle`, as a share of its length.
+fn chord(angle: f64) -> f64 {
+    let half = angle / 2.0;
+    if half.abs() > SMALL_TURN {
+        return sinc(half);
+    }
+    series(half * half, &SINE)
+}
+
+/// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
+/// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
+#[inline(always)]
+fn series(square: f64, terms: &[f64; 6]) -> f64 {
+    terms
+        .iter()
+        .rev()
+        .fold(1.0, |rest, term| 1.0 - square * term * rest)
+}
+
+const SINE: [f64; 6] = [
+    1.0 / 6.0,
+    1.0 / 20.0,
+    1.0 / 42.0,
+    1.0 / 72.0,
+    1.0 / 110.0,
+    1.0 / 156.0,
+];
+const COSINE: [f64; 6] = [
+    1.0 / 2.0,
+    1.0 / 12.0,
+    1.0 / 30.0,
+    1.0 / 56.0,
+    1.0 / 90.0,
+    1.0 / 132.0,
+];
+const SLOPE: [f64; 6] = [
+    1.0 / 10.0,
+    1.0 / 28.0,
+    1.0 / 54.0,
+    1.0 / 88.0,
+    1.0 / 130.0,
+    1.0 / 180.0,
+];
+
+/// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
+pub(crate) fn step_jacobian(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
+    let Twist { vx, vy, omega } = displacement;
+    let half = omega / 2.0;
+    let (length, slope, sin, cos) = if half.abs() < SMALL_TURN {
+        let square = half * half;
+        let length = series(square, &SINE);
+        (
+            length,
+            -half / 3.0 * series(square, &SLOPE),
+            half * length,
+            series(square, &COSINE),
+        )
+    } else {
+        let (sin, cos) = half.sin_cos();
+        let length = sin / half;
+        (length, (cos - length) / half, sin, cos)
+    };
+    // The chord leaves at half the turn, in world axes.
+    let [heading_sin, heading_cos] = heading;
+    let (s, c) = (
+        heading_sin * cos + heading_cos * sin,
+        heading_cos * cos - heading_sin * sin,
+    );
+    let (ahead, left) = (c * vx - s * vy, s * vx + c * vy);
+    StepJacobian {
+        shift: [length * ahead, length * left],
+        by_displacement: Matrix3::new(
+            length * c,
+            -length * s,
+            (slope * ahead - length * left) / 2.0, //
+            length * s,
+            length * c,
+            (slope * left + length * ahead) / 2.0, //
+            0.0,
+            0.0,
+            1.0,
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    #[test]
+    fn a_step_answers_as_its_differences_do() {
+        let yaw: f64 = 0.7;
+        let end = |yaw: f64, displacement: [f64; 3]| -> [f64; 3] {
+            let start = Pose {
+                x: 0.0,
+                y: 0.0,
+                yaw,
+            };
+            start.compose(Twist::from(displacement).exp(1.0)).into()
+        };
+        for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
+            let displacement = [0.4, -0.3, omega];
+            let step = step_jacobian(displacement.into(), [yaw.sin(), yaw.cos()]);
+            let ended = end(yaw, displacement);
+            assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
+            assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");
+            for k in 0..3 {
+                let (mut more, mut less) = (displacement, displacement);
+                more[k] += 1e-6;
+                less[k] -= 1e-6;
+                let (more, less) = (end(yaw, more), end(yaw, less));
+                for row in 0..3 {
+                    let difference = (more[row] - less[row]) / 2e-6;
+                    let derivative = step.by_displacement[(row, k)];
+                    assert!((difference - derivative).abs() < 1e-9, "{omega} {row} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_chord_is_the_same_on_both_sides_of_its_bound() {
+        for angle in [
+            0.0,
+            1e-300,
+            1e-8,
+            0.1,
+            0.499_999_999,
+            0.500_000_001,
+            3.0,
+            -0.2,
+        ] {
+            assert!(
+                (chord(angle) - sinc(angle / 2.0)).abs() < 2.0 * f64::EPSILON,
+                "{angle}"
+            );
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Whole logs as they are: rows that cannot be are left out and flagged, the rows after them are not lost.
+//!
+//! Running totals make good for a row left out by themselves, increments are owed to the next row. A clock or a
+//! counter that goes on from another value for good is followed from the second such row on.
+
+use super::{Health, Odometry, Readings, Refusal, Sample};
+use crate::error::Error;
+
+/// The row left out last, and what is owed to the next one.
+#[derive(Clone, Debug)]
+pub(crate) struct Suspect {
+    /// Why it was left out; nothing if the last row was good.
+    flag: Health,
+    stamp: f64,
+    wheels: Vec<f64>,
+    steering: Vec<f64>,
+    owed: Vec<f64>,
+}
+
+impl Suspect {
+    pub fn new(wheels: usize, joints: usize) -> Self {
+        Self {
+            flag: Health::GOOD,
+            stamp: 0.0,
+            wheels: vec![0.0; wheels],
+            steering: vec![0.0; joints],
+            owed: vec![0.0; wheels],
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.flag = Health::GOOD;
+        self.owed.fill(0.0);
+    }
+
+    /// Increment of a wheel in rows that were left out.
+    pub fn owed(&self, wheel: usize) -> f64 {
+        self.owed[wheel]
+    }
+
+    fn set(&mut self, flag: Health, sample: &Sample<'_>) {
+        self.flag = flag;
+        self.stamp = sample.stamp;
+        self.wheels.copy_from_slice(sample.wheels);
+        self.steering.copy_from_slice(sample.steering);
+    }
+}
+
+/// Columns of a log: one row per sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Recording<'a> {
+    /// Readings of the steering joints, row after row.
+    pub steering: &'a [f64],
+    /// Readings of the wheels, row after row.
+    pub wheels: &'a [f64],
+    /// When [s].
+    pub stamps: &'a [f64],
+    /// Absolute yaw [rad]; NaN where there was none.
+    pub yaws: Option<&'a [f64]>,
+    /// Yaw rates [rad/s]; NaN where there was none.
+    pub yaw_rates: Option<&'a [f64]>,
+}
+
+impl<'a> Recording<'a> {
+    fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
+        let at = |values: Option<&'a [f64]>| {
+            values
+                .map(|values| values[k])
+                .filter(|value| !value.is_nan())
+        };
+        Sample {
+            steering: &self.steering[k * joints..(k + 1) * joints],
+            wheels: &self.wheels[k * wheels..(k + 1) * wheels],
+            stamp: self.stamps[k],
+            yaw: at(self.yaws),
+            yaw_rate: at(self.yaw_rates),
+        }
+    }
+}
+
+/// Where the results of a log go, one row per sample.
+#[derive(Debug)]
+pub struct TrackRows<'a> {
+    /// Poses.
+    pub poses: &'a mut [[f64; 3]],
+    /// Twists.
+    pub twists: &'a mut [[f64; 3]],
+    /// Covariances of the poses; None to do without.
+    pub covariances: Option<&'a mut [[f64; 9]]>,
+    /// Residuals of the wheels [m/s], row after row; None to do without.
+    pub residuals: Option<&'a mut [f64]>,
+    /// Say of the wheels, row after row; None to do without.
+    pub weights: Option<&'a mut [f64]>,
+    /// Flags.
+    pub health: &'a mut [u32],
+}
+
+impl Odometry {
+    /// Takes in a sample if it can be; otherwise leaves it out and says why. The state goes on from the last good
+    /// one either way.
+    pub fn absorb(&mut self, sample: Sample<'_>) -> Health {
+        match self.take(sample) {
+            Ok(health) => health,
+            Err(refusal) => self.doubt(sample, &refusal),
+        }
+    }
+
+    fn doubt(&mut self, sample: Sample<'_>, refusal: &Refusal) -> Health {
+        let flag = refusal.flag;
+        if flag == Health::BACKWARDS || flag == Health::JUMP {
+            if self.suspect.flag == flag
+                && sample.stamp > self.suspect.stamp
+                && let Some(health) = self.restart(sample, flag)
+            {
+                return health;
+            }
+            self.suspect.set(flag, &sample);
+        }
+        let counts = self.settings.readings == Readings::Increments
+            && (flag == Health::BACKWARDS || flag == Health::DUPLICATE);
+        if counts {
+            for (owed, increment) in self.suspect.owed.iter_mut().zip(sample.wheels) {
+                *owed += increment;
+            }
+        }
+        flag
+    }
+
+    /// The second row in succession that only fits the one left out before it: what it counts from moved for good.
+    fn restart(&mut self, sample: Sample<'_>, flag: Health) -> Option<Health> {
+        let before = self.reference.clone();
+        if flag == Health::BACKWARDS {
+            // The clock was set back: the row left out and this one take a step each.
+            self.reference.stamp = 2.0 * self.suspect.stamp - sample.stamp;
+        } else {
+            let suspect = self.suspect.clone();
+            self.refer_to(&Sample {
+                steering: &suspect.steering,
+                wheels: &suspect.wheels,
+                stamp: suspect.stamp,
+                yaw: None,
+                yaw_rate: None,
+            });
+        }
+        match self.take(sample) {
+            Ok(health) => {
+                self.health = health | Health::RESTARTED;
+                Some(self.health)
+            }
+            Err(_) => {
+                self.reference = before;
+                None
+            }
+        }
+    }
+
+    /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
+    /// error, and the rows before it have been taken in; otherwise such rows are left out and flagged.
+    pub fn run(
+        &mut self,
+        recording: Recording<'_>,
+        strict: bool,
+        track: TrackRows<'_>,
+    ) -> Result<(), Error> {
+        let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
+        let TrackRows {
+            poses,
+            twists,
+            mut covariances,
+            mut residuals,
+            mut weights,
+            health,
+        } = track;
+        for k in 0..recording.stamps.len() {
+            let sample = recording.row(wheels, joints, k);
+            let flags = if strict {
+                self.update(sample).map_err(|error| error.at_row(k))?
+            } else {
+                self.absorb(sample)
+            };
+            poses[k] = self.pose().into();
+            twists[k] = self.twist().into();
+            health[k] = flags.0;
+            if let Some(covariances) = &mut covariances {
+                covariances[k].copy_from_slice(self.covariance().as_flattened());
+            }
+            if let Some(residuals) = &mut residuals {
+                let row = &mut residuals[k * wheels..(k + 1) * wheels];
+                if flags.is_left_out() {
+                    row.fill(f64::NAN);
+                } else {
+                    row.copy_from_slice(&self.residual);
+                }
+            }
+            if let Some(weights) = &mut weights {
+                let row = &mut weights[k * wheels..(k + 1) * wheels];
+                if flags.is_left_out() {
+                    row.fill(f64::NAN);
+                } else {
+                    row.copy_from_slice(&self.work.weights);
+                }
+            }
+        }
+        Ok(())
+    }
+}

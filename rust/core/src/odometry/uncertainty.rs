@@ -1,0 +1,239 @@
+//! The error of a pose: how it grows along a step and shrinks with what is known from outside.
+//!
+//! A reading of a steering angle is the end of one step and the start of the next: its error enters both. So the
+//! error of the pose is kept in two parts: `settled`, and for every such reading the column by which its error
+//! still counts. Steps are then independent of each other and the covariance is exact to first order:
+//!
+//! ```text
+//! P = settled + Σ carried carriedᵀ
+//! settled' = F settled Fᵀ + L Q Lᵀ + Σ (F carried + L old) (F carried + L old)ᵀ
+//! carried' = L new
+//! ```
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::spread::Spread;
+use crate::jacobi::Jacobi;
+
+/// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// How the end of a step answers to its start and to its displacement in body axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepJacobian {
+    /// Way in world axes [m]: a turn at the start swings it.
+    pub shift: [f64; 2],
+    /// By the displacement.
+    pub by_displacement: Matrix3<f64>,
+}
+
+impl StepJacobian {
+    /// By what an error of the yaw at the start swings the end.
+    fn lever(&self) -> [f64; 2] {
+        [-self.shift[1], self.shift[0]]
+    }
+
+    /// What an error of the start is at the end.
+    #[inline(always)]
+    fn carry(&self, error: &Vector3<f64>) -> Vector3<f64> {
+        let [x, y] = self.lever();
+        Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
+    }
+
+    /// What an error of the displacement is at the end. It leaves the yaw as it is.
+    #[inline(always)]
+    fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
+        let by = &self.by_displacement;
+        Vector3::new(
+            by.m11 * error.x + by.m12 * error.y + by.m13 * error.z,
+            by.m21 * error.x + by.m22 * error.y + by.m23 * error.z,
+            error.z,
+        )
+    }
+}
+
+/// What one displacement in body axes may be off by.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StepNoise {
+    /// Covariance of all that errs in this step alone.
+    pub own: Spread,
+    /// Per shared reading: its error at the start of the step, times its standard deviation.
+    pub old: Vec<Vector3<f64>>,
+    /// The same at the end.
+    pub new: Vec<Vector3<f64>>,
+}
+
+impl StepNoise {
+    /// Covariance of the displacement, as if the readings at both ends erred on their own.
+    pub fn total(&self) -> Spread {
+        let mut total = self.own;
+        for column in self.old.iter().chain(&self.new) {
+            total.add(column, 1.0);
+        }
+        total
+    }
+
+    /// Applies what a correction leaves of every error.
+    pub fn multiply(&mut self, rest: &Matrix3<f64>) {
+        self.own = self.own.image(rest);
+        for column in self.old.iter_mut().chain(&mut self.new) {
+            *column = rest * *column;
+        }
+    }
+}
+
+/// Zero of a yaw sensor, learnt from its first reading.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct YawOffset {
+    /// Reading where the pose's yaw is zero [rad].
+    pub value: f64,
+    /// Its variance.
+    pub variance: f64,
+    /// Covariance with the error of the pose.
+    pub cross: Vector3<f64>,
+}
+
+/// Error of a pose in world axes: x [m], y [m], yaw [rad].
+#[derive(Clone, Debug)]
+pub(crate) struct Uncertainty {
+    pub settled: Spread,
+    pub carried: Vec<Vector3<f64>>,
+    pub yaw_offset: Option<YawOffset>,
+}
+
+impl Uncertainty {
+    pub fn new(shared_readings: usize) -> Self {
+        Self {
+            settled: Spread::default(),
+            carried: vec![Vector3::zeros(); shared_readings],
+            yaw_offset: None,
+        }
+    }
+
+    /// Takes the value of another one without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.settled = other.settled;
+        self.carried.copy_from_slice(&other.carried);
+        self.yaw_offset = other.yaw_offset;
+    }
+
+    /// Starts over from a known covariance.
+    pub fn set(&mut self, covariance: Matrix3<f64>) {
+        self.settled = Spread::of(&covariance);
+        self.carried.fill(Vector3::zeros());
+        self.yaw_offset = None;
+    }
+
+    /// No reading before is shared with a step to come.
+    pub fn let_go(&mut self) {
+        self.settled = self.covariance();
+        self.carried.fill(Vector3::zeros());
+        self.yaw_offset = None;
+    }
+
+    /// Covariance of the pose.
+    pub fn covariance(&self) -> Spread {
+        let mut covariance = self.settled;
+        for column in &self.carried {
+            covariance.add(column, 1.0);
+        }
+        covariance
+    }
+
+    /// The same without a negative variance in any direction, rounding or not.
+    pub fn reported(&self) -> Matrix3<f64> {
+        let mut covariance = self.covariance();
+        covariance.add_to_diagonal(ROUNDING * covariance.trace());
+        covariance.matrix()
+    }
+
+    /// Goes along one step.
+    pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
+        let mut settled = self.settled.swung(step.lever());
+        settled.add_spread(&noise.own.image(&step.by_displacement));
+        let ends = noise.old.iter().zip(&noise.new);
+        for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
+            let whole = step.carry(carried) + step.map(old);
+            settled.add(&whole, 1.0);
+            *carried = step.map(new);
+        }
+        self.settled = settled;
+        if let Some(offset) = &mut self.yaw_offset {
+            offset.cross = step.carry(&offset.cross);
+        }
+    }
+
+    /// The zero of a yaw sensor, from its first reading at this pose.
+    pub fn set_yaw_offset(&mut self, value: f64, variance: f64) {
+        let cross = -self.settled.with_z();
+        let variance = variance + self.settled.zz();
+        self.yaw_offset = Some(YawOffset {
+            value,
+            variance,
+            cross,
+        });
+    }
+
+    /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
+    pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
+        let along = self.covariance().with_z() + offset.cross;
+        let spread = along.z + offset.cross.z + offset.variance + variance;
+        let gain = if spread > 0.0 {
+            along / spread
+        } else {
+            Vector3::z()
+        };
+        let rest = Matrix3::identity() - gain * Vector3::z().transpose();
+        let mixed = rest * offset.cross * gain.transpose();
+        self.multiply(&rest);
+        let settled = self.settled.matrix() - (mixed + mixed.transpose());
+        self.settled = Spread::of(&settled);
+        self.settled.add(&gain, variance + offset.variance);
+        self.yaw_offset = Some(YawOffset {
+            cross: rest * offset.cross - gain * offset.variance,
+            ..offset
+        });
+        gain
+    }
+
+    /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
+    /// the pose.
+    pub fn correct(&mut self, measured: &Matrix3<f64>) -> Matrix3<f64> {
+        let mut known = Matrix3::zeros();
+        let mut noise = *measured;
+        for i in 0..3 {
+            if measured[(i, i)].is_finite() {
+                known[(i, i)] = 1.0;
+            } else {
+                noise.row_mut(i).fill(0.0);
+                noise.column_mut(i).fill(0.0);
+            }
+        }
+        let covariance = self.covariance().matrix();
+        let unknown = Matrix3::identity() - known;
+        let spread = known * (covariance + noise) * known + unknown;
+        let gain = if noise == Matrix3::zeros() {
+            // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
+            spread
+                .cholesky()
+                .map_or(known, |spread| covariance * known * spread.inverse())
+        } else {
+            covariance * known * Jacobi::new(&spread).inverse(f64::EPSILON * spread.amax())
+        };
+        let rest = Matrix3::identity() - gain * known;
+        self.multiply(&rest);
+        self.settled.add_spread(&Spread::of(&noise).image(&gain));
+        gain
+    }
+
+    /// Applies what a correction leaves of every error.
+    fn multiply(&mut self, rest: &Matrix3<f64>) {
+        self.settled = self.settled.image(rest);
+        for column in &mut self.carried {
+            *column = rest * *column;
+        }
+        if let Some(offset) = &mut self.yaw_offset {
+            offset.cross = rest * offset.cross;
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! When a chord is where: its share as a function of time, as fast as the laws allow.
+//!
+//! Limits of first derivatives alone are met exactly: at every instant one law binds, its joint moves at its limit,
+//! and the place on the chord follows from the joint in closed form. With a limit of the steering acceleration the
+//! squared pace is a linear programme from cell to cell, solved backwards for what can still be braked and forwards
+//! for what can be reached (H. Pham, Q.-C. Pham, A New Approach to Time-Optimal Path Parameterization Based on
+//! Reachability Analysis, IEEE Trans. Robotics 34(3), 2018). With a limit of the steering jerk that result is
+//! smoothed by a moving average and stretched until the limit holds: feasible, and no more than that.
+
+use super::chord::Chord;
+use super::laws::Law;
+use super::{Axis, Derivatives, Piece};
+
+/// Cells of a chord between which its laws are looked at.
+const CELLS: usize = 256;
+
+/// Places within a piece at which the finished course is checked, and in the tightest pieces.
+const CHECKS: usize = 6;
+const FINE_CHECKS: usize = 96;
+
+/// Share of the worst strain from which a piece is among the tightest.
+const TIGHT: f64 = 1.0 - 1e-3;
+
+/// What a checked course is stretched beyond its worst place, for the places between.
+const MARGIN: f64 = 1e-7;
+
+/// Halvings after which a change of the binding law is found.
+const HALVINGS: usize = 52;
+
+/// Widths of the moving average that are tried, as shares of the time that builds up an acceleration.
+const WIDTHS: [f64; 6] = [0.4, 0.7, 1.0, 1.4, 2.0, 2.8];
+
+/// A stretch on which one law binds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bound {
+    start: f64,
+    from: f64,
+    to: f64,
+    law: Law,
+}
+
+/// Share of the chord over time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Timing {
+    Binding { bounds: Vec<Bound>, duration: f64 },
+    Sampled(Axis),
+}
+
+/// Limits of the second and third derivative of every joint's angle.
+#[derive(Clone, Debug)]
+pub(crate) struct Smoothness {
+    pub accelerations: Vec<f64>,
+    pub jerk: f64,
+}
+
+impl Timing {
+    /// The fastest course of a chord under its laws; `None` if it never arrives.
+    pub fn new(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Self> {
+        let turning = chord.joints.iter().any(|joint| joint.swing(0.5)[0] != 0.0);
+        let rolling = laws.iter().any(|law| matches!(law, Law::Rolling(..)));
+        let firm = smooth.jerk == f64::INFINITY
+            && smooth
+                .accelerations
+                .iter()
+                .all(|limit| *limit == f64::INFINITY);
+        let timing = if !turning || (firm && !rolling) {
+            binding(chord, laws)
+        } else {
+            Self::Sampled(sampled(chord, laws, smooth)?)
+        };
+        timing.duration().is_finite().then_some(timing)
+    }
+
+    /// When the chord is done [s].
+    pub fn duration(&self) -> f64 {
+        match self {
+            Self::Binding { duration, .. } => *duration,
+            Self::Sampled(axis) => axis.duration,
+        }
+    }
+
+    /// Share of the chord and its derivatives, up to the third where it is limited.
+    pub fn at(&self, time: f64) -> Derivatives {
+        match self {
+            Self::Sampled(axis) => axis.at(time),
+            Self::Binding { bounds, duration } => {
+                if time >= *duration {
+                    let last = bounds
+                        .last()
+                        .map_or([0.0; 4], |bound| bound.at(f64::INFINITY));
+                    return [1.0, last[1], last[2], 0.0];
+                }
+                let next = bounds.partition_point(|bound| bound.start <= time);
+                let Some(bound) = bounds.get(next.saturating_sub(1)) else {
+                    return [1.0, 0.0, 0.0, 0.0];
+                };
+                bound.at(time - bound.start)
+            }
+        }
+    }
+}
+
+impl Bound {
+    fn time(&self) -> f64 {
+        (self.law.time(self.to) - self.law.time(self.from)).abs()
+    }
+
+    fn at(&self, time: f64) -> Derivatives {
+        let (from, to) = (self.law.time(self.from), self.law.time(self.to));
+        let onward = if to >= from { time } else { -time };
+        let near = f64::midpoint(self.from, self.to);
+        let found = self.law.place(from + onward, near);
+        let s = if time >= self.time() {
+            self.to
+        } else {
+            found.clamp(self.from, self.to)
+        };
+        let pace = self.law.pace(s);
+        [
+            s,
+            1.0 / pace,
+            -self.law.slope(s) / (pace * pace * pace),
+            0.0,
+        ]
+    }
+}
+
+/// The law that asks for most time at a place.
+fn strictest(laws: &[Law], s: f64) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (i, law) in laws.iter().enumerate() {
+        let pace = law.pace(s);
+        if pace > best.1 {
+            best = (i, pace);
+        }
+    }
+    best.0
+}
+
+fn binding(chord: &Chord, laws: &[Law]) -> Timing {
+    let mut places = chord.nodes(CELLS);
+    // Where a pivot is slowest its speed stops falling and starts to rise, and its wheel turns fastest.
+    let slowest = chord.joints.iter().map(|joint| joint.slowest());
+    places.extend(slowest.filter(|s| *s > 0.0 && *s < 1.0));
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    let mut bounds: Vec<Bound> = Vec::new();
+    let mut clock = 0.0;
+    for cell in places.windows(2) {
+        let (mut from, to) = (cell[0], cell[1]);
+        // Just inside the cell: at its ends a pivot may be slowest.
+        let inside = |share: f64| cell[0] + (cell[1] - cell[0]) * share;
+        let last = strictest(laws, inside(1.0 - 1e-6));
+        let mut current = strictest(laws, inside(1e-6));
+        while from < to {
+            let mut until = to;
+            if current != last {
+                let (mut a, mut b) = (from, to);
+                for _ in 0..HALVINGS {
+                    let middle = f64::midpoint(a, b);
+                    if strictest(laws, middle) == current {
+                        a = middle;
+                    } else {
+                        b = middle;
+                    }
+                }
+                until = b;
+            }
+            let bound = Bound {
+                start: clock,
+                from,
+                to: until,
+                law: laws[current],
+            };
+            let time = bound.time();
+            if time > 0.0 {
+                clock += time;
+                bounds.push(bound);
+            }
+            from = until;
+            let next = strictest(laws, from + (to - from) * 1e-6);
+            current = if next == current { last } else { next };
+        }
+    }
+    Timing::Binding {
+        bounds,
+        duration: clock,
+    }
+}
+
+/// Slope and bend of every joint's angle at one place.
+type Bends = Vec<[f64; 2]>;
+
+fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
+    let places = chord.nodes(CELLS);
+    let bends = |s: f64| -> Bends {
+        let swings = chord.joints.iter().map(|joint| joint.swing(s));
+        swings.map(|[slope, bend, _]| [slope, bend]).collect()
+    };
+    let ceilings: Vec<f64> = places
+        .iter()
+        .map(|&s| {
+            laws.iter()
+                .fold(0.0, |pace: f64, law| pace.max(law.pace(s)))
+                .powi(-2)
+        })
+        .collect();
+    let bends: Vec<Bends> = places.iter().map(|&s| bends(s)).collect();
+    let cell = |k: usize, highest: f64| Cell {
+        length: places[k + 1] - places[k],
+        first: &bends[k],
+        last: &bends[k + 1],
+        limits: &smooth.accelerations,
+        highest,
+    };
+    // Squared pace from which the rest of the chord can still be braked.
+    let count = places.len();
+    let mut highest = vec![0.0; count];
+    for k in (0..count - 1).rev() {
+        highest[k] = cell(k, highest[k + 1]).fastest(ceilings[k]);
+    }
+    let mut pieces = Vec::with_capacity(count);
+    let (mut square, mut clock) = (0.0, 0.0);
+    for k in 0..count - 1 {
+        let cell = cell(k, highest[k + 1]);
+        let (_, most) = cell.room(square);
+        let next = (square + 2.0 * cell.length * most).clamp(0.0, highest[k + 1]);
+        let acceleration = (next - square) / (2.0 * cell.length);
+        let pace = square.sqrt();
+        pieces.push(Piece {
+            start: clock,
+            state: [places[k], pace, acceleration, 0.0],
+        });
+        clock += 2.0 * cell.length / (pace + next.sqrt());
+        square = next;
+    }
+    let last = pieces.last()?.state;
+    let axis = Axis {
+        pieces,
+        duration: clock,
+        end: [1.0, 0.0, last[2], 0.0],
+    };
+    if !clock.is_finite() {
+        return None;
+    }
+    let stretched = |axis: Axis| {
+        let excess = excess(chord, laws, smooth, &axis);
+        stretch(
+            axis,
+            if excess > 1.0 {
+                excess * (1.0 + MARGIN)
+            } else {
+                1.0
+            },
+        )
+    };
+    if smooth.jerk == f64::INFINITY {
+        return Some(stretched(axis));
+    }
+    let strongest = smooth
+        .accelerations
+        .iter()
+        .fold(f64::INFINITY, |a: f64, b| a.min(*b));
+    let build_up = (strongest / smooth.jerk).min(clock);
+    let smoothed = WIDTHS
+        .iter()
+        .map(|share| stretched(average(&axis, share * build_up)));
+    smoothed.min_by(|a, b| a.duration.total_cmp(&b.duration))
+}
+
+/// The way from one place to the next, at constant second derivative.
+struct Cell<'a> {
+    length: f64,
+    first: &'a Bends,
+    last: &'a Bends,
+    limits: &'a [f64],
+    /// Largest squared pace at its end.
+    highest: f64,
+}
+
+impl Cell<'_> {
+    /// Least and greatest second derivative from a squared pace; empty if the first is the greater.
+    fn room(&self, square: f64) -> (f64, f64) {
+        let mut room = (
+            -square / (2.0 * self.length),
+            (self.highest - square) / (2.0 * self.length),
+        );
+        let mut narrow = |factor: f64, offset: f64, limit: f64| {
+            if factor == 0.0 {
+                if offset.abs() > limit {
+                    room = (1.0, 0.0);
+                }
+                return;
+            }
+            let (a, b) = ((-limit - offset) / factor, (limit - offset) / factor);
+            room = (room.0.max(a.min(b)), room.1.min(a.max(b)));
+        };
+        for ((first, last), &limit) in self.first.iter().zip(self.last).zip(self.limits) {
+            if limit.is_finite() {
+                narrow(first[0], first[1] * square, limit);
+                // At the end of the cell the squared pace has grown.
+                narrow(
+                    last[0] + last[1] * 2.0 * self.length,
+                    last[1] * square,
+                    limit,
+                );
+            }
+        }
+        room
+    }
+
+    /// Largest squared pace from which there is room.
+    fn fastest(&self, ceiling: f64) -> f64 {
+        let possible = |square: f64| {
+            let (least, most) = self.room(square);
+            least <= most
+        };
+        let (mut low, mut high) = (0.0, ceiling);
+        if high == f64::INFINITY {
+            high = 1.0;
+            while possible(high) && high < 1e300 {
+                high *= 4.0;
+            }
+        }
+        if possible(high) {
+            return high;
+        }
+        for _ in 0..60 {
+            let middle = f64::midpoint(low, high);
+            if possible(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
+
+/// By how much the time has to be stretched for every law to hold: at every place that is looked at, and at
+/// more of them where it is tightest.
+fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 {
+    let starts = axis.pieces.iter().map(|piece| piece.start);
+    let ends = || starts.clone().skip(1).chain([axis.duration]);
+    let worst_of = |piece: &Piece, end: f64, checks: usize| {
+        let step = (end - piece.start) / checks as f64;
+        let states = (0..=checks).map(|check| super::coast(piece.state, step * check as f64));
+        states.fold(0.0, |worst: f64, state| {
+            worst.max(strain(chord, laws, smooth, state))
+        })
+    };
+    let coarse = axis
+        .pieces
+        .iter()
+        .zip(ends())
+        .map(|(piece, end)| worst_of(piece, end, CHECKS));
+    let coarse: Vec<f64> = coarse.collect();
+    let worst = coarse.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let tight = axis
+        .pieces
+        .iter()
+        .zip(ends())
+        .zip(&coarse)
+        .filter(|(_, own)| **own >= worst * TIGHT);
+    tight.fold(worst, |worst, ((piece, end), _)| {
+        worst.max(worst_of(piece, end, FINE_CHECKS))
+    })
+}
+
+/// By how much the time would have to be stretched at one place, given with its derivatives.
+fn strain(
+    chord: &Chord,
+    laws: &[Law],
+    smooth: &Smoothness,
+    [s, pace, second, third]: Derivatives,
+) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    let mut worst = laws
+        .iter()
+        .fold(0.0, |most: f64, law| most.max(law.pace(s)))
+        * pace;
+    for (joint, &limit) in chord.joints.iter().zip(&smooth.accelerations) {
+        let [slope, bend, twist] = joint.swing(s);
+        let acceleration = bend * pace * pace + slope * second;
+        worst = worst.max((acceleration.abs() / limit).sqrt());
+        let jerk = twist * pace * pace * pace + 3.0 * bend * pace * second + slope * third;
+        worst = worst.max((jerk.abs() / smooth.jerk).cbrt());
+    }
+    worst
+}
+
+/// The same course in more time.
+fn stretch(mut axis: Axis, factor: f64) -> Axis {
+    let slow = |state: Derivatives| {
+        let mut scale = 1.0;
+        state.map(|part| {
+            let scaled = part / scale;
+            scale *= factor;
+            scaled
+        })
+    };
+    for piece in &mut axis.pieces {
+        piece.start *= factor;
+        piece.state = slow(piece.state);
+    }
+    axis.duration *= factor;
+    axis.end = slow(axis.end);
+    axis
+}
+
+/// Moving average over a time: what had constant acceleration has constant jerk.
+fn average(axis: &Axis, width: f64) -> Axis {
+    let begun = |time: f64| if time < 0.0 { [0.0; 4] } else { axis.at(time) };
+    let starts = || axis.pieces.iter().map(|piece| piece.start);
+    let mut times: Vec<f64> = starts().chain([axis.duration]).collect();
+    times.extend(starts().map(|time| time + width));
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let duration = axis.duration + width;
+    let mut pieces: Vec<Piece> = Vec::with_capacity(times.len());
+    let mut value = 0.0;
+    for (k, &time) in times.iter().enumerate() {
+        let end = times.get(k + 1).copied().unwrap_or(duration);
+        // Acceleration is constant on either side of the window until the next of these times.
+        let middle = f64::midpoint(time, end);
+        let [now, before] = [begun(time), begun(time - width)];
+        let [ahead, behind] = [begun(middle), begun(middle - width)];
+        let jerk = (ahead[2] - behind[2]) / width;
+        // From the middle back to the start, where the acceleration may jump and its average does not.
+        let acceleration = (ahead[1] - behind[1]) / width - jerk * (middle - time);
+        let state = [value, (now[0] - before[0]) / width, acceleration, jerk];
+        pieces.push(Piece { start: time, state });
+        value = super::coast(state, end - time)[0];
+    }
+    Axis {
+        pieces,
+        duration,
+        end: [1.0, 0.0, 0.0, 0.0],
+    }
+}

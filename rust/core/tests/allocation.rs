@@ -1,0 +1,150 @@
+//! What a control loop calls takes nothing from the allocator: counted, not believed.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use six_wheel_core::batch::{self, Level, Log, Workers};
+use six_wheel_core::{Error, Inputs, Keep, Measured, Method, Rover, SteeringRange, Twist, Unseen};
+
+thread_local! {
+    static TAKEN: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting how often this thread asks it for memory.
+struct Counting;
+
+// SAFETY: everything is passed on to the system's allocator as it comes.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        TAKEN.set(TAKEN.get() + 1);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often `job` asks for memory, the second time it is done.
+fn taken<T>(mut job: impl FnMut() -> T) -> usize {
+    job();
+    let before = TAKEN.get();
+    job();
+    TAKEN.get() - before
+}
+
+const TWIST: Twist = Twist {
+    vx: 0.1,
+    vy: 0.0,
+    omega: 0.05,
+};
+
+/// Six wheels with every kind of range, a swerve drive that turns all the way, and no steering at all.
+fn rovers() -> Result<Vec<Rover>, Error> {
+    let dimensions = [0.4, 0.5, 0.5, 0.45];
+    let places = [[0.4, 0.3], [0.4, -0.3], [-0.4, 0.3], [-0.4, -0.3]];
+    Ok(vec![
+        Rover::six_wheel(dimensions, 0.15, SteeringRange::default())?,
+        Rover::six_wheel(dimensions, 0.15, SteeringRange::symmetric(1.0)?)?,
+        Rover::swerve(&places, None, 0.1, SteeringRange::symmetric(3.2)?)?,
+        Rover::mecanum(0.3, 0.2, 0.1, 0.8)?,
+    ])
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(taken(|| vec![0.0; 100]), 1);
+}
+
+#[test]
+fn one_call_takes_no_memory() -> Result<(), Error> {
+    for rover in rovers()? {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; wheels]);
+        let previous = vec![0.2; joints];
+        let inputs = Inputs {
+            previous: Some(&previous),
+            ..Inputs::default()
+        };
+        for inputs in [Inputs::default(), inputs] {
+            let plain = || rover.inverse(TWIST, inputs, &mut steering, &mut speeds);
+            assert_eq!(taken(plain), 0);
+            let quick = || batch::inverse_one(&rover, TWIST, inputs, &mut steering, &mut speeds);
+            assert_eq!(taken(quick), 0);
+        }
+        batch::inverse_one(&rover, TWIST, inputs, &mut steering, &mut speeds)?;
+        let measured = Measured {
+            steering: &steering,
+            speeds: &speeds,
+            steering_rates: None,
+        };
+        assert_eq!(taken(|| rover.forward(measured, Unseen::Refuse)), 0);
+        assert_eq!(
+            taken(|| batch::forward_one(&rover, measured, Unseen::Refuse)),
+            0
+        );
+        let (mut residual, mut weights) = (vec![0.0; wheels], vec![0.0; wheels]);
+        for method in [Method::LeastSquares, Method::Robust] {
+            let fit = || {
+                rover.fit(
+                    measured,
+                    method,
+                    Unseen::Refuse,
+                    &mut residual,
+                    &mut weights,
+                )
+            };
+            assert_eq!(taken(fit), 0, "{method:?}");
+        }
+        assert_eq!(taken(|| rover.check(TWIST, None)), 0);
+        assert_eq!(taken(|| batch::check_one(&rover, TWIST)), 0);
+        assert_eq!(taken(|| rover.project(TWIST, Keep::Curvature)), 0);
+        assert_eq!(
+            taken(|| batch::project_one(&rover, TWIST, Keep::Curvature)),
+            0
+        );
+    }
+    Ok(())
+}
+
+/// What a batch takes does not grow with its rows: its plan, at the vector levels.
+#[test]
+fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
+    for level in Level::available() {
+        let workers = Workers {
+            level,
+            threads: 1,
+            fresh: false,
+        };
+        for rover in rovers()? {
+            let counts = [9, 1000].map(|rows| {
+                let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+                let mut twists = vec![<[f64; 3]>::from(TWIST); rows];
+                let (mut steering, mut speeds) =
+                    (vec![0.0; rows * joints], vec![0.0; rows * wheels]);
+                let inverse = taken(|| {
+                    let inputs = Inputs::default();
+                    batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
+                });
+                let log = Log {
+                    steering: &steering,
+                    speeds: &speeds,
+                    steering_rates: None,
+                };
+                let forward =
+                    taken(|| batch::forward(&rover, log, Unseen::Refuse, &mut twists, workers));
+                [inverse, forward]
+            });
+            assert_eq!(counts[0], counts[1], "{level:?}");
+            if level == Level::Plain {
+                assert_eq!(counts[0], [0, 0]);
+            }
+        }
+    }
+    Ok(())
+}
