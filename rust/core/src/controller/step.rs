@@ -148,8 +148,12 @@ impl Controller {
             Route::Stay | Route::Align => 0.0,
         };
         reasons |= bridle.reasons;
-        reasons |= self.turn_on(goal, dt);
+        let turning = self.turn_on(goal, dt);
         reasons |= self.change_speed(target, bridle, dt);
+        // Without joints a direction that still turns at rest is nothing.
+        if !(self.joints.is_empty() && self.at_rest() && self.route == Route::Stay) {
+            reasons |= turning;
+        }
         self.set_speeds();
         let exact = matches!(self.route, Route::Along { .. }) && self.speed == Motion::at(target);
         self.twist = match goal.filter(|_| exact && share == 1.0) {
