@@ -93,8 +93,10 @@ def candidates(catalogue: Catalogue) -> list[tuple[str, ...]]:
         radii.remove(("side_radii",))  # the same as one per wheel
     if len(catalogue.find(["wheel_radii"])) < 2:
         radii = [("wheel_radius",)]
-    if "roller_angle" in names:
-        shapes: list[tuple[str, ...]] = [("arm_length",), ("arm_length", "roller_angle")]
+    if catalogue.has_rollers:
+        shapes: list[tuple[str, ...]] = [("arm_length",)]
+        if "roller_angle" in names:
+            shapes.append(("arm_length", "roller_angle"))
     elif "steering_offset" in names:
         lengths = tuple(name for name in ("wheelbase", "track_width") if name in names)
         shapes = [(*lengths, "steering_offset"), (*lengths, "steering_offset", "steering_gain")]

@@ -84,6 +84,11 @@ class Catalogue:
         }
 
     @property
+    def has_rollers(self) -> bool:
+        """Whether wheels roll sideways too: then how far out they are counts, not along or across."""
+        return any(wheel.roller_angle is not None for wheel in self._rover.wheels)
+
+    @property
     def names(self) -> list[str]:
         """Every name `find` knows for this rover."""
         singles = [member.name for group in self._groups.values() for member in group()]
