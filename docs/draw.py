@@ -8,7 +8,19 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, plot, profiles, reference
+from six_wheel import (
+    FourAxle,
+    FourAxleState,
+    RockerBogie,
+    Rover,
+    Wheel,
+    optiodom,
+    plot,
+    profiles,
+    reference,
+)
+from six_wheel._calibrating import before_and_after, calibrate_files
+from six_wheel._log_files import example_run
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -86,6 +98,12 @@ def transitions() -> Figure:
     return figure
 
 
+def calibration() -> Figure:
+    """What `six-wheel calibrate --example --plot` draws."""
+    run = example_run()
+    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
@@ -93,6 +111,7 @@ def main() -> None:
     }
     figures["four_axle"] = four_axles()
     figures["transitions"] = transitions()
+    figures["calibration"] = calibration()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)

@@ -16,55 +16,12 @@ pytest.importorskip("typer")
 pytest.importorskip("rich")
 pytest.importorskip("pyarrow")
 
+from cli_runs import ROVER, Run
+
 import six_wheel as sw
-from six_wheel import __main__, __version__, cli
+from six_wheel import __main__, __version__, _cli_shared, cli
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-ROVER = """\
-traction_joints: [front_left, front_right, middle_left, middle_right, rear_left, rear_right]
-steering_joints: [turn_front_left, turn_front_right, turn_rear_left, turn_rear_right]
-d1: 0.4
-d2: 0.5
-d3: 0.5
-d4: 0.45
-wheel_radius: 0.15
-steering_limit: 1.0
-"""
-COMMANDS = "time,vx,omega\n0,0.5,0\n1,0.5,0.2\n2,0.5,0\n3,0,0\n"
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run a command in a folder of its own: exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-    Path("rover.yaml").write_text(ROVER)
-    Path("commands.csv").write_text(COMMANDS)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        code = __main__.main(arguments)
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
-
-
-@pytest.fixture
-def refused(run: Run) -> Callable[..., str]:
-    """Run a command that must fail: one line on stderr, nothing on stdout, exit code 2, no new files."""
-
-    def refused(*arguments: str) -> str:
-        before = sorted(Path().iterdir())
-        code, out, err = run(*arguments)
-        assert (code, out) == (2, "")
-        assert sorted(Path().iterdir()) == before
-        assert err.count("\n") == 1
-        assert err.startswith("six-wheel: ")
-        return err.removeprefix("six-wheel: ").rstrip("\n")
-
-    return refused
-
 
 # --- help ------------------------------------------------------------------------------------------------
 
@@ -234,6 +191,22 @@ def test_drive_projects_on_request(run: Run, refused: Callable[..., str]) -> Non
     assert "keep must be one of" in refused("drive", "rover.yaml", "sideways.csv", "--keep", "all")
 
 
+def test_check_says_what_the_limits_leave(run: Run) -> None:
+    limits = "{speed: 0.6, deceleration: 0.5, yaw_rate: 1.8, wheel_speed: 2.0, steering_rate: 0.5}"
+    Path("limited.yaml").write_text(ROVER + f"limits: {limits}\n")
+    code, out, err = run("check", "limited.yaml", "--plot", "limits.png")
+    assert (code, err) == (0, "")
+    assert re.search(r"top speed +0\.3 m/s, bound by wheel speed", out)  # 2 rad/s at 0.15 m
+    assert re.search(r"time to full lock +2 s", out)  # 1 rad
+    assert re.search(r"stopping distance +0\.09 m in 0\.6 s", out)  # v^2 / 2a
+    assert Path("limits.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_draws_no_picture_of_unlimited_motion(run: Run, refused: Callable[..., str]) -> None:
+    assert "limits must bound every motion" in refused("check", "rover.yaml", "--plot", "limits.png")
+    assert not Path("limits.png").exists()
+
+
 def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     Path("limited.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0}\n")
     code, out, err = run("drive", "limited.yaml", "commands.csv")
@@ -290,8 +263,8 @@ def test_progress_is_shown_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPat
 
     screen = io.StringIO()
     console = Console(file=screen, force_terminal=True, width=100)
-    monkeypatch.setattr(cli, "_console", lambda stderr=False: console)
-    monkeypatch.setattr(cli, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr(_cli_shared, "new_console", lambda stderr=False: console)
+    monkeypatch.setattr(_cli_shared, "PROGRESS_AFTER", 0.0)
     run("drive", "rover.yaml", "commands.csv", "--chunk-rows", "1")
     assert "driving commands.csv" in screen.getvalue()
     assert "100%" in screen.getvalue()

@@ -20,4 +20,5 @@ from six_wheel.reference.rover import Rover
 from six_wheel.reference.wheels import InfeasibleMotionError, UnderdeterminedError, Wheel
 
 __all__ = ["Fit", "InfeasibleMotionError", "Mobility", "Rover", "UnderdeterminedError", "Wheel"]
-__all__ += ["controller", "compose", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost", "wrap_angle"]
+__all__ += ["compose", "controller", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost"]
+__all__ += ["wrap_angle"]

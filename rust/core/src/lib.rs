@@ -12,8 +12,9 @@
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
 //! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
-//! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`controller`] (limits, steps),
-//! [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
+//! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`profiles`] (values over time,
+//! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
+//! pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;

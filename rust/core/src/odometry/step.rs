@@ -215,6 +215,11 @@ fn errors(
     let mut gradients = Spread::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
+    // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
+    let furthest = linearised
+        .readings
+        .iter()
+        .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
     let shares_wheels = |i: usize| {
         let steered = rover.steered().len();
         motion.from_rates.then_some(steered + i)
@@ -262,7 +267,7 @@ fn errors(
         rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));
         let bound = match rules.slip_threshold {
             Some(threshold) => threshold * dt,
-            None => SUSPICIOUS * variance.sqrt() + ROUNDING * reading.rolled.abs(),
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
         };
         slips |= slid[i] > bound;
     }
