@@ -1,4 +1,4 @@
-"""Drives that never were: any rover along a wandering path, its encoders and its truth, with known dimensions."""
+"""Drives that never were: any rover along a wandering path, its encoders and its truth."""
 
 import numpy as np
 
@@ -12,10 +12,12 @@ def wander(seed: int, seconds: float, *, straight: bool = False) -> np.ndarray:
     """Smooth twists (n, 3) around 0.2 m/s that turn both ways."""
     random = np.random.default_rng(seed)
     time = np.arange(round(seconds / DT) + 1) * DT
-    waves = [
-        sum(random.normal() * np.sin(2.0 * np.pi * time / random.uniform(4.0, 20.0) + random.uniform(0.0, 6.0)) for _ in range(3))
-        for _ in range(3)
-    ]  # fmt: skip
+
+    def wave() -> np.ndarray:
+        height, period, phase = random.normal(), random.uniform(4.0, 20.0), random.uniform(0.0, 6.0)
+        return height * np.sin(2.0 * np.pi * time / period + phase)
+
+    waves = [wave() + wave() + wave() for _ in range(3)]
     twists = np.column_stack((0.2 + 0.04 * waves[0], 0.08 * waves[1], 0.35 * waves[2]))
     return twists * (1.0, 0.0, 0.0) if straight else twists
 
@@ -51,6 +53,8 @@ def drive(
     angles = np.round(angles / resolution) * resolution
     angles[:, [not wheel.driven for wheel in rover.wheels]] = np.nan
     stamps = np.arange(len(poses)) * DT
-    tracked = sw.compose(poses, np.broadcast_to(sensor, poses.shape)) + noise * random.normal(size=poses.shape)
+    tracked = sw.compose(poses, np.broadcast_to(sensor, poses.shape)) + noise * random.normal(
+        size=poses.shape
+    )
     steering = commanded if commanded.shape[1] else None
     return Log(stamps, steering, angles, Truth(stamps + offset, tracked), f"drive {seed}", session)

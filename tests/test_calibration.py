@@ -83,8 +83,8 @@ def test_derivatives_are_those_of_finite_differences(name):
         change[:, 2] = sw.wrap_angle(change[:, 2])
         numeric = change / (2.0 * step[number])
         # Central differences: rounding of 1e-16 m over a step of 1e-5 of the parameter.
-        scale = np.abs(numeric).max() + 1e-3
-        assert_allclose(by[:, :, number], numeric, atol=1e-7 * scale, err_msg=parameter.name)
+        atol = 1e-7 * np.abs(numeric).max() + 1e-15 / step[number]
+        assert_allclose(by[:, :, number], numeric, atol=atol, err_msg=parameter.name)
     assert errors.shape == (len(prepared.rows), 3)
 
 
@@ -107,12 +107,13 @@ def test_any_vehicle_gets_its_dimensions_back(name):
     nominal, true, wanted = VEHICLES[name]
     groups = ["wheel_radii" if key.startswith("wheel_radius[") else key.partition("[")[0] for key in wanted]
     result = quick(nominal, [drive(true, seed) for seed in range(3)], list(dict.fromkeys(groups)))
-    assert result.converged and result.observability.complete
+    assert result.converged
+    assert result.observability.complete
     for key, value in wanted.items():
         found = result[key]
         # Rounded counts and rounded steering leave a trace of their own: ten micrometres per metre.
         assert found.value == pytest.approx(value, abs=max(3.0 * found.std, 2e-5)), key
-        assert found.std < 1e-3
+        assert found.std < 0.02 * value if value > 0.04 else found.std < 1e-3
     for wheel, like in zip(result.rover.wheels, true.wheels, strict=True):
         if wheel.driven:
             assert wheel.radius == pytest.approx(like.radius, rel=1e-4)
@@ -164,7 +165,7 @@ def test_a_drive_that_slips_needs_a_robust_loss():
 
 @pytest.mark.parametrize("seed", range(max(6, SOAK)))
 def test_intervals_hold_the_truth(seed):
-    """Noise as the model has it: at least what a normal distribution would miss once in three runs is not missed."""
+    """With noise of no memory, as the formula has it, and not by being too wide to be of use."""
     true = sw.Rover.differential(0.21, 0.041)
     logs = [drive(true, 10 * seed + part, 40.0, noise=1e-3, resolution=0.02) for part in range(4)]
     result = quick(PAIR, logs, ["wheel_radius", "track_width"], confidence=0.99)
@@ -183,7 +184,9 @@ def test_a_straight_run_cannot_identify_the_track():
     result = quick(PAIR, logs, ["wheel_radius", "track_width"])
     assert result["wheel_radius"].value == pytest.approx(0.041, rel=1e-3)
     track = result["track_width"]
-    assert track.value == 0.2 and not track.identified and math.isnan(track.std)
+    assert track.value == 0.2
+    assert not track.identified
+    assert math.isnan(track.std)
     assert not result.observability.complete
     assert "track_width stays at its nominal 0.2 m: a straight run cannot identify it" in repr(result)
     assert "not identified" in result.to_markdown()
@@ -215,11 +218,17 @@ def test_auto_takes_no_more_than_the_drives_support():
     steps: list[tuple[int, int, str]] = []
     result = calibrate(PAIR, logs, progress=lambda *step: steps.append(step))
     table = result.cross_validation
-    assert table is not None and table.kind == "session" and len(table.folds) == 3
-    assert result.chosen == ("wheel_radius", "track_width")  # the wheels are alike, the truth looks straight on
+    assert table is not None
+    assert table.kind == "session"
+    assert len(table.folds) == 3
+    assert result.chosen == (
+        "wheel_radius",
+        "track_width",
+    )  # the wheels are alike, the truth looks straight on
     assert table.best.score < 0.1
     assert "| **wheel_radius, track_width** | 2 |" in result.to_markdown()
-    assert steps[0][0] == 0 and all(done <= total for done, total, _ in steps)
+    assert steps[0][0] == 0
+    assert all(done <= total for done, total, _ in steps)
     assert steps[-1][:2] == (1, 1)
 
 
@@ -272,7 +281,8 @@ def test_what_cannot_be_calibrated_is_refused():
     with pytest.raises(ValueError, match="stamps must grow"):
         Truth([0.0, 0.0], np.zeros((2, 3)))
     assert quick(PAIR, blind, "wheel_radius", truth=log.truth)["wheel_radius"].identified
-    assert "track_width" in parameter_names(PAIR) and "steering_gain" in parameter_names(tricycle)
+    assert "track_width" in parameter_names(PAIR)
+    assert "steering_gain" in parameter_names(tricycle)
 
 
 # --- real recordings -------------------------------------------------------------------------------------
@@ -281,9 +291,11 @@ def test_what_cannot_be_calibrated_is_refused():
 def test_the_run_that_comes_along():
     rover, log = optiodom.example()
     result = calibrate(rover, log)
-    assert result.runs[0].before > 0.25 and result.runs[0].after < 0.02
+    assert result.runs[0].before > 0.25
+    assert result.runs[0].after < 0.02
     assert -0.024 < result["steering_offset[front]"].value < -0.016
-    assert result.cross_validation is not None and result.cross_validation.kind == "part"
+    assert result.cross_validation is not None
+    assert result.cross_validation.kind == "part"
 
 
 def logs_of(robot):
@@ -294,37 +306,54 @@ def ate(rover, log):
     return evaluation.absolute_error(reckon(rover, log), log.truth.poses).rmse
 
 
+# What cross-validation chooses on all recordings of a robot; `make soak` asks it again.
+CHOSEN = {
+    "diff": ("wheel_radii", "track_width", "origin_yaw"),
+    "tricyc": ("wheel_radius", "wheelbase", "steering_offset", "origin_yaw"),
+    "omni3": ("wheel_radii", "arm_length", "origin"),
+    "omni4": ("side_radii", "arm_length"),
+}
+
+
 @REQUIRED
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_recordings_of_other_days(robot):
     """A fit on all sessions, and on all but one tried on that one; with plain dead reckoning throughout."""
     pairs = logs_of(robot)
-    logs = [log for _, log in pairs]
-    nominal = pairs[0][0]
-    result = calibrate(nominal, logs)
-    table = result.cross_validation
+    logs, nominal = [log for _, log in pairs], pairs[0][0]
+    if SOAK:
+        result = calibrate(nominal, logs)
+        print(f"\n{result.to_markdown()}")
+        assert result.chosen == CHOSEN[robot]
+    else:
+        result = quick(nominal, logs, CHOSEN[robot])
     published = np.median([run["calibrated"]["ate_first"] for run in RUNS[robot]])
     fitted = np.median([ate(result.rover, log) for log in logs])
     sessions = np.array([log.session for log in logs])
     before = np.array([ate(rover, log) for rover, log in pairs])
     after = np.empty(len(logs))
     for session in dict.fromkeys(sessions):
-        kept = [log for log in logs if log.session != session]
-        held = calibrate(nominal, kept, parameters=result.chosen, cross_validation=False).rover
+        held = quick(nominal, [log for log in logs if log.session != session], CHOSEN[robot]).rover
         for row in np.flatnonzero(sessions == session):
             after[row] = ate(held, logs[row])
     by_session = {
-        str(name): (np.median(before[sessions == name]), np.median(after[sessions == name])) for name in dict.fromkeys(sessions)
-    }  # fmt: skip
-    print(f"\n{result}\nfitted {fitted:.4f}, published {published:.4f} m; one session out {np.median(after):.4f} m")
+        str(name): [float(np.median(errors[sessions == name])) for errors in (before, after)]
+        for name in dict.fromkeys(sessions)
+    }
+    print(
+        f"\n{result}\nfitted {fitted:.4f}, published {published:.4f} m",
+        f"one session left out {np.median(after):.4f} m",
+    )
     print({name: f"{old:.4f} -> {new:.4f}" for name, (old, new) in by_session.items()})
-    assert table is not None and table.kind == "session"
     if robot == "diff":
-        assert fitted <= published and np.median(after) <= 0.016
+        assert fitted <= published
+        assert np.median(after) <= 0.016
     elif robot == "tricyc":
-        assert fitted <= published and np.median(after) <= 0.060
+        assert fitted <= published
+        assert np.median(after) <= 0.060
     elif robot == "omni3":
-        assert fitted <= published and all(new <= old for old, new in by_session.values())
+        assert fitted <= published
+        assert all(new <= old for old, new in by_session.values())
     else:
         assert np.median(after) < np.median(before)
 
@@ -341,6 +370,8 @@ def test_intervals_of_one_session_hold_the_pooled_value(robot, parameters):
     held = []
     for session in dict.fromkeys(log.session for log in logs):
         alone = quick(pairs[0][0], [log for log in logs if log.session == session], parameters)
-        held += [low <= value <= high for value, (low, high) in zip(pooled.values, alone.intervals, strict=True)]
+        held += [
+            low <= value <= high for value, (low, high) in zip(pooled.values, alone.intervals, strict=True)
+        ]
     print(f"\n{robot}: {sum(held)} of {len(held)}")
     assert sum(held) >= 0.85 * len(held)

@@ -276,7 +276,12 @@ BAD = {
     "NaN": ((0.0, 0.0), (1.0, math.nan), 0.2, "wheel_angles must be finite"),
     "infinity": ((0.0, 0.0), (1.0, math.inf), 0.2, "wheel_angles must be finite"),
     "NaN steering": ((math.nan, 0.0), (1.0, 1.0), 0.2, "steering must be finite"),
-    "too fast": ((0.0, 0.0), (900.0, 900.0), 0.2, "wheel_angles must keep a at a rim speed of 2 m/s at most, got"),
+    "too fast": (
+        (0.0, 0.0),
+        (900.0, 900.0),
+        0.2,
+        "wheel_angles must keep a at a rim speed of 2 m/s at most, got",
+    ),
     "too quick": ((1.5, 0.0), (1.0, 1.0), 0.2, "steering must keep a at a steering rate of 3 rad/s at most"),
     "not enough": ((0.0, 0.0), (1.0,), 0.2, r"wheel_angles must have shape \(\.\.\., 2\), got shape \(1,\)"),
     "too much": ((0.0, 0.0), ((1.0, 1.0),) * 3, 0.2, r"wheel_angles must have shape \(2,\)"),
@@ -420,6 +425,14 @@ def test_values_are_values():
 def test_options_that_make_no_sense(options, message):
     with pytest.raises(ValueError, match=message):
         sw.Odometry(VEHICLES["six_wheel"], **options)
+
+
+def test_a_rover_that_steers_says_how():
+    rover, message = VEHICLES["six_wheel"], "steering must hold the angles of the steered wheels, got None"
+    with pytest.raises(ValueError, match=message):
+        sw.Odometry(rover).update(None, np.zeros(6), 0.0)
+    with pytest.raises(ValueError, match=message):
+        sw.dead_reckon(rover, None, np.zeros((1, 6)), [0.0])
 
 
 def test_huge_readings_are_refused_not_infinite():

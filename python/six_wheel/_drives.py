@@ -1,4 +1,4 @@
-"""Logs made ready for a calibration: rates between rows, windows over the drive, and the truth at their ends."""
+"""Logs made ready for a calibration: rates between rows, windows, and the truth at their ends."""
 
 import math
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ class Drive:
     """One log: readings between its rows, the windows that compare it with the truth.
 
     `stamps` (n,) are those of the rows kept; `dt` (n - 1,), `speeds` (n - 1, wheels) and `steering`
-    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `lengths` (m,) which
-    length each has and `blocks` (m,) in which third of the drive it lies.
+    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `lengths` (m,)
+    which length each has and `blocks` (m,) in which third of the drive it lies.
     """
 
     name: str
@@ -151,7 +151,7 @@ def default_lengths(rover: Rover) -> Floats:
 
 
 def _windows(along: Floats, known: Rows, lengths: Floats, shortest: float) -> tuple[Rows, Rows]:
-    """Windows of every length, beginning at even distances; all of the drive where it is shorter than that."""
+    """Windows of every length, at even distances; all of the drive where it is shorter than that."""
     if len(known) < 2:
         return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
     path = along[known]

@@ -38,6 +38,7 @@ from six_wheel._drawing import (
 )
 from six_wheel._drive_plot import drive_figure
 from six_wheel._four_axle_plot import four_axle_figure
+from six_wheel._limits_plot import limits_figure
 from six_wheel._track_plot import residual_figure, track_figure
 
 __all__ = [
@@ -45,6 +46,7 @@ __all__ = [
     "draw_rover",
     "drive_figure",
     "four_axle_figure",
+    "limits_figure",
     "path_figure",
     "residual_figure",
     "save",

@@ -155,6 +155,15 @@ fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
     Ok(matrix)
 }
 
+/// None is what a rover says that does not steer.
+fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
+    if joints == 0 {
+        return Ok(None);
+    }
+    let rule = "hold the angles of the steered wheels";
+    Err(refuse("steering", rule, "None"))
+}
+
 impl Odometry {
     /// The readings of one joint kind, a single row.
     fn row<'py>(
@@ -162,8 +171,8 @@ impl Odometry {
         value: &Bound<'py, PyAny>,
         width: usize,
     ) -> PyResult<Option<Rows<'py>>> {
-        if width == 0 && value.is_none() {
-            return Ok(None);
+        if value.is_none() && argument == "steering" {
+            return steering_left_out(width);
         }
         let rows = Rows::read(argument, value, width)?;
         if rows.is_single() {
@@ -354,8 +363,8 @@ impl Odometry {
         let (count, joints) = (self.wheels(), self.joints());
         let wheels = Rows::read_table("wheel_angles", wheel_angles, count)?;
         let leading = wheels.leading.as_slice();
-        let steering = if steering.is_none() && joints == 0 {
-            None
+        let steering = if steering.is_none() {
+            steering_left_out(joints)?
         } else {
             Rows::read_beside("steering", Some(steering), joints, leading)?
         };

@@ -55,8 +55,10 @@ fn spatial<'py>(
             matrix[PLACES[i]][PLACES[k]] = *value;
         }
     }
-    for i in 2..5 {
-        matrix[i][i] = unmeasured;
+    for (i, row) in matrix.iter_mut().enumerate() {
+        if !PLACES.contains(&i) {
+            row[i] = unmeasured;
+        }
     }
     PyArray1::from_slice(py, matrix.as_flattened()).reshape([6, 6])
 }

@@ -157,7 +157,10 @@ impl Controller {
         self.set_speeds();
         let exact = matches!(self.route, Route::Along { .. }) && self.speed == Motion::at(target);
         self.twist = match goal.filter(|_| exact && share == 1.0) {
-            Some(goal) => goal.twist,
+            Some(goal) => {
+                reasons = 0; // met, whatever it took
+                goal.twist
+            }
             None if self.speed.value == 0.0 => Twist::ZERO,
             None => Twist::from(self.direction() * self.speed.value),
         };
