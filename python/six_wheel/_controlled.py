@@ -41,6 +41,10 @@ class Loop:
     rate: float | None = None
     control: Mapping[str, Any] = field(default_factory=dict)
 
+    def option(self, name: str) -> Any:
+        """A keyword of the controller: as given, or else its default."""
+        return self.control.get(name, inspect.signature(Controller).parameters[name].default)
+
     def start(self, rover: Rover) -> tuple[Controller, float]:
         """The controller at rest, and its rate [Hz].
 
@@ -56,8 +60,7 @@ class Loop:
             rate = float(self.rate)
         if not (math.isfinite(rate) and rate > 0.0):
             raise ValueError(f"rate must be finite and positive, got {rate:g}")
-        usual = inspect.signature(Controller).parameters["max_step"].default
-        longest = self.control.get("max_step", usual)
+        longest = self.option("max_step")
         if rate * longest < 1.0:
             rule = f"at least {1.0 / longest:g} Hz: a step counts for at most max_step={longest:g} s"
             raise ValueError(f"rate must be {rule}, got {rate:g}")
@@ -108,7 +111,7 @@ class ControlledDrive(Engine):
     ) -> None:
         super().__init__(rover, time_unit, keep)
         self._controller, self._rate = loop.start(rover)
-        self.limits, self._endless = loop.limits, loop.control.get("timeout", 0.0) is None
+        self.limits, self._timeout = loop.limits, loop.option("timeout")
         self.summary.rate = self._rate
         self._block_rows = min(block_rows, BLOCK_ROWS)
         self.course = Course(6 + 2 * len(self._steered) + len(self._wheels))
@@ -118,7 +121,7 @@ class ControlledDrive(Engine):
         self._rows = np.empty(0, np.int64)
         self._commanded, self._row = np.zeros(3), 1
         self._start: Any = None
-        self._last = 0.0
+        self._last = self._longest = 0.0
         self._step = 0
 
     def _more_columns(self) -> dict[str, str]:
@@ -149,7 +152,7 @@ class ControlledDrive(Engine):
             most = f"{MOST_STEPS / self._rate:g} s ({MOST_STEPS:,} steps)"
             rule = f"time must be less than {most} after the row before"
             raise RowError(chunk.first_row + k, f"{rule}, got {gaps[k]:g} s")
-        self._last = float(stamps[-1])
+        self._last, self._longest = float(stamps[-1]), max(self._longest, float(gaps.max()))
         steps = np.rint(stamps * self._rate)
         stamps = np.where(np.abs(stamps - steps / self._rate) <= self._snap, steps / self._rate, stamps)
         self._stamps = np.concatenate([self._stamps, stamps])
@@ -165,9 +168,14 @@ class ControlledDrive(Engine):
         RowError
             If that takes too long.
         """
+        if self._timeout is not None and self._longest > self._timeout + self._snap:
+            self.summary.warnings.append(
+                f"commands are up to {self._longest:g} s apart, longer than the timeout of "
+                f"{self._timeout:g} s: meanwhile the rover stops"
+            )
         last = self._first_step(float(self._stamps[-1]))
         yield from self._go(last + 1)
-        if self._endless:
+        if self._timeout is None:
             self._stamps = np.append(self._stamps, (last + 1) / self._rate)
             self._twists = np.vstack([self._twists, np.zeros(3)])
             self._rows = np.append(self._rows, self._row)

@@ -183,8 +183,8 @@ def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) 
     if finite and not near:
         words = f"limits {', '.join(f'{line:.3g}' for line in finite)}, outside the picture"
         axes.annotate(
-            words, (1, 1), (-4, -3), "axes fraction", "offset points",
-            ha="right", va="top", fontsize=7, color=SOFT,
+            words, (1, 1), (0, 1), "axes fraction", "offset points",
+            ha="right", va="bottom", fontsize=7, color=SOFT,
         )  # fmt: skip
 
 
