@@ -74,7 +74,7 @@ impl ControllerRun {
 #[pymethods]
 impl ControllerRun {
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.reasons.bind(py).as_any().len()?)
+        self.reasons.bind(py).as_any().len()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
