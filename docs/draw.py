@@ -110,7 +110,7 @@ def calibration() -> Figure:
 def driven() -> Figure:
     """What `six-wheel drive --plot` draws: a straight, a left turn, a tighter right turn, a stop."""
     rover, _ = VEHICLES["six_wheel"]
-    limits = Limits(
+    bounds = Limits(
         speed=0.8, yaw_rate=0.6, acceleration=0.5, jerk=2.0, angular_acceleration=1.0,
         wheel_speed=6.0, wheel_acceleration=10.0, steering_rate=1.0, steering_acceleration=4.0,
     )  # fmt: skip
@@ -118,11 +118,18 @@ def driven() -> Figure:
     twists = np.zeros((len(times), 3))
     twists[:, 0] = np.select([times < 7.0, times < 9.4], [1.0, 0.3])
     twists[:, 2] = np.select([times < 2.0, times < 5.0, times < 7.0, times < 9.4], [0.0, 0.5, 0.0, -0.4])
-    engine = ControlledDrive(rover, TIME.units[0], Loop(limits))
+    engine = ControlledDrive(rover, TIME.units[0], Loop(bounds))
     rows = [*engine.blocks(Chunk(1, times, twists)), *engine.end()]
     assert rows
     shares = engine.summary.shares
-    return plot.drive_figure(rover, engine.course, *engine.trace.path(), limits=limits, shares=shares)
+    return plot.drive_figure(rover, engine.course, *engine.trace.path(), limits=bounds, shares=shares)
+
+
+def limits() -> Figure:
+    """What the Open Source Rover can do within limits, its wheels turning 70 degrees to either side."""
+    rover = Rover.preset("open_source_rover", steering_limit=math.radians(70.0))
+    bounds = Limits(speed=0.5, wheel_speed=8.0, lateral_acceleration=0.25)
+    return plot.limits_figure(rover, bounds, title="Open Source Rover, 70 degrees")
 
 
 def main() -> None:
@@ -134,6 +141,7 @@ def main() -> None:
     figures["transitions"] = transitions()
     figures["calibration"] = calibration()
     figures["drive"] = driven()
+    figures["limits"] = limits()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)
