@@ -21,9 +21,10 @@ from six_wheel import (
     reference,
 )
 from six_wheel._calibrating import before_and_after, calibrate_files
+from six_wheel._columns import TIME
 from six_wheel._log_files import example_run
 from six_wheel.drive import ControlledDrive, Loop
-from six_wheel.logs import TIME, Chunk
+from six_wheel.logs import Chunk
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100

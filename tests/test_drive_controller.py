@@ -15,9 +15,9 @@ csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
 from six_wheel import _controlled  # noqa: E402
+from six_wheel._columns import TableError  # noqa: E402
 from six_wheel._course import BINS, Course  # noqa: E402
 from six_wheel.drive import Loop, drive  # noqa: E402
-from six_wheel.logs import TableError  # noqa: E402
 
 ROUNDING = 1e-9  # relative: a difference of values with 1e-16 over a step of 1/200 s, and room
 RATE = 50.0

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from six_wheel import __version__
+from six_wheel._columns import TableError
 from six_wheel._core import Rover
 from six_wheel._log_files import AnyLog, LogOptions, read_log
 from six_wheel._mended import text_for
@@ -18,7 +19,6 @@ from six_wheel._poses import Floats, joined
 from six_wheel.calibration import Calibration, Estimate, calibrate
 from six_wheel.config import Parameters, parse_parameters
 from six_wheel.drive import replacing
-from six_wheel.logs import TableError
 from six_wheel.odometry import dead_reckon
 from six_wheel.recordings import Log
 

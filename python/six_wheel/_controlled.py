@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._columns import Unit
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel._course import Course
 from six_wheel._driving import Engine, Floats
 from six_wheel.controller import Reason
-from six_wheel.logs import Chunk, RowError, Unit
+from six_wheel.logs import Chunk, RowError
 
 RATE = 50.0  # [Hz] usual for rovers: what `Loop` steps at unless told otherwise
 SNAP = 1e-6  # [s] a stamp this near to a step is that of the step: tables write times in microseconds

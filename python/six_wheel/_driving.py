@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._columns import Unit
 from six_wheel._core import Rover, integrate
 from six_wheel.errors import InfeasibleMotionError
-from six_wheel.logs import Chunk, RowError, Unit
+from six_wheel.logs import Chunk, RowError
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
 TRACE_ROWS = 20_000

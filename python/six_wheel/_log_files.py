@@ -9,12 +9,13 @@ from typing import Any, Literal, Self, TypeAlias, get_args
 import numpy as np
 
 from six_wheel import optiodom
+from six_wheel._columns import TableError
 from six_wheel._core import Encoder, Rover
 from six_wheel._joint_columns import Reading
 from six_wheel._joint_tables import Findings
 from six_wheel._poses import Floats
 from six_wheel.joint_logs import BAGS, JointLog, JointRows, read_truth
-from six_wheel.logs import FORMATS, TableError
+from six_wheel.logs import FORMATS
 from six_wheel.recordings import Log, Truth
 
 __all__ = [

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from six_wheel._columns import TableError
 from six_wheel.drive import picture_path, replacing
-from six_wheel.logs import TableError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

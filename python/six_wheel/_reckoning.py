@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._columns import TableError
 from six_wheel._core import Noise, Odometry, Rover
 from six_wheel._log_files import AnyLog, LogOptions, corrections, open_log
 from six_wheel._pages import reporting
@@ -21,7 +22,7 @@ from six_wheel._slip_sum import SlipSum
 from six_wheel.drive import TableWriter, Trace, replacing
 from six_wheel.evaluation import Evaluation, evaluate
 from six_wheel.joint_logs import JointRows, read_truth
-from six_wheel.logs import TableError, table_format
+from six_wheel.logs import table_format
 from six_wheel.odometry import Health, SlipReport, Track
 from six_wheel.recordings import Truth
 

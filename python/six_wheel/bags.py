@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel._columns import TIME_UNITS, TableError
 from six_wheel._core import Rover
 from six_wheel._joint_columns import Reading, did_you_mean
 from six_wheel._joint_tables import Batch, Findings
-from six_wheel.logs import TIME_UNITS, TableError
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader

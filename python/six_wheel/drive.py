@@ -20,10 +20,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._columns import TableError, Unit
 from six_wheel._controlled import REASONS_METADATA, ControlledDrive, Loop
 from six_wheel._core import Rover
 from six_wheel._driving import TRACE_ROWS, Engine, Floats, Peak, Summary, Trace, by_row
-from six_wheel.logs import FORMATS, Chunk, CommandTable, RowError, TableError, Unit, table_format
+from six_wheel.logs import FORMATS, Chunk, CommandTable, RowError, table_format
 
 __all__ = [
     "TRACE_ROWS",
