@@ -20,14 +20,19 @@ pub use health::Health;
 pub use noise::Noise;
 pub use settings::{Readings, Settings};
 
+use crate::batch::single_step::{Given, Plan, SURELY, Targets};
 use crate::error::{Error, number, numbers};
 use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};
 use history::History;
+pub(crate) use spread::Spread;
+pub(crate) use state::HUGE;
 use state::{State, advance, check_covariance, meet_yaw};
+pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
 use step::{Motion, Workspace, shared_readings};
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
+pub(crate) use uncertainty::StepJacobian;
 use uncertainty::Uncertainty;
 
 /// What was read at one instant.
@@ -81,6 +86,8 @@ pub struct Odometry {
     residual: Vec<f64>,
     health: Health,
     work: Workspace,
+    /// How a usual step is made by registers, where it is.
+    plan: Option<Plan>,
     turned: Vec<f64>,
     angles: Vec<f64>,
     history: History,
@@ -115,6 +122,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, from_rates),
+            plan: settings.plan(&rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,
@@ -218,7 +226,65 @@ impl Odometry {
         self.take(sample).map_err(|refusal| refusal.error)
     }
 
+    #[inline]
     fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        match self.step(&sample) {
+            Some(slips) => Ok(self.conclude(&sample, Health::SLIP.when(slips), None)),
+            None => self.take_any(sample),
+        }
+    }
+
+    /// A usual sample by registers. Whether a wheel slips; nothing, and nothing has changed, where the sample is
+    /// none or may have to be refused.
+    #[inline]
+    fn step(&mut self, sample: &Sample<'_>) -> Option<bool> {
+        let (plan, reference, noise) = (self.plan.as_mut()?, &self.reference, &self.settings.noise);
+        let dt = sample.stamp - reference.stamp;
+        let is_usual = reference.known
+            && dt > 0.0
+            && dt.is_finite()
+            && sample.yaw_rate.is_none()
+            && sample.yaw.is_none_or(f64::is_finite);
+        if !is_usual {
+            return None;
+        }
+        let sharing = noise.sharing(dt);
+        let most = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| SURELY * limit * dt);
+        let uncertainty = &mut self.state.uncertainty;
+        let given = Given {
+            wheels: [&reference.wheels, sample.wheels],
+            steering: [&reference.steering, sample.steering],
+            angles: &reference.angles,
+            settled: uncertainty.settled,
+            heading: self.state.walk.heading.value(),
+            dt,
+            reading_variance: sharing * (noise.speed * dt).powi(2),
+            steering_deviation: sharing.sqrt() * noise.steering,
+            slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
+            slip_bound: self.settings.slip_threshold.map(|threshold| threshold * dt),
+            most: [
+                most(self.settings.max_speed),
+                most(self.settings.max_steering_rate),
+            ],
+        };
+        let targets = Targets {
+            turned: &mut self.turned,
+            angles: &mut self.angles,
+            residual: &mut self.residual,
+            carried: &mut uncertainty.carried,
+        };
+        let stepped = plan.step(given, targets)?;
+        uncertainty.follow(&stepped);
+        (self.work.noise.own, self.work.noise.ends) = (stepped.own, stepped.ends);
+        self.state
+            .go(stepped.jacobian.shift, stepped.displacement[2]);
+        self.state
+            .hold(stepped.twist.into(), dt, self.settings.smoothing);
+        Some(stepped.slips)
+    }
+
+    /// Any sample.
+    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample)
             .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
@@ -269,29 +335,35 @@ impl Odometry {
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
             *residual = slid / dt;
         }
+        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
+        Ok(self.conclude(&sample, flags, gyro_turn))
+    }
+
+    /// Takes a sample whose step has been made as the one from which the next one counts.
+    #[inline]
+    fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+        let reference = &mut self.reference;
+        let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
-        self.health = Health::GAP.when(is_gap)
-            | Health::WRAPPED.when(wrapped)
-            | Health::SLIP.when(self.work.slips);
-        self.reference.known = true;
-        self.reference.stamp = sample.stamp;
-        self.reference.yaw_rate = sample.yaw_rate;
-        self.reference.wheels.copy_from_slice(sample.wheels);
-        self.reference.steering.copy_from_slice(sample.steering);
-        self.reference.angles.copy_from_slice(&self.angles);
+        self.health = flags | Health::GAP.when(is_gap);
+        reference.stamp = sample.stamp;
+        reference.yaw_rate = sample.yaw_rate;
+        reference.wheels.copy_from_slice(sample.wheels);
+        reference.steering.copy_from_slice(sample.steering);
+        reference.angles.copy_from_slice(&self.angles);
         if let Some(yaw) = sample.yaw {
             self.meet_yaw(yaw);
         }
         self.suspect.clear();
         self.history.push(
-            sample,
+            *sample,
             dt,
             &self.angles,
             &self.turned,
             gyro_turn,
             &self.state,
         );
-        Ok(self.health)
+        self.health
     }
 
     fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {

@@ -1,5 +1,7 @@
 //! `six_wheel.OdometryState`.
 
+use std::ops::Deref;
+
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -17,14 +19,48 @@ pub struct OdometryState {
     velocity: [f64; 3],
     covariance: [[f64; 3]; 3],
     twist_covariance: [[f64; 3]; 3],
-    residual: Box<[f64]>,
+    residual: PerWheel,
     /// None where all count alike.
     weights: Option<Box<[f64]>>,
     health: u32,
     rover: Py<Rover>,
 }
 
+/// Wheels whose numbers are kept in the object itself.
+const FEW: usize = 8;
+
+/// One number per wheel.
+enum PerWheel {
+    Few([f64; FEW], usize),
+    Many(Box<[f64]>),
+}
+
+impl From<&[f64]> for PerWheel {
+    fn from(numbers: &[f64]) -> Self {
+        let mut few = [0.0; FEW];
+        match few.get_mut(..numbers.len()) {
+            Some(places) => {
+                places.copy_from_slice(numbers);
+                Self::Few(few, numbers.len())
+            }
+            None => Self::Many(numbers.into()),
+        }
+    }
+}
+
+impl Deref for PerWheel {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        match self {
+            Self::Few(numbers, count) => &numbers[..*count],
+            Self::Many(numbers) => numbers,
+        }
+    }
+}
+
 impl OdometryState {
+    #[inline]
     pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
         let alike = odometry.settings().method == Method::LeastSquares;
         Self {

@@ -1,0 +1,554 @@
+//! One step of odometry with its covariance: the lanes of a register are the wheels.
+//!
+//! Every wheel has two rows, each a constant times the cosine and the sine of where it points; for a wheel that is
+//! not steered these are 1 and 0. Where the normal equations are the same for all readings, so are the rows times
+//! their inverse: what a metre of rolling is of the displacement. Displacement, residuals and errors are sums of these.
+
+use super::forward::LARGEST_ROVER;
+use super::lanes::Lanes;
+use super::level::{Kernel, Level};
+use super::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
+use super::single::{Eight, GROUP, level, order, padded};
+use super::vector::Vector;
+use crate::odometry::{
+    Encoder, Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, StepJacobian, step_jacobian,
+};
+use crate::rover::{Mount, Rover};
+use nalgebra::Vector3;
+
+/// Half turn of a steered wheel during a step up to which its chord is the polynomial [rad].
+const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Way and turn of a wheel over one step beyond which it is left to the plain core [m, rad].
+const LARGEST_WAY: f64 = 1e50;
+
+/// Share of a bound that is surely below it, however it is rounded.
+pub(crate) const SURELY: f64 = 1.0 - 1e-9;
+
+/// The columns of joints come in whole registers, on every level that has this kernel.
+pub(crate) const COLUMNS: usize = 4;
+
+/// Three numbers per wheel.
+type Triple = [Eight; 3];
+
+/// What the kernel needs to know of a rover and its encoders, and its memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    level: Level,
+    groups: Vec<Group>,
+    order: Vec<usize>,
+    /// Angle of a wheel per count of its encoder [rad], by wheel.
+    per_count: Vec<f64>,
+    rooms: Vec<Room>,
+}
+
+/// Eight wheels.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    /// How many of them are steered.
+    steered: usize,
+    /// 1 for a steered wheel, 0 for another.
+    steers: Eight,
+    heading: Eight,
+    /// Angle of a joint per count of its encoder [rad].
+    per_count: Eight,
+    radius: Eight,
+    pivot: [Eight; 2],
+    /// The rows of a wheel that points ahead; to the left they are the second one and minus the first one.
+    rows: [Triple; 2],
+    /// What a metre along either row is of the displacement.
+    shares: [Triple; 2],
+    /// 1 for a wheel that has the row.
+    has: [Eight; 2],
+}
+
+/// What is kept of eight wheels between the two halves of a step.
+#[derive(Clone, Debug, Default)]
+struct Room {
+    shares: [Triple; 2],
+    rolled: Eight,
+    way: [Eight; 2],
+    slid: Eight,
+    variance: Eight,
+}
+
+impl Plan {
+    /// Nothing where the normal equations depend on the readings, a counter starts over, or the machine has no kernel.
+    pub fn new(
+        rover: &Rover,
+        wheel_encoder: impl Fn(usize) -> Encoder,
+        steering_encoder: impl Fn(usize) -> Encoder,
+    ) -> Option<Self> {
+        let level = level()?;
+        let solution = rover.solution?;
+        if rover.reading_bound > LARGEST_ROVER {
+            return None;
+        }
+        let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
+        let count = rover.wheels().len();
+        let order = order(rover);
+        let mut groups = vec![Group::default(); order.len().div_ceil(GROUP)];
+        for (k, &i) in order.iter().enumerate() {
+            let (wheel, group, lane) = (&rover.wheels()[i], &mut groups[k / GROUP], k % GROUP);
+            if wheel_encoder(i).modulus.is_some() {
+                return None;
+            }
+            let rows = match rover.mounts[i] {
+                Mount::Castor(_) => continue,
+                Mount::Fixed(rows) => [rows.rolling, rows.side_slip],
+                Mount::Steered(..) => {
+                    let encoder = steering_encoder(k);
+                    if encoder.modulus.is_some()
+                        || wheel.roller_angle.is_some()
+                        || wheel.heading.abs() > LARGEST_ANGLE / 2.0
+                    {
+                        return None;
+                    }
+                    group.steered += 1;
+                    group.steers[lane] = 1.0;
+                    group.heading[lane] = wheel.heading;
+                    group.per_count[lane] = encoder.angle_per_count();
+                    [
+                        Vector3::new(1.0, 0.0, -wheel.y),
+                        Vector3::new(0.0, 1.0, wheel.x),
+                    ]
+                }
+            };
+            group.radius[lane] = wheel.radius;
+            (group.pivot[0][lane], group.pivot[1][lane]) = (wheel.x, wheel.y);
+            for (which, row) in rows.into_iter().enumerate() {
+                group.has[which][lane] = f64::from(u8::from(row.x != 0.0 || row.y != 0.0));
+                let share = share(row);
+                for part in 0..3 {
+                    group.rows[which][part][lane] = row[part];
+                    group.shares[which][part][lane] = share[part];
+                }
+            }
+        }
+        Some(Self {
+            level,
+            rooms: vec![Room::default(); groups.len()],
+            groups,
+            order,
+            per_count: (0..count)
+                .map(|i| wheel_encoder(i).angle_per_count())
+                .collect(),
+        })
+    }
+
+    /// One step. Nothing has changed but the targets where the plain core has to do it.
+    #[inline]
+    pub fn step(&mut self, given: Given<'_>, targets: Targets<'_>) -> Option<Stepped> {
+        let level = self.level;
+        level.run(Step {
+            plan: self,
+            given,
+            targets,
+        })?
+    }
+}
+
+/// What a step starts from, and what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given<'a> {
+    /// Readings of the wheels at its start and end.
+    pub wheels: [&'a [f64]; 2],
+    /// Readings of the steering joints at its start and end.
+    pub steering: [&'a [f64]; 2],
+    /// Steering angles at its start [rad].
+    pub angles: &'a [f64],
+    /// Covariance at its start by what it does not share with steps before.
+    pub settled: Spread,
+    /// Yaw at its start, without whole turns [rad].
+    pub heading: f64,
+    /// Duration [s].
+    pub dt: f64,
+    /// Variance of what a wheel rolled, but for slip [m²].
+    pub reading_variance: f64,
+    /// Deviation of a steering angle [rad].
+    pub steering_deviation: f64,
+    /// Variance along and across a wheel's heading per metre of its pivot [m].
+    pub slip_variances: [f64; 2],
+    /// How far a wheel slides that is reported [m]; None: by the variances.
+    pub slip_bound: Option<f64>,
+    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad].
+    pub most: [f64; 2],
+}
+
+/// Where the results of a step go.
+#[derive(Debug)]
+pub(crate) struct Targets<'a> {
+    /// What every wheel turned [rad].
+    pub turned: &'a mut [f64],
+    /// Steering angles at the end [rad].
+    pub angles: &'a mut [f64],
+    /// Speed at which each contact slid [m/s].
+    pub residual: &'a mut [f64],
+    /// Columns of the joints' errors, changed at the very end.
+    pub carried: &'a mut [[f64; 3]],
+}
+
+/// A step that was made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stepped {
+    pub displacement: [f64; 3],
+    pub twist: [f64; 3],
+    pub jacobian: StepJacobian,
+    /// Covariance of the displacement by what errs in this step alone.
+    pub own: Spread,
+    /// The same by the readings at both ends.
+    pub ends: Spread,
+    /// Covariance at the end by what no step to come shares, and by the columns that are carried on.
+    pub settled: Spread,
+    pub carried: Spread,
+    /// Whether a wheel slid further than the noise explains.
+    pub slips: bool,
+}
+
+struct Step<'a> {
+    plan: &'a mut Plan,
+    given: Given<'a>,
+    targets: Targets<'a>,
+}
+
+/// Fused multiplication by the instruction of the level.
+struct Instruction;
+
+impl Fused for Instruction {
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+}
+
+/// Sum of the outer products of vectors, one in every lane.
+#[derive(Clone, Copy)]
+struct Squares<S: Vector>([Lanes<S>; 6]);
+
+impl<S: Vector> Squares<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self([Lanes::splat(simd, 0.0); 6])
+    }
+
+    #[inline(always)]
+    fn add(&mut self, [x, y, z]: [Lanes<S>; 3], share: Lanes<S>) {
+        self.add_product([x * share, y * share, z * share], [x, y, z]);
+    }
+
+    #[inline(always)]
+    fn add_square(&mut self, vector: [Lanes<S>; 3]) {
+        self.add_product(vector, vector);
+    }
+
+    #[inline(always)]
+    fn add_product(&mut self, [a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        self.0 = [
+            a.mul_add(x, xx),
+            a.mul_add(y, xy),
+            a.mul_add(z, xz),
+            b.mul_add(y, yy),
+            b.mul_add(z, yz),
+            c.mul_add(z, zz),
+        ];
+    }
+
+    #[inline(always)]
+    fn total(self) -> Spread {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        Spread::from([
+            xx.total(),
+            xy.total(),
+            xz.total(),
+            yy.total(),
+            yz.total(),
+            zz.total(),
+        ])
+    }
+}
+
+/// Registers of three columns.
+#[inline(always)]
+fn load<S: Vector>(simd: S, triple: &Triple, k: usize) -> [Lanes<S>; 3] {
+    let [x, y, z] = triple;
+    [
+        Lanes::load(simd, S::as_simd_f64s(x).0, k),
+        Lanes::load(simd, S::as_simd_f64s(y).0, k),
+        Lanes::load(simd, S::as_simd_f64s(z).0, k),
+    ]
+}
+
+#[inline(always)]
+fn store<S: Vector>([x, y, z]: [Lanes<S>; 3], triple: &mut Triple, k: usize) {
+    let [a, b, c] = triple;
+    x.store(S::as_mut_simd_f64s(a).0, k);
+    y.store(S::as_mut_simd_f64s(b).0, k);
+    z.store(S::as_mut_simd_f64s(c).0, k);
+}
+
+/// `a . b`.
+#[inline(always)]
+fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
+    c.mul_add(z, b.mul_add(y, a * x))
+}
+
+/// As many numbers as there is room for.
+#[inline(always)]
+fn put<S: Vector>(lanes: Lanes<S>, numbers: &mut [f64]) {
+    if let ([register, ..], _) = S::as_mut_simd_f64s(numbers) {
+        lanes.store(std::slice::from_mut(register), 0);
+        return;
+    }
+    let mut room = [0.0; GROUP];
+    lanes.store(S::as_mut_simd_f64s(&mut room).0, 0);
+    for (number, lane) in numbers.iter_mut().zip(room) {
+        *number = lane;
+    }
+}
+
+impl Kernel for Step<'_> {
+    type Output = Option<Stepped>;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Option<Stepped> {
+        let Self {
+            plan,
+            given,
+            mut targets,
+        } = self;
+        let displacement = displace(simd, plan, &given, &mut targets)?;
+        let twist = displacement.map(|part| part / given.dt);
+        let is_usual = displacement.iter().all(|part| part.abs() < HUGE)
+            && twist.iter().all(|part| part.is_finite());
+        if !is_usual {
+            return None;
+        }
+        let heading = sin_cos(simd, Lanes::splat(simd, given.heading));
+        let heading = [heading.0.last(simd), heading.1.last(simd)];
+        let jacobian = step_jacobian::<Instruction>(displacement.into(), heading);
+        let (own, slips) = doubt(simd, plan, &given, &mut targets, displacement);
+        if !own.is_below(HUGE) {
+            return None;
+        }
+        let [ends, met] = carry(simd, plan, &given, targets.carried, &jacobian);
+        let mut settled = given.settled.swung::<Instruction>(jacobian.lever());
+        settled.add_spread(&own.displaced::<Instruction>(&jacobian.by_displacement));
+        settled.add_spread(&met);
+        Some(Stepped {
+            displacement,
+            twist,
+            own,
+            ends: ends.doubled(),
+            settled,
+            carried: ends.displaced::<Instruction>(&jacobian.by_displacement),
+            jacobian,
+            slips,
+        })
+    }
+}
+
+/// The displacement in body axes; none where a reading is not of a usual size.
+#[inline(always)]
+fn displace<S: Vector>(
+    simd: S,
+    plan: &mut Plan,
+    given: &Given<'_>,
+    targets: &mut Targets<'_>,
+) -> Option<[f64; 3]> {
+    let splat = |number| Lanes::splat(simd, number);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let [most_way, most_turn] = [
+        splat(given.most[0].min(LARGEST_WAY)),
+        splat(given.most[1].min(2.0 * LARGEST_HALF_TURN)),
+    ];
+    let (largest, largest_angle) = (splat(LARGEST_WAY), splat(LARGEST_ANGLE / 4.0));
+    let [before, after] = given.wheels;
+    let pairs = before.iter().zip(after).zip(&plan.per_count);
+    for (turned, ((before, after), per_count)) in targets.turned.iter_mut().zip(pairs) {
+        *turned = (after - before) * per_count;
+    }
+    let mut unusual = one.below(zero);
+    let [mut x, mut y, mut z] = [zero; 3];
+    let mut order = plan.order.chunks(S::F64_LANES);
+    let mut joints = 0;
+    for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
+        for k in 0..GROUP / S::F64_LANES {
+            let Some(wheels) = order.next() else { break };
+            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
+            let mut turns = [0.0; GROUP];
+            for (place, &i) in turns.iter_mut().zip(wheels) {
+                *place = targets.turned.get(i).copied().unwrap_or(f64::NAN);
+            }
+            let turned = Lanes::load(simd, S::as_simd_f64s(&turns).0, 0);
+            let mut rolled = turned * column(&group.radius);
+            unusual = unusual | !rolled.abs().at_most(most_way) | !turned.abs().at_most(largest);
+            let (mut shares, mut way) = (
+                group.shares.each_ref().map(|row| load(simd, row, k)),
+                [rolled, zero],
+            );
+            if k * S::F64_LANES < group.steered {
+                let rest = joints..given.angles.len();
+                joints += S::F64_LANES;
+                let [before, after] = given.steering.map(|all| padded(simd, &all[rest.clone()]));
+                let start = padded(simd, &given.angles[rest.clone()]);
+                let end = (after - before) * column(&group.per_count) + start;
+                put(end, &mut targets.angles[rest]);
+                let turn = end - start;
+                let middle = (start + end) * splat(0.5);
+                unusual =
+                    unusual | !turn.abs().at_most(most_turn) | !middle.abs().at_most(largest_angle);
+                let half = turn * splat(0.5);
+                let (sin, cos) = sin_cos(simd, middle + column(&group.heading));
+                rolled = rolled * sinc_of_square(simd, half * half);
+                way = [rolled * cos, rolled * sin];
+                let [along, across] = shares;
+                for part in 0..3 {
+                    shares[0][part] = cos.mul_add(along[part], sin * across[part]);
+                    shares[1][part] = cos.mul_add(across[part], -(sin * along[part]));
+                }
+            }
+            let [along, _] = shares;
+            x = rolled.mul_add(along[0], x);
+            y = rolled.mul_add(along[1], y);
+            z = rolled.mul_add(along[2], z);
+            for (share, target) in shares.into_iter().zip(&mut room.shares) {
+                store(share, target, k);
+            }
+            rolled.store(S::as_mut_simd_f64s(&mut room.rolled).0, k);
+            for (way, target) in way.into_iter().zip(&mut room.way) {
+                way.store(S::as_mut_simd_f64s(target).0, k);
+            }
+        }
+    }
+    if unusual.any() {
+        return None;
+    }
+    Some([x.total(), y.total(), z.total()])
+}
+
+/// What the displacement may be off by in this step alone, and the residuals. Whether a wheel slid further than the
+/// noise explains.
+#[inline(always)]
+fn doubt<S: Vector>(
+    simd: S,
+    plan: &mut Plan,
+    given: &Given<'_>,
+    targets: &mut Targets<'_>,
+    displacement: [f64; 3],
+) -> (Spread, bool) {
+    let splat = |number| Lanes::splat(simd, number);
+    let zero = splat(0.0);
+    let step = displacement.map(splat);
+    let slips = given.slip_variances != [0.0; 2];
+    let reading = splat(given.reading_variance);
+    let steering = splat(given.steering_deviation * given.steering_deviation);
+    let dt = splat(given.dt);
+    let suspicious = splat(SURELY * SUSPICIOUS * SUSPICIOUS);
+    let mut squares = Squares::new(simd);
+    let mut suspects = zero.below(zero);
+    let mut order = plan.order.chunks(S::F64_LANES);
+    for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
+        for k in 0..GROUP / S::F64_LANES {
+            let Some(wheels) = order.next() else { break };
+            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
+            let [rolling, side_slip] = group.rows.each_ref().map(|row| load(simd, row, k));
+            let along = dot(rolling, step) - column(&room.way[0]);
+            let across = dot(side_slip, step) - column(&room.way[1]);
+            let square = along.mul_add(along, across * across);
+            let slid = square.sqrt();
+            let mut speeds = [0.0; GROUP];
+            slid.quotient(dt)
+                .store(S::as_mut_simd_f64s(&mut speeds).0, 0);
+            for (&i, speed) in wheels.iter().zip(speeds) {
+                if let Some(target) = targets.residual.get_mut(i) {
+                    *target = speed;
+                }
+            }
+            let [mut own, mut sides] = [reading, zero];
+            if slips {
+                let [px, py] = group.pivot.each_ref().map(column);
+                let x = step[0] - step[2] * py;
+                let y = step[1] + step[2] * px;
+                let distance = x.mul_add(x, y * y).sqrt();
+                own = own + distance * splat(given.slip_variances[0]);
+                sides = distance * splat(given.slip_variances[1]);
+                squares.add(load(simd, &room.shares[1], k), sides);
+            }
+            squares.add(load(simd, &room.shares[0], k), own);
+            let rolled = column(&room.rolled);
+            let turned = steering * column(&group.steers) * (rolled * rolled);
+            let [has_rolling, has_side_slip] = group.has.each_ref().map(column);
+            let variance = has_rolling.mul_add(own, has_side_slip * (sides + turned));
+            suspects = suspects
+                | match given.slip_bound {
+                    Some(bound) => splat(bound).below(slid),
+                    None => (variance * suspicious).below(square),
+                };
+            slid.store(S::as_mut_simd_f64s(&mut room.slid).0, k);
+            variance.store(S::as_mut_simd_f64s(&mut room.variance).0, k);
+        }
+    }
+    let is_sure = given.slip_bound.is_some() || !suspects.any();
+    let slips = if is_sure {
+        suspects.any()
+    } else {
+        is_slip(&plan.rooms)
+    };
+    (squares.total(), slips)
+}
+
+/// Whether a wheel slid further than the noise explains, and than the rounding of the others' fit.
+#[inline(never)]
+fn is_slip(rooms: &[Room]) -> bool {
+    let furthest = rooms
+        .iter()
+        .flat_map(|room| room.rolled)
+        .fold(0.0_f64, |most, rolled| most.max(rolled.abs()));
+    rooms.iter().any(|room| {
+        let wheels = room.slid.iter().zip(&room.variance);
+        wheels
+            .into_iter()
+            .any(|(slid, variance)| *slid > SUSPICIOUS * variance.sqrt() + ROUNDING * furthest)
+    })
+}
+
+/// Takes the joints' errors along: what one end of the step adds to the displacement's covariance, and what the
+/// columns that were carried come to at its end.
+#[inline(always)]
+fn carry<S: Vector>(
+    simd: S,
+    plan: &Plan,
+    given: &Given<'_>,
+    carried: &mut [[f64; 3]],
+    jacobian: &StepJacobian,
+) -> [Spread; 2] {
+    let splat = |number| Lanes::splat(simd, number);
+    let by = &jacobian.by_displacement;
+    let [first, second] =
+        [[by.m11, by.m12, by.m13], [by.m21, by.m22, by.m23]].map(|row| row.map(splat));
+    let [lever_x, lever_y] = jacobian.lever().map(splat);
+    let deviation = splat(given.steering_deviation / 2.0);
+    let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
+    let mut columns = carried
+        .as_flattened_mut()
+        .chunks_exact_mut(3 * S::F64_LANES);
+    for (group, room) in plan.groups.iter().zip(&plan.rooms) {
+        for k in 0..group.steered.div_ceil(S::F64_LANES) {
+            let Some(columns) = columns.next() else { break };
+            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
+            let error = column(&room.rolled) * column(&group.steers) * deviation;
+            let half = load(simd, &room.shares[1], k).map(|share| share * error);
+            ends.add_square(half);
+            let end = [dot(first, half), dot(second, half), half[2]];
+            let [x, y, z] = Lanes::unbraid(simd, columns);
+            settled.add_square([
+                lever_x.mul_add(z, x + end[0]),
+                lever_y.mul_add(z, y + end[1]),
+                z + end[2],
+            ]);
+            Lanes::braid(end, columns);
+        }
+    }
+    [ends.total(), settled.total()]
+}
