@@ -27,13 +27,14 @@ use crate::rover::{Inputs, Rover};
 use history::History;
 pub(crate) use spread::Spread;
 pub(crate) use state::HUGE;
-use state::{State, advance, check_covariance, meet_yaw};
+pub(crate) use state::State;
+use state::{advance, check_covariance, meet_yaw};
 pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
 use step::{Motion, Workspace, shared_readings};
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
-pub(crate) use uncertainty::StepJacobian;
 use uncertainty::Uncertainty;
+pub(crate) use uncertainty::{StepJacobian, StepNoise};
 
 /// What was read at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -157,16 +158,23 @@ impl Odometry {
 
     /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
     pub fn covariance(&self) -> [[f64; 3]; 3] {
-        self.state.uncertainty.reported().into()
+        self.state.uncertainty.reported().matrix().into()
     }
 
     /// Covariance of the twist over the last step, in body axes.
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
+        let [_, upper] = self.upper_halves();
+        Spread::from(upper).matrix().into()
+    }
+
+    /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.
+    #[inline]
+    pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
-        if dt == 0.0 {
-            return [[0.0; 3]; 3];
-        }
-        (self.work.noise.total().matrix() / (dt * dt)).into()
+        let rate = if dt == 0.0 { 0.0 } else { 1.0 / (dt * dt) };
+        let twist = <[f64; 6]>::from(self.work.noise.total());
+        let pose = self.state.uncertainty.reported();
+        [pose.into(), twist.map(|value| value * rate)]
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
@@ -250,37 +258,32 @@ impl Odometry {
         }
         let sharing = noise.sharing(dt);
         let most = |limit: Option<f64>| limit.map_or(f64::INFINITY, |limit| SURELY * limit * dt);
-        let uncertainty = &mut self.state.uncertainty;
         let given = Given {
             wheels: [&reference.wheels, sample.wheels],
             steering: [&reference.steering, sample.steering],
             angles: &reference.angles,
-            settled: uncertainty.settled,
-            heading: self.state.walk.heading.value(),
             dt,
             reading_variance: sharing * (noise.speed * dt).powi(2),
-            steering_deviation: sharing.sqrt() * noise.steering,
+            steering_deviation: noise.period.map_or(1.0, |_| sharing.sqrt()) * noise.steering,
             slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
             slip_bound: self.settings.slip_threshold.map(|threshold| threshold * dt),
+            smoothing: self.settings.smoothing,
             most: [
                 most(self.settings.max_speed),
                 most(self.settings.max_steering_rate),
             ],
         };
-        let targets = Targets {
-            turned: &mut self.turned,
+        let mut targets = Targets {
             angles: &mut self.angles,
             residual: &mut self.residual,
-            carried: &mut uncertainty.carried,
+            state: &mut self.state,
+            noise: &mut self.work.noise,
         };
-        let stepped = plan.step(given, targets)?;
-        uncertainty.follow(&stepped);
-        (self.work.noise.own, self.work.noise.ends) = (stepped.own, stepped.ends);
-        self.state
-            .go(stepped.jacobian.shift, stepped.displacement[2]);
-        self.state
-            .hold(stepped.twist.into(), dt, self.settings.smoothing);
-        Some(stepped.slips)
+        let slips = plan.step(&given, &mut targets)?;
+        if self.settings.lag > 0.0 {
+            self.difference(sample, dt); // which a late pose asks for
+        }
+        Some(slips)
     }
 
     /// Any sample.

@@ -11,7 +11,8 @@ use super::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
 use super::single::{Eight, GROUP, level, order, padded};
 use super::vector::Vector;
 use crate::odometry::{
-    Encoder, Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, StepJacobian, step_jacobian,
+    Encoder, Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise,
+    step_jacobian,
 };
 use crate::rover::{Mount, Rover};
 use nalgebra::Vector3;
@@ -36,22 +37,23 @@ type Triple = [Eight; 3];
 pub(crate) struct Plan {
     level: Level,
     groups: Vec<Group>,
-    order: Vec<usize>,
-    /// Angle of a wheel per count of its encoder [rad], by wheel.
-    per_count: Vec<f64>,
     rooms: Vec<Room>,
 }
 
 /// Eight wheels.
 #[derive(Clone, Debug, Default)]
 struct Group {
+    /// Which they are; beyond the last one no index there is.
+    wheels: [usize; GROUP],
+    /// Registers with a wheel in them hold these many together.
+    count: usize,
     /// How many of them are steered.
     steered: usize,
     /// 1 for a steered wheel, 0 for another.
     steers: Eight,
     heading: Eight,
-    /// Angle of a joint per count of its encoder [rad].
-    per_count: Eight,
+    /// Angle of a wheel and of its joint per count of their encoders [rad].
+    per_count: [Eight; 2],
     radius: Eight,
     pivot: [Eight; 2],
     /// The rows of a wheel that points ahead; to the left they are the second one and minus the first one.
@@ -85,14 +87,21 @@ impl Plan {
             return None;
         }
         let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
-        let count = rover.wheels().len();
+        let nobody = Group {
+            wheels: [usize::MAX; GROUP],
+            ..Group::default()
+        };
         let order = order(rover);
-        let mut groups = vec![Group::default(); order.len().div_ceil(GROUP)];
+        let mut groups = vec![nobody; order.len().div_ceil(GROUP)];
         for (k, &i) in order.iter().enumerate() {
             let (wheel, group, lane) = (&rover.wheels()[i], &mut groups[k / GROUP], k % GROUP);
-            if wheel_encoder(i).modulus.is_some() {
+            let encoder = wheel_encoder(i);
+            if encoder.modulus.is_some() {
                 return None;
             }
+            group.wheels[lane] = i;
+            group.count = lane + 1;
+            group.per_count[0][lane] = encoder.angle_per_count();
             let rows = match rover.mounts[i] {
                 Mount::Castor(_) => continue,
                 Mount::Fixed(rows) => [rows.rolling, rows.side_slip],
@@ -107,7 +116,7 @@ impl Plan {
                     group.steered += 1;
                     group.steers[lane] = 1.0;
                     group.heading[lane] = wheel.heading;
-                    group.per_count[lane] = encoder.angle_per_count();
+                    group.per_count[1][lane] = encoder.angle_per_count();
                     [
                         Vector3::new(1.0, 0.0, -wheel.y),
                         Vector3::new(0.0, 1.0, wheel.x),
@@ -129,16 +138,13 @@ impl Plan {
             level,
             rooms: vec![Room::default(); groups.len()],
             groups,
-            order,
-            per_count: (0..count)
-                .map(|i| wheel_encoder(i).angle_per_count())
-                .collect(),
         })
     }
 
-    /// One step. Nothing has changed but the targets where the plain core has to do it.
+    /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no
+    /// more than angles and residuals have changed then.
     #[inline]
-    pub fn step(&mut self, given: Given<'_>, targets: Targets<'_>) -> Option<Stepped> {
+    pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
         let level = self.level;
         level.run(Step {
             plan: self,
@@ -157,10 +163,6 @@ pub(crate) struct Given<'a> {
     pub steering: [&'a [f64]; 2],
     /// Steering angles at its start [rad].
     pub angles: &'a [f64],
-    /// Covariance at its start by what it does not share with steps before.
-    pub settled: Spread,
-    /// Yaw at its start, without whole turns [rad].
-    pub heading: f64,
     /// Duration [s].
     pub dt: f64,
     /// Variance of what a wheel rolled, but for slip [m²].
@@ -171,6 +173,8 @@ pub(crate) struct Given<'a> {
     pub slip_variances: [f64; 2],
     /// How far a wheel slides that is reported [m]; None: by the variances.
     pub slip_bound: Option<f64>,
+    /// Time constant of the filter of the twist [s].
+    pub smoothing: f64,
     /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad].
     pub most: [f64; 2],
 }
@@ -178,37 +182,19 @@ pub(crate) struct Given<'a> {
 /// Where the results of a step go.
 #[derive(Debug)]
 pub(crate) struct Targets<'a> {
-    /// What every wheel turned [rad].
-    pub turned: &'a mut [f64],
     /// Steering angles at the end [rad].
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s].
     pub residual: &'a mut [f64],
-    /// Columns of the joints' errors, changed at the very end.
-    pub carried: &'a mut [[f64; 3]],
+    /// Changed at the very end.
+    pub state: &'a mut State,
+    pub noise: &'a mut StepNoise,
 }
 
-/// A step that was made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stepped {
-    pub displacement: [f64; 3],
-    pub twist: [f64; 3],
-    pub jacobian: StepJacobian,
-    /// Covariance of the displacement by what errs in this step alone.
-    pub own: Spread,
-    /// The same by the readings at both ends.
-    pub ends: Spread,
-    /// Covariance at the end by what no step to come shares, and by the columns that are carried on.
-    pub settled: Spread,
-    pub carried: Spread,
-    /// Whether a wheel slid further than the noise explains.
-    pub slips: bool,
-}
-
-struct Step<'a> {
+struct Step<'a, 'b> {
     plan: &'a mut Plan,
-    given: Given<'a>,
-    targets: Targets<'a>,
+    given: &'a Given<'b>,
+    targets: &'a mut Targets<'b>,
 }
 
 /// Fused multiplication by the instruction of the level.
@@ -307,44 +293,43 @@ fn put<S: Vector>(lanes: Lanes<S>, numbers: &mut [f64]) {
     }
 }
 
-impl Kernel for Step<'_> {
-    type Output = Option<Stepped>;
+impl Kernel for Step<'_, '_> {
+    type Output = Option<bool>;
 
     #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> Option<Stepped> {
+    fn run<S: Vector>(self, simd: S) -> Option<bool> {
         let Self {
             plan,
             given,
-            mut targets,
+            targets,
         } = self;
-        let displacement = displace(simd, plan, &given, &mut targets)?;
+        let heading = targets.state.walk.heading.value();
+        let (sin, cos) = sin_cos(simd, Lanes::splat(simd, heading));
+        let displacement = displace(simd, plan, given, targets)?;
         let twist = displacement.map(|part| part / given.dt);
         let is_usual = displacement.iter().all(|part| part.abs() < HUGE)
             && twist.iter().all(|part| part.is_finite());
         if !is_usual {
             return None;
         }
-        let heading = sin_cos(simd, Lanes::splat(simd, given.heading));
-        let heading = [heading.0.last(simd), heading.1.last(simd)];
-        let jacobian = step_jacobian::<Instruction>(displacement.into(), heading);
-        let (own, slips) = doubt(simd, plan, &given, &mut targets, displacement);
+        let jacobian =
+            step_jacobian::<Instruction>(displacement.into(), [sin.last(simd), cos.last(simd)]);
+        let (own, slips) = doubt(simd, plan, given, targets, displacement);
         if !own.is_below(HUGE) {
             return None;
         }
-        let [ends, met] = carry(simd, plan, &given, targets.carried, &jacobian);
-        let mut settled = given.settled.swung::<Instruction>(jacobian.lever());
-        settled.add_spread(&own.displaced::<Instruction>(&jacobian.by_displacement));
+        let Targets { state, noise, .. } = targets;
+        let uncertainty = &mut state.uncertainty;
+        let [ends, met] = carry(simd, plan, given, &mut uncertainty.carried, &jacobian);
+        let by = &jacobian.by_displacement;
+        let mut settled = uncertainty.settled.swung::<Instruction>(jacobian.lever());
+        settled.add_spread(&own.displaced::<Instruction>(by));
         settled.add_spread(&met);
-        Some(Stepped {
-            displacement,
-            twist,
-            own,
-            ends: ends.doubled(),
-            settled,
-            carried: ends.displaced::<Instruction>(&jacobian.by_displacement),
-            jacobian,
-            slips,
-        })
+        uncertainty.follow(settled, ends.displaced::<Instruction>(by), &jacobian);
+        (noise.own, noise.ends) = (own, ends.doubled());
+        state.go(jacobian.shift, displacement[2]);
+        state.hold(twist.into(), given.dt, given.smoothing);
+        Some(slips)
     }
 }
 
@@ -364,23 +349,21 @@ fn displace<S: Vector>(
     ];
     let (largest, largest_angle) = (splat(LARGEST_WAY), splat(LARGEST_ANGLE / 4.0));
     let [before, after] = given.wheels;
-    let pairs = before.iter().zip(after).zip(&plan.per_count);
-    for (turned, ((before, after), per_count)) in targets.turned.iter_mut().zip(pairs) {
-        *turned = (after - before) * per_count;
-    }
     let mut unusual = one.below(zero);
     let [mut x, mut y, mut z] = [zero; 3];
-    let mut order = plan.order.chunks(S::F64_LANES);
     let mut joints = 0;
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
-        for k in 0..GROUP / S::F64_LANES {
-            let Some(wheels) = order.next() else { break };
+        for k in 0..group.count.div_ceil(S::F64_LANES).min(GROUP / S::F64_LANES) {
+            let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
             let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
-            let mut turns = [0.0; GROUP];
-            for (place, &i) in turns.iter_mut().zip(wheels) {
-                *place = targets.turned.get(i).copied().unwrap_or(f64::NAN);
-            }
-            let turned = Lanes::load(simd, S::as_simd_f64s(&turns).0, 0);
+            let gather = |all: &[f64]| {
+                let mut room = [0.0; GROUP];
+                for (place, &i) in room.iter_mut().zip(wheels) {
+                    *place = all.get(i).copied().unwrap_or(0.0);
+                }
+                Lanes::load(simd, S::as_simd_f64s(&room).0, 0)
+            };
+            let turned = (gather(after) - gather(before)) * column(&group.per_count[0]);
             let mut rolled = turned * column(&group.radius);
             unusual = unusual | !rolled.abs().at_most(most_way) | !turned.abs().at_most(largest);
             let (mut shares, mut way) = (
@@ -392,7 +375,7 @@ fn displace<S: Vector>(
                 joints += S::F64_LANES;
                 let [before, after] = given.steering.map(|all| padded(simd, &all[rest.clone()]));
                 let start = padded(simd, &given.angles[rest.clone()]);
-                let end = (after - before) * column(&group.per_count) + start;
+                let end = (after - before) * column(&group.per_count[1]) + start;
                 put(end, &mut targets.angles[rest]);
                 let turn = end - start;
                 let middle = (start + end) * splat(0.5);
@@ -447,10 +430,9 @@ fn doubt<S: Vector>(
     let suspicious = splat(SURELY * SUSPICIOUS * SUSPICIOUS);
     let mut squares = Squares::new(simd);
     let mut suspects = zero.below(zero);
-    let mut order = plan.order.chunks(S::F64_LANES);
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
-        for k in 0..GROUP / S::F64_LANES {
-            let Some(wheels) = order.next() else { break };
+        for k in 0..group.count.div_ceil(S::F64_LANES).min(GROUP / S::F64_LANES) {
+            let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
             let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
             let [rolling, side_slip] = group.rows.each_ref().map(|row| load(simd, row, k));
             let along = dot(rolling, step) - column(&room.way[0]);

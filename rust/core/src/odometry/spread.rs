@@ -33,6 +33,21 @@ impl From<[f64; 6]> for Spread {
     }
 }
 
+impl From<Spread> for [f64; 6] {
+    #[inline(always)]
+    fn from(spread: Spread) -> Self {
+        let Spread {
+            xx,
+            xy,
+            xz,
+            yy,
+            yz,
+            zz,
+        } = spread;
+        [xx, xy, xz, yy, yz, zz]
+    }
+}
+
 impl Spread {
     /// The upper half of a matrix.
     pub fn of(matrix: &Matrix3<f64>) -> Self {

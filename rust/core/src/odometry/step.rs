@@ -378,7 +378,7 @@ pub(crate) fn step_jacobian<F: Fused>(displacement: Twist, heading: [f64; 2]) ->
         let length = series::<F>(square, &SINE);
         (
             length,
-            -half / 3.0 * series::<F>(square, &SLOPE),
+            half * (-1.0 / 3.0) * series::<F>(square, &SLOPE),
             half * length,
             series::<F>(square, &COSINE),
         )

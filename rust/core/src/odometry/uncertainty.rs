@@ -14,7 +14,6 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::spread::Spread;
 use super::step::Apart;
-use crate::batch::single_step::Stepped;
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -160,10 +159,10 @@ impl Uncertainty {
     }
 
     /// The same without a negative variance in any direction, rounding or not.
-    pub fn reported(&self) -> Matrix3<f64> {
+    pub fn reported(&self) -> Spread {
         let mut covariance = self.covariance();
         covariance.add_to_diagonal(ROUNDING * covariance.trace());
-        covariance.matrix()
+        covariance
     }
 
     /// Goes along one step.
@@ -185,18 +184,19 @@ impl Uncertainty {
 
     /// The same where the columns of the joints have gone along already: what is left is the gyroscope's.
     #[inline(always)]
-    pub fn follow(&mut self, stepped: &Stepped) {
-        (self.settled, self.open) = (stepped.settled, stepped.carried);
+    pub fn follow(&mut self, settled: Spread, open: Spread, step: &StepJacobian) {
+        (self.settled, self.open) = (settled, open);
         if let Some(column) = self.carried.last_mut()
             && *column != [0.0; 3]
         {
-            let whole = stepped.jacobian.carry(&Vector3::from(*column));
+            let whole = step.carry(&Vector3::from(*column));
             self.settled.add(&whole, 1.0);
             *column = [0.0; 3];
         }
-        self.carry_yaw_offset(&stepped.jacobian);
+        self.carry_yaw_offset(step);
     }
 
+    #[inline(always)]
     fn carry_yaw_offset(&mut self, step: &StepJacobian) {
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = step.carry(&offset.cross);
