@@ -353,15 +353,15 @@ impl Odometry {
         reference.yaw_rate = sample.yaw_rate;
         reference.wheels.copy_from_slice(sample.wheels);
         reference.steering.copy_from_slice(sample.steering);
-        reference.angles.copy_from_slice(&self.angles);
+        std::mem::swap(&mut reference.angles, &mut self.angles);
         if let Some(yaw) = sample.yaw {
             self.meet_yaw(yaw);
         }
         self.suspect.clear();
         self.history.push(
-            *sample,
+            sample,
             dt,
-            &self.angles,
+            &self.reference.angles,
             &self.turned,
             gyro_turn,
             &self.state,

@@ -8,6 +8,7 @@ use pyo3::types::PyString;
 use six_wheel_core::Method;
 use six_wheel_core::odometry::Odometry;
 
+use crate::fast::is_held_once;
 use crate::rover::Rover;
 
 /// Where the rover is after a sample, and how far that may be off.
@@ -128,7 +129,7 @@ impl Spares {
     ) -> PyResult<Bound<'py, OdometryState>> {
         for state in self.states.iter().flatten() {
             // Only this one reference, and the interpreter's lock: nobody can see it change.
-            if state.get_refcnt(py) == 1
+            if is_held_once(state, py)
                 && let Ok(mut free) = state.try_borrow_mut(py)
             {
                 free.renew(odometry);

@@ -45,7 +45,7 @@ pub(crate) struct Plan {
 struct Group {
     /// Which they are; beyond the last one no index there is.
     wheels: [usize; GROUP],
-    /// Registers with a wheel in them hold these many together.
+    /// How many there are.
     count: usize,
     /// How many of them are steered.
     steered: usize,
@@ -72,6 +72,14 @@ struct Room {
     way: [Eight; 2],
     slid: Eight,
     variance: Eight,
+}
+
+impl Group {
+    /// Registers with a wheel in them.
+    #[inline(always)]
+    fn registers(&self, lanes: usize) -> usize {
+        self.count.div_ceil(lanes).min(GROUP / lanes)
+    }
 }
 
 impl Plan {
@@ -142,7 +150,7 @@ impl Plan {
     }
 
     /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no
-    /// more than angles and residuals have changed then.
+    /// more than the angles at the end have changed then.
     #[inline]
     pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
         let level = self.level;
@@ -314,10 +322,11 @@ impl Kernel for Step<'_, '_> {
         }
         let jacobian =
             step_jacobian::<Instruction>(displacement.into(), [sin.last(simd), cos.last(simd)]);
-        let (own, slips) = doubt(simd, plan, given, targets, displacement);
+        let (own, slips) = doubt(simd, plan, given, displacement);
         if !own.is_below(HUGE) {
             return None;
         }
+        report(simd, plan, given.dt, targets.residual);
         let Targets { state, noise, .. } = targets;
         let uncertainty = &mut state.uncertainty;
         let [ends, met] = carry(simd, plan, given, &mut uncertainty.carried, &jacobian);
@@ -353,7 +362,7 @@ fn displace<S: Vector>(
     let [mut x, mut y, mut z] = [zero; 3];
     let mut joints = 0;
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
-        for k in 0..group.count.div_ceil(S::F64_LANES).min(GROUP / S::F64_LANES) {
+        for k in 0..group.registers(S::F64_LANES) {
             let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
             let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
             let gather = |all: &[f64]| {
@@ -410,14 +419,13 @@ fn displace<S: Vector>(
     Some([x.total(), y.total(), z.total()])
 }
 
-/// What the displacement may be off by in this step alone, and the residuals. Whether a wheel slid further than the
+/// What the displacement may be off by in this step alone. Whether a wheel slid further than the
 /// noise explains.
 #[inline(always)]
 fn doubt<S: Vector>(
     simd: S,
     plan: &mut Plan,
     given: &Given<'_>,
-    targets: &mut Targets<'_>,
     displacement: [f64; 3],
 ) -> (Spread, bool) {
     let splat = |number| Lanes::splat(simd, number);
@@ -426,27 +434,17 @@ fn doubt<S: Vector>(
     let slips = given.slip_variances != [0.0; 2];
     let reading = splat(given.reading_variance);
     let steering = splat(given.steering_deviation * given.steering_deviation);
-    let dt = splat(given.dt);
     let suspicious = splat(SURELY * SUSPICIOUS * SUSPICIOUS);
     let mut squares = Squares::new(simd);
     let mut suspects = zero.below(zero);
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
-        for k in 0..group.count.div_ceil(S::F64_LANES).min(GROUP / S::F64_LANES) {
-            let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
+        for k in 0..group.registers(S::F64_LANES) {
             let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
             let [rolling, side_slip] = group.rows.each_ref().map(|row| load(simd, row, k));
             let along = dot(rolling, step) - column(&room.way[0]);
             let across = dot(side_slip, step) - column(&room.way[1]);
             let square = along.mul_add(along, across * across);
             let slid = square.sqrt();
-            let mut speeds = [0.0; GROUP];
-            slid.quotient(dt)
-                .store(S::as_mut_simd_f64s(&mut speeds).0, 0);
-            for (&i, speed) in wheels.iter().zip(speeds) {
-                if let Some(target) = targets.residual.get_mut(i) {
-                    *target = speed;
-                }
-            }
             let [mut own, mut sides] = [reading, zero];
             if slips {
                 let [px, py] = group.pivot.each_ref().map(column);
@@ -478,6 +476,26 @@ fn doubt<S: Vector>(
         is_slip(&plan.rooms)
     };
     (squares.total(), slips)
+}
+
+/// The residuals of a step that was made.
+#[inline(always)]
+fn report<S: Vector>(simd: S, plan: &Plan, dt: f64, residual: &mut [f64]) {
+    let dt = Lanes::splat(simd, dt);
+    for (group, room) in plan.groups.iter().zip(&plan.rooms) {
+        for k in 0..group.registers(S::F64_LANES) {
+            let slid = Lanes::load(simd, S::as_simd_f64s(&room.slid).0, k);
+            let mut speeds = [0.0; GROUP];
+            slid.quotient(dt)
+                .store(S::as_mut_simd_f64s(&mut speeds).0, 0);
+            let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
+            for (&i, speed) in wheels.iter().zip(speeds) {
+                if let Some(target) = residual.get_mut(i) {
+                    *target = speed;
+                }
+            }
+        }
+    }
 }
 
 /// Whether a wheel slid further than the noise explains, and than the rounding of the others' fit.
