@@ -6,7 +6,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
-SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller
+SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller calibration
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize

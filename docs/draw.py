@@ -11,6 +11,7 @@ from PIL import Image
 from six_wheel import (
     FourAxle,
     FourAxleState,
+    Limits,
     RockerBogie,
     Rover,
     Wheel,
@@ -104,6 +105,13 @@ def calibration() -> Figure:
     return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
 
 
+def limits() -> Figure:
+    """What the Open Source Rover can do within limits, its wheels turning 70 degrees to either side."""
+    rover = Rover.preset("open_source_rover", steering_limit=math.radians(70.0))
+    bounds = Limits(speed=0.5, wheel_speed=8.0, lateral_acceleration=0.25)
+    return plot.limits_figure(rover, bounds, title="Open Source Rover, 70 degrees")
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
@@ -112,6 +120,7 @@ def main() -> None:
     figures["four_axle"] = four_axles()
     figures["transitions"] = transitions()
     figures["calibration"] = calibration()
+    figures["limits"] = limits()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)

@@ -191,6 +191,22 @@ def test_drive_projects_on_request(run: Run, refused: Callable[..., str]) -> Non
     assert "keep must be one of" in refused("drive", "rover.yaml", "sideways.csv", "--keep", "all")
 
 
+def test_check_says_what_the_limits_leave(run: Run) -> None:
+    limits = "{speed: 0.6, deceleration: 0.5, yaw_rate: 1.8, wheel_speed: 2.0, steering_rate: 0.5}"
+    Path("limited.yaml").write_text(ROVER + f"limits: {limits}\n")
+    code, out, err = run("check", "limited.yaml", "--plot", "limits.png")
+    assert (code, err) == (0, "")
+    assert re.search(r"top speed +0\.3 m/s, bound by wheel speed", out)  # 2 rad/s at 0.15 m
+    assert re.search(r"time to full lock +2 s", out)  # 1 rad
+    assert re.search(r"stopping distance +0\.09 m in 0\.6 s", out)  # v^2 / 2a
+    assert Path("limits.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_draws_no_picture_of_unlimited_motion(run: Run, refused: Callable[..., str]) -> None:
+    assert "limits must bound every motion" in refused("check", "rover.yaml", "--plot", "limits.png")
+    assert not Path("limits.png").exists()
+
+
 def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     Path("limited.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0}\n")
     code, out, err = run("drive", "limited.yaml", "commands.csv")

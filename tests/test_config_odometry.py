@@ -17,7 +17,8 @@ GOOD = f"""\
 {BICYCLE}noise: {{speed: 0.02, steering: 0.01, slip: 0.005, side_slip: 0.004}}
 encoders: {{{ENCODERS}, steering_gain: {{front: 0.98}}}}
 steering_encoders: {{resolution: 4096, gear: -1.0, modulus: 4096, reversed: [front], offsets: {{front: 0.1}}}}
-odometry: {{method: robust, inflate: true, slip_threshold: 0.1, max_gap: 1.0, max_speed: 2.0, max_steering_rate: 3.0}}
+odometry: {{method: robust, inflate: true, slip_threshold: 0.1, max_gap: 1.0, max_speed: 2.0,
+  max_steering_rate: 3.0}}
 """
 
 
@@ -47,12 +48,12 @@ def indented(text: str) -> str:
         ("encoders: {resolution: 0}", "encoders.resolution must be finite and positive, got 0"),
         ("encoders: {gear: 0}", "encoders.gear must be finite and not 0, got 0"),
         ("encoders: {per_sample: 1}", "encoders.per_sample must be true or false, got 1"),
-        ("encoders: {reversed: [rare]}", "encoders.reversed names rare, which is no such wheel or joint"),
-        ("encoders: {reversed: [rare]}", "(did you mean rear?)"),
+        ("encoders: {reversed: [rearr]}", "encoders.reversed names rearr, which is no such wheel or joint"),
+        ("encoders: {reversed: [rearr]}", "(did you mean rear?)"),
         ("encoders: {steering_gain: {rear: 1.0}}", "encoders.steering_gain names rear"),
         ("encoders: {steering_gain: {front: 0.0}}", "must be finite and positive, got 0"),
         ("steering_encoders: {offsets: {fornt: 0.1}}", "(did you mean front?)"),
-        ("odometry: {method: robst}", 'or \'robust\', got "robst"'),
+        ("odometry: {method: robst}", "or 'robust', got \"robst\""),
         ("odometry: {max_gap: 0}", "odometry.max_gap must be positive, got 0"),
         ("odometry: {inflate: 0.5}", "odometry.inflate must be true or false, got 0.5"),
     ],

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Estimate:
-    """One parameter: nominal value, value found, standard deviation and interval; NaN where it is not identified."""
+    """One parameter: what it was and is, standard deviation and interval; NaN where it is not identified."""
 
     name: str
     unit: str
@@ -44,9 +44,9 @@ class Estimate:
 class Windows:
     """Errors of the motion over all windows.
 
-    `before` and `after` (m, 3) hold errors forward [m], to the left [m] and of the heading [rad]; `kind` (m,) the
-    row of `lengths` [m] a window belongs to, one more for those from the start of a drive; `weights` (m, 3) what the
-    loss left of each; `scales` (k + 1, 2) the usual errors of place and heading.
+    `before` and `after` (m, 3) hold errors forward [m], to the left [m] and of the heading [rad]; `kind`
+    (m,) the row of `lengths` [m] a window belongs to, one more for those from the start of a drive;
+    `weights` (m, 3) what the loss left of each; `scales` (k + 1, 2) the usual errors of place and heading.
     """
 
     kind: NDArray[np.int64]
@@ -71,7 +71,9 @@ class Windows:
         return rows  # type: ignore[return-value]
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{name}: {before:.4f} -> {after:.4f} m" for name, _, before, after, *_ in self.table())
+        said = ", ".join(
+            f"{name}: {before:.4f} -> {after:.4f} m" for name, _, before, after, *_ in self.table()
+        )
         return f"Windows({said})"
 
 
@@ -192,10 +194,15 @@ class Calibration:
         for one in self.parameters:
             half = (one.interval[1] - one.interval[0]) / 2.0
             known = f"± {half:.2g}" if one.identified else "not identified"
-            lines.append(f"  {one.name:<{width}}  {one.value:.6g} {known} {one.unit}".rstrip() + f"  (was {one.nominal:.6g})")
+            lines.append(
+                f"  {one.name:<{width}}  {one.value:.6g} {known} {one.unit}".rstrip()
+                + f"  (was {one.nominal:.6g})"
+            )
         if not self.parameters:
             lines.append("  no set of parameters predicts better than the nominal dimensions")
-        before, after = (float(np.median([getattr(run, name) for run in self.runs])) for name in ("before", "after"))
+        before, after = (
+            float(np.median([getattr(run, name) for run in self.runs])) for name in ("before", "after")
+        )
         lines.append(f"  rms position error, median of the runs: {before:.4f} -> {after:.4f} m")
         if self.cross_validation is not None and self.cross_validation.chosen == self.chosen:
             lines.append(f"  {self.cross_validation!r}")
@@ -206,7 +213,10 @@ class Calibration:
         """The whole report: values, what is not identified, errors per run, residuals, cross-validation."""
         percent = f"{100 * self.confidence:g} %"
         lines = [f"# {title}", ""]
-        lines += [f"| parameter | nominal | calibrated | standard deviation | {percent} interval |", "|---|---|---|---|---|"]
+        lines += [
+            f"| parameter | nominal | calibrated | standard deviation | {percent} interval |",
+            "|---|---|---|---|---|",
+        ]
         for one in self.parameters:
             low, high = one.interval
             name = f"`{one.name}`" + (f" [{one.unit}]" if one.unit else "")
@@ -219,17 +229,34 @@ class Calibration:
             lines += ["", "## What the drives do not tell", ""]
             lines += [f"- {message}" for message in self.observability.messages]
         lines += ["", "## Runs", "", "Root mean square position error, first pose given.", ""]
-        lines += ["| run | distance [m] | nominal [m] | calibrated [m] | rows left out |", "|---|---|---|---|---|"]
+        lines += [
+            "| run | distance [m] | nominal [m] | calibrated [m] | rows left out |",
+            "|---|---|---|---|---|",
+        ]
         for run in self.runs:
-            lines.append(f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |")
-        lines += ["", "## Windows", "", "Root mean square error of the motion over windows of the drives.", ""]
-        lines += ["| window | count | nominal [m] | calibrated [m] | nominal [deg] | calibrated [deg] |", "|---|---|---|---|---|---|"]
+            lines.append(
+                f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
+            )
+        lines += [
+            "",
+            "## Windows",
+            "",
+            "Root mean square error of the motion over windows of the drives.",
+            "",
+        ]
+        lines += [
+            "| window | count | nominal [m] | calibrated [m] | nominal [deg] | calibrated [deg] |",
+            "|---|---|---|---|---|---|",
+        ]
         for name, number, before, after, turned, turns in self.windows.table():
             degrees = f"{math.degrees(turned):.2f} | {math.degrees(turns):.2f}"
             lines.append(f"| {name} | {number} | {before:.4f} | {after:.4f} | {degrees} |")
         if self.cross_validation is not None:
             what = self.cross_validation.kind
             lines += ["", "## Cross-validation", ""]
-            lines += [f"Mean error of the runs of each {what}, with a fit that has not seen it; the chosen set in bold.", ""]
+            lines += [
+                f"Mean error of the runs of each {what} under a fit without it; the chosen set in bold.",
+                "",
+            ]
             lines.append(self.cross_validation.to_markdown())
         return "\n".join(lines) + "\n"

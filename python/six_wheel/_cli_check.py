@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Any
 from six_wheel._cli_shared import Chosen
 
 if TYPE_CHECKING:
-    from six_wheel._core import Wheel
+    from pathlib import Path
+
+    from six_wheel._abilities import Bound
+    from six_wheel._core import Limits, Rover, Wheel
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
 
@@ -74,6 +77,7 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
     if parameters:
+        rows[2:2] = within(chosen.rover, parameters.limits)
         limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
         kind, controller = parameters.kind, parameters.controller
         rows += [
@@ -84,3 +88,38 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
+
+
+def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
+    """What a rover can do within limits, as rows for `grid`; nothing without any."""
+    from six_wheel._abilities import bound, stop_from, time_to_full_lock
+
+    rows: list[tuple[str, object]] = []
+    ahead, about = bound(rover, limits, (1.0, 0.0, 0.0)), bound(rover, limits, (0.0, 0.0, 1.0))
+    if ahead is not None:
+        rows.append(("top speed", f"{ahead.twist[0]:.4g} m/s, bound by {_words(ahead)}"))
+    if about is not None and about.twist[2] != 0.0:
+        rows.append(("top yaw rate", f"{about.twist[2]:.4g} rad/s on the spot, bound by {_words(about)}"))
+    lock = time_to_full_lock(rover, limits)
+    if lock is not None:
+        rows.append(("time to full lock", f"{lock:.4g} s"))
+    stop = None if ahead is None else stop_from(rover, limits, ahead.twist)
+    if stop is not None:
+        rows.append(("stopping distance", f"{stop.distance:.4g} m in {stop.time:.3g} s from top speed"))
+    return rows
+
+
+def _words(bound: "Bound") -> str:
+    """What keeps a motion from being faster."""
+    return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
+
+
+def draw_limits(chosen: Chosen, plot: "Path") -> None:
+    """Write the picture of the limits."""
+    from six_wheel._core import Limits
+    from six_wheel.drive import picture_path, replacing
+    from six_wheel.plot import limits_figure, save
+
+    limits = chosen.parameters.limits if chosen.parameters else Limits()
+    with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:
+        save(limits_figure(chosen.rover, limits, title=chosen.name), picture)

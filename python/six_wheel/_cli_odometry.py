@@ -75,7 +75,7 @@ def odometry(
     ] = False,
     length: Annotated[float, typer.Option(help="Of the stretches for the error per distance [m].")] = 0.5,
     node: NodeOption = None,
-    chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 200_000,
+    chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 65_536,
 ) -> None:
     given = dict(locals())
     chosen, (path,) = choose_with_logs(rover, [] if log is None else [log], example, node)

@@ -26,8 +26,8 @@ class Candidate:
     """A set of parameters, the errors on what was left out of its fits, and their score.
 
     `errors` (folds,) [m] is the mean over the runs of a fold of their root mean square position error, first
-    pose given. `score` is their root mean square over the folds as a share of that with the nominal dimensions:
-    below 1 the set helps where it was not fitted, and one fold gone wrong counts.
+    pose given. `score` is their root mean square over the folds as a share of that with the nominal
+    dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong counts.
     """
 
     parameters: tuple[str, ...]
@@ -81,19 +81,22 @@ class CrossValidation:
     def __repr__(self) -> str:
         name = ", ".join(self.chosen) or "nominal"
         before, after = float(np.mean(self.nominal)), float(np.mean(self.best.errors))
-        return f"CrossValidation({name}: {before:.4f} -> {after:.4f} m on {len(self.folds)} {self.kind}s left out)"
+        folds = f"{len(self.folds)} {self.kind}s left out"
+        return f"CrossValidation({name}: {before:.4f} -> {after:.4f} m on {folds})"
 
 
 def candidates(catalogue: Catalogue) -> list[tuple[str, ...]]:
-    """Sets of parameters worth trying on a rover: radii together or apart, its geometry, where the truth looks."""
+    """Sets worth trying on a rover: radii together or apart, its geometry, where the truth looks."""
     names = set(catalogue.names)
     radii = [(name,) for name in ("wheel_radius", "side_radii", "wheel_radii") if name in names]
     if {"wheel_radius_left", "side_radii"} <= names and len(catalogue.find(["wheel_radii"])) == 2:
         radii.remove(("side_radii",))  # the same as one per wheel
     if len(catalogue.find(["wheel_radii"])) < 2:
         radii = [("wheel_radius",)]
-    if "roller_angle" in names:
-        shapes: list[tuple[str, ...]] = [("arm_length",), ("arm_length", "roller_angle")]
+    if catalogue.has_rollers:
+        shapes: list[tuple[str, ...]] = [("arm_length",)]
+        if "roller_angle" in names:
+            shapes.append(("arm_length", "roller_angle"))
     elif "steering_offset" in names:
         lengths = tuple(name for name in ("wheelbase", "track_width") if name in names)
         shapes = [(*lengths, "steering_offset"), (*lengths, "steering_offset", "steering_gain")]
@@ -128,7 +131,7 @@ def cross_validate(
     margin: float,
     progress: Callable[[int, int, str], object] | None,
 ) -> CrossValidation | None:
-    """Every set fitted without one fold after another and tried there; None for a drive that cannot be cut."""
+    """Every set fitted without one fold after another and tried there; None if there is but one."""
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     by_run = len(sessions) == 1 or len(sessions) == len(drives)
     folds = [drive.name for drive in drives] if by_run else sessions

@@ -1,7 +1,7 @@
 """Where the windows of a drive end by dead reckoning, and how that changes with every parameter.
 
-The derivatives of the twist come from the core (`Rover.sensitivity`); here they are carried along the drive by
-the chain rule, all rows at once.
+The derivatives of the twist come from the core (`Rover.sensitivity`); here they are carried along the drive
+by the chain rule, all rows at once.
 """
 
 from collections.abc import Sequence
@@ -121,9 +121,7 @@ class Model:
         tracked = self.tracked(values)
         seen, by_seen = self._seen_from(tracked, values, moved, by_moved)
         ends, rates = drive.truth_at_ends(self.value(values, "time_offset", 0.0))
-        wanted, by_clock = _between_with(
-            ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None]
-        )
+        wanted, by_clock = _between_with(ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None])
         error = between(wanted, seen)
         by_error = by_seen
         if "time_offset" in self.names:
@@ -194,7 +192,9 @@ def carried(poses: Floats, twists: Floats, by_twist: Floats, dt: Floats) -> Floa
     return by_poses
 
 
-def _between_with(first: Floats, second: Floats, by_first: Floats, by_second: Floats) -> tuple[Floats, Floats]:
+def _between_with(
+    first: Floats, second: Floats, by_first: Floats, by_second: Floats
+) -> tuple[Floats, Floats]:
     """`between` with its derivatives, from those of both poses."""
     seen = between(first, second)
     by = _rotated(-first[:, 2], by_second - by_first)

@@ -1,4 +1,4 @@
-"""Logs made ready for a calibration: rates between rows, windows over the drive, and the truth at their ends."""
+"""Logs made ready for a calibration: rates between rows, windows, and the truth at their ends."""
 
 import math
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ class Drive:
     """One log: readings between its rows, the windows that compare it with the truth.
 
     `stamps` (n,) are those of the rows kept; `dt` (n - 1,), `speeds` (n - 1, wheels) and `steering`
-    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `lengths` (m,) which
-    length each has and `blocks` (m,) in which third of the drive it lies.
+    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `lengths` (m,)
+    which length each has and `blocks` (m,) in which third of the drive it lies.
     """
 
     name: str
@@ -52,8 +52,24 @@ class Drive:
 
 
 def encoders(rover: Rover, logs: Sequence[Log]) -> list[bool]:
-    """Which wheels report how far they turn: those with a number somewhere."""
-    return [any(bool(np.isfinite(log.wheel_angles[:, i]).any()) for log in logs) for i in range(len(rover.wheels))]
+    """Which wheels report how far they turn: those with a number somewhere.
+
+    Raises
+    ------
+    ValueError
+        If a log has other wheels than the rover.
+    """
+    for number, log in enumerate(logs):
+        if log.wheel_angles.shape[1] != len(rover.wheels):
+            wheels = len(rover.wheels)
+            rule = f"wheel_angles must have shape (n, {wheels})"
+            raise ValueError(f"{_who(log, number)}: {rule}, got {log.wheel_angles.shape}")
+    heard = [np.isfinite(log.wheel_angles).any(axis=0) for log in logs]
+    return np.any(heard, axis=0).tolist()  # type: ignore[no-any-return]
+
+
+def _who(log: Log, number: int) -> str:
+    return f"logs[{number}]" + (f" ({log.name})" if log.name else "")
 
 
 def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int) -> Drive:
@@ -73,12 +89,9 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     ValueError
         If the log does not fit the rover, has no truth or too few rows that can be used.
     """
-    who = f"logs[{number}]" + (f" ({log.name})" if log.name else "")
+    who = _who(log, number)
     if log.truth is None:
         raise ValueError(f"{who} must have a truth to be calibrated against")
-    if log.wheel_angles.shape[1] != len(rover.wheels):
-        shape, wheels = log.wheel_angles.shape, len(rover.wheels)
-        raise ValueError(f"{who}: wheel_angles must have shape (n, {wheels}), got {shape}")
     steered = len(rover.steered_names)
     steering = log.steering if log.steering is not None else np.empty((len(log), 0))
     if steering.shape[1] != steered:
@@ -138,7 +151,7 @@ def default_lengths(rover: Rover) -> Floats:
 
 
 def _windows(along: Floats, known: Rows, lengths: Floats, shortest: float) -> tuple[Rows, Rows]:
-    """Windows of every length, beginning at even distances; all of the drive where it is shorter than that."""
+    """Windows of every length, at even distances; all of the drive where it is shorter than that."""
     if len(known) < 2:
         return np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
     path = along[known]

@@ -94,8 +94,9 @@ class Problem:
 class Solution:
     """Values that fit best, and what is needed to say how well they are known.
 
-    `seen` (p, q) are the directions the data see, in units of what is plausible, `unseen` (p, p - q) the others;
-    `spread` (p,) says how far the data would let each direction go, in the same units, seen ones first.
+    `seen` (p, q) are the directions the data see, in units of what is plausible, `unseen` (p, p - q) the
+    others; `spread` (p,) says how far the data would let each direction go, in the same units, seen ones
+    first.
     """
 
     values: Floats
@@ -112,9 +113,9 @@ class Solution:
 def solve(problem: Problem, start: Floats | None = None) -> Solution:
     """Fit all parameters the data see; the others keep their nominal values.
 
-    From the nominal values the way may be long and bent: a trust region finds it, with a weak hold on them that
-    keeps what nothing is known about where it is. From there on, as from a given start, the drives are simulated
-    once per step and everything else settles on their linearisation.
+    From the nominal values the way may be long and bent: a trust region finds it, with a weak hold on them
+    that keeps what nothing is known about where it is. From there on, as from a given start, the drives are
+    simulated once per step and everything else settles on their linearisation.
     """
     model, which = problem.model, problem.which
     scales = np.repeat(FIRST_SCALE * np.append(problem.lengths, problem.lengths[-1])[:, None], 2, axis=1)
@@ -184,11 +185,17 @@ def _descend(
             latest[key] = rows, slopes
         return latest[key]
 
+    def errors_of(steps: Floats) -> Floats:
+        return both(steps)[0]
+
+    def slopes_of(steps: Floats) -> Floats:
+        return both(steps)[1]
+
     start = directions.T @ ((values - nominal) / plausible)
     result = least_squares(
-        lambda steps: both(steps)[0],
+        errors_of,
         start,
-        jac=lambda steps: both(steps)[1],
+        jac=slopes_of,
         loss=problem.loss,
         x_scale="jac",
         xtol=1e-8 if fine else COARSE,
@@ -199,7 +206,7 @@ def _descend(
 
 
 def _scales(errors: Floats, which: NDArray[np.int64], before: Floats, loss: Loss) -> tuple[Floats, Floats]:
-    """Usual errors per window length, in place and heading (k, 2), and the robust weights of the rows (m, 3)."""
+    """Usual errors per window length, in place and heading (k, 2), and robust weights (m, 3)."""
     scales = before.copy()
     weights = np.ones_like(errors)
     for number in np.unique(which):
@@ -261,10 +268,10 @@ def covariance(problem: Problem, solution: Solution) -> tuple[Floats, int, str]:
     """Covariance of the values, its degrees of freedom, and in words what it rests on.
 
     Errors of neighbouring windows go together and have heavy tails: the usual formula would promise ten times
-    too much. What the values do when a whole cluster of windows is taken away knows no such assumption. With enough
-    sessions these are the clusters. Within one or a few, errors differ from run to run and from stretch to
-    stretch of a path that the runs repeat: both variances are added, which is never too little. One or two runs
-    say nothing about the first; then every stretch of each counts as one cluster.
+    too much. What the values do when a whole cluster of windows is taken away knows no such assumption.
+    With enough sessions these are the clusters. Within one or a few, errors differ from run to run and from
+    stretch to stretch of a path that the runs repeat: both variances are added, which is never too little.
+    One or two runs say nothing about the first; then every stretch of each counts as one cluster.
 
     Source: Cameron & Miller, A Practitioner's Guide to Cluster-Robust Inference, J. Human Resources 50(2),
     2015: the jackknife estimate CV3 with Student's t, section VI, and two ways of clustering, section V.

@@ -18,6 +18,8 @@ KNOWN = 0.05
 STRAIGHT = 0.35
 # Parameters whose values go together this closely are named.
 TOGETHER = 0.95
+# ... unless both are known to this share of what is plausible anyway.
+WELL_KNOWN = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +60,13 @@ def describe(model: Model, solution: Solution, drives: Sequence[Drive]) -> Obser
     unseen = solution.unseen
     openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
     identified = openness < KNOWN
-    messages = [_alone(model, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN)]
+    messages = [_alone(model, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()]
     mixed = np.flatnonzero(~identified & (openness <= 1.0 - KNOWN))
     if len(mixed):
         count = unseen.shape[1] - len(messages)
-        messages.append(_together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names)))
+        messages.append(
+            _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
+        )
     messages += _correlated(model, solution, identified)
     return Observability(model.names, identified, unseen, solution.spread, tuple(messages))
 
@@ -73,14 +77,16 @@ def _alone(model: Model, number: int, drives: Sequence[Drive]) -> str:
     why = f"the drives do not tell it to {OPEN * parameter.plausible:.3g} {parameter.unit}".rstrip()
     if turning < STRAIGHT:
         why = f"a straight run cannot identify it (turned {np.degrees(turning):.1f} deg at most)"
-    return f"{parameter.name} stays at its nominal {parameter.value:.6g} {parameter.unit}".rstrip() + f": {why}"
+    return (
+        f"{parameter.name} stays at its nominal {parameter.value:.6g} {parameter.unit}".rstrip() + f": {why}"
+    )
 
 
 def _together(names: list[str], count: int, direction: str) -> str:
     some = "one combination" if count == 1 else f"{count} combinations"
     return (
-        f"{', '.join(names)} are identified only together: {some} of them could change unnoticed ({direction}); "
-        "they moved from their nominal values no farther than the data ask"
+        f"{', '.join(names)} are identified only together: {some} of them could change unnoticed "
+        f"({direction}); they moved from their nominal values no farther than the data ask"
     )
 
 
@@ -90,7 +96,9 @@ def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) ->
     direction = part[:, int(np.argmax(np.abs(part).max(axis=0)))]
     direction = direction / direction[np.argmax(np.abs(direction))]
     terms = [
-        f"{value:+.2f} {names[i]}" for i, value in zip(mixed, direction, strict=True) if abs(value) > WORTH_A_WORD
+        f"{value:+.2f} {names[i]}"
+        for i, value in zip(mixed, direction, strict=True)
+        if abs(value) > WORTH_A_WORD
     ]
     return " ".join(terms)
 
@@ -106,7 +114,7 @@ def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_])
         for second in np.flatnonzero(identified & (sizes > 0.0)):
             if first < second:
                 correlation = covariance[first, second] / (sizes[first] * sizes[second])
-                if abs(correlation) > TOGETHER:
+                if abs(correlation) > TOGETHER and max(sizes[first], sizes[second]) > WELL_KNOWN:
                     pair = f"{model.names[first]} and {model.names[second]}"
                     messages.append(f"{pair} are hard to tell apart here (correlation {correlation:+.2f})")
     return messages

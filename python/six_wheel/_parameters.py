@@ -1,7 +1,7 @@
 """What can be calibrated: names, what each number does to the wheels, and how far it may plausibly be off.
 
-A parameter of the rover is a linear change of what its wheels hold (place, heading, radius, scrub, trail) or of what
-their readings mean. So any vehicle can be calibrated: nothing here knows one from another.
+A parameter of the rover is a linear change of what its wheels hold (place, heading, radius, scrub, trail)
+or of what their readings mean. So any vehicle can be calibrated: nothing here knows one from another.
 """
 
 import math
@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from six_wheel._core import Rover
 from six_wheel._poses import Floats
@@ -29,9 +30,9 @@ FRAME = ("x", "y", "yaw")
 class Parameter:
     """One number to find.
 
-    `value` is the nominal one, `plausible` how far the true one may be from it. `wheels` holds by how much the
-    quantities of every wheel change with it, arrays of shape (wheels,); `gain` the steered wheels whose angles
-    it multiplies, shape (steered,).
+    `value` is the nominal one, `plausible` how far the true one may be from it. `wheels` holds by how much
+    the quantities of every wheel change with it, arrays of shape (wheels,); `gain` the steered wheels whose
+    angles it multiplies, shape (steered,).
     """
 
     name: str
@@ -55,7 +56,8 @@ class Catalogue:
         self._rover = rover
         self._encoders = np.array(encoders, dtype=bool)
         self._values = {
-            name: np.array([getattr(wheel, name) or 0.0 for wheel in rover.wheels]) for name in WHEEL_QUANTITIES
+            name: np.array([getattr(wheel, name) or 0.0 for wheel in rover.wheels])
+            for name in WHEEL_QUANTITIES
         }
         self._groups: Mapping[str, Callable[[], list[Parameter]]] = {
             "wheel_radius": self._shared_radius,
@@ -71,11 +73,20 @@ class Catalogue:
             "icr_left": lambda: self._icr("icr_left", 1.0),
             "icr_right": lambda: self._icr("icr_right", -1.0),
             "icr_forward": self._icr_forward,
-            "skid": lambda: [*self._icr("icr_left", 1.0), *self._icr("icr_right", -1.0), *self._icr_forward()],
+            "skid": lambda: [
+                *self._icr("icr_left", 1.0),
+                *self._icr("icr_right", -1.0),
+                *self._icr_forward(),
+            ],
             "time_offset": lambda: [Parameter("time_offset", "s", 0.0, PLAUSIBLE_DELAY)],
             "sensor": lambda: self._frame("sensor"),
             "origin": lambda: self._frame("origin"),
         }
+
+    @property
+    def has_rollers(self) -> bool:
+        """Whether wheels roll sideways too: then how far out they are counts, not along or across."""
+        return any(wheel.roller_angle is not None for wheel in self._rover.wheels)
 
     @property
     def names(self) -> list[str]:
@@ -109,8 +120,8 @@ class Catalogue:
     def _length(self, name: str, value: float, wheels: dict[str, Floats]) -> Parameter:
         return Parameter(name, "m", value, PLAUSIBLE_SHARE * abs(value), wheels, positive=True)
 
-    def _radius(self, name: str, chosen: Floats) -> list[Parameter]:
-        """One number for the radii of some wheels, which keep their ratio. Without an encoder nothing shows it."""
+    def _radius(self, name: str, chosen: NDArray[np.bool_]) -> list[Parameter]:
+        """One number for the radii of some wheels, which keep their ratio; of those with an encoder."""
         chosen = chosen & self._encoders
         if not chosen.any():
             return []
@@ -162,7 +173,7 @@ class Catalogue:
         ]
 
     def _roller_angle(self) -> list[Parameter]:
-        """One number for the rollers of all wheels: those that give way roll as if they stood at another angle."""
+        """One number for the rollers of all wheels: where they give way they act as if at another angle."""
         angles = self._values["roller_angle"]
         if not (np.abs(np.sin(2.0 * angles)) > LEVEL).any():
             return []  # rollers straight across give way the same however they stand

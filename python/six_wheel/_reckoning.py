@@ -241,7 +241,7 @@ def reckon(
     log_options: LogOptions | None = None,
     settings: Settings | None = None,
     length: float = 0.5,
-    chunk_rows: int = 200_000,
+    chunk_rows: int = 65_536,
     sources: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Reckoned:

@@ -26,7 +26,16 @@ from six_wheel._parameters import Catalogue
 from six_wheel._poses import Floats
 from six_wheel.recordings import Log, Truth
 
-__all__ = ["Calibration", "CrossValidation", "Estimate", "Progress", "RunErrors", "Windows", "calibrate", "parameter_names"]
+__all__ = [
+    "Calibration",
+    "CrossValidation",
+    "Estimate",
+    "Progress",
+    "RunErrors",
+    "Windows",
+    "calibrate",
+    "parameter_names",
+]
 
 Progress = Callable[[int, int, str], object]
 
@@ -69,14 +78,15 @@ def calibrate(
     parameters : 'auto' or str or sequence of str
         What to find; `parameter_names` lists what there is for a rover. In short: ``wheel_radius`` (shared),
         ``side_radii``, ``wheel_radii``, ``track_width``, ``wheelbase``, ``arm_length``, ``steering_offset``,
-        ``steering_gain``, ``roller_angle``, ``encoder_scale``, ``skid``, ``time_offset`` (a stamp of the truth less
-        that of the log), ``sensor`` (where what the truth follows sits in the body) and ``origin`` (the same, and
-        the rover comes back about it). ``"auto"`` takes those that predict drives best that were not fitted.
+        ``steering_gain``, ``roller_angle``, ``encoder_scale``, ``skid``, ``time_offset`` (a stamp of the
+        truth less that of the log), ``sensor`` (where what the truth follows sits in the body) and
+        ``origin`` (the same, and the rover comes back about it). ``"auto"`` takes those that predict drives
+        best that were not fitted.
     loss : {'soft_l1', 'linear', 'huber', 'cauchy'}
         How much windows count in which the rover slipped: from three times the usual error on less and less.
     window : float or sequence of float, optional
-        Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5, 10, 20
-        and 40 times the distance of the farthest wheel from the origin.
+        Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
+        10, 20 and 40 times the distance of the farthest wheel from the origin.
     confidence : float
         Of the intervals.
     cross_validation : bool
@@ -189,9 +199,7 @@ def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
     return lengths
 
 
-def _with_truth(
-    logs: list[Log], truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None
-) -> list[Log]:
+def _with_truth(logs: list[Log], truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None) -> list[Log]:
     """The logs, each with the truth given for it."""
     if not logs:
         raise ValueError("logs must hold one at least, got none")

@@ -13,7 +13,7 @@ import typer
 
 from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel._cli_calibrate import calibrate
-from six_wheel._cli_check import abilities, wheels_table
+from six_wheel._cli_check import abilities, draw_limits, wheels_table
 from six_wheel._cli_odometry import odometry
 from six_wheel._cli_shared import (
     NodeOption,
@@ -53,7 +53,14 @@ def demo(
 
 
 @app.command(help=COMMANDS["check"])
-def check(rover: RoverArgument, node: NodeOption = None) -> None:
+def check(
+    rover: RoverArgument,
+    node: NodeOption = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
+    ] = None,
+) -> None:
     try:
         chosen = choose(rover, node)
     except ValueError as error:
@@ -65,8 +72,10 @@ def check(rover: RoverArgument, node: NodeOption = None) -> None:
     console = new_console()
     if chosen.parameters and chosen.parameters.warnings:
         print(*chosen.parameters.warnings, sep="\n", file=sys.stderr)
+    if plot is not None:
+        draw_limits(chosen, plot)
     console.print(wheels_table(chosen))
-    console.print(grid(abilities(chosen)))
+    console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
 @app.command(help=COMMANDS["drive"])

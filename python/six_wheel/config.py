@@ -31,7 +31,7 @@ from pathlib import Path
 from typing import Any, Literal, NoReturn, TypeAlias
 
 from six_wheel import _yaml
-from six_wheel._core import Limits, Rover, Wheel
+from six_wheel._core import Controller, Limits, Rover, Wheel
 from six_wheel._forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
 from six_wheel._joints import JointList, wheel_said_by, wheels_of_joints
 from six_wheel._nodes import PARAMETERS, Section, closest, section
@@ -118,6 +118,10 @@ class Parameters:
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
+
+    def build_controller(self, **changes: Any) -> Controller:
+        """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
+        return Controller(self.rover, self.limits, **self.control | changes)
 
 
 def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
@@ -311,9 +315,24 @@ def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
         named["control"] = named["control"] | {"align": None}
     named["limits"] = Limits(**values.get("limits", {}))
     controller = form.name if form.controller else None
-    return Parameters(
+    parameters = Parameters(
         path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
     )
+    _check_controller(found, parameters, log)
+    return parameters
+
+
+def _check_controller(section: Section, parameters: Parameters, log: _Log) -> None:
+    """Whether limits and ways of a controller fit each other, and the rover."""
+    if not {"limits", "control"} & section.data.keys():
+        return
+    try:
+        parameters.build_controller()
+    except ValueError as error:
+        key = str(error).partition(" ")[0]
+        at = ("limits" if key in LimitKeys.model_fields else "control", key)
+        log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+        raise log.failure() from None
 
 
 def _text(path: Path, log: _Log) -> str:

@@ -37,12 +37,14 @@ from six_wheel._drawing import (
     write_title,
 )
 from six_wheel._four_axle_plot import four_axle_figure
+from six_wheel._limits_plot import limits_figure
 from six_wheel._track_plot import residual_figure, track_figure
 
 __all__ = [
     "draw_path",
     "draw_rover",
     "four_axle_figure",
+    "limits_figure",
     "path_figure",
     "residual_figure",
     "save",

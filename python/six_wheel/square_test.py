@@ -1,7 +1,8 @@
-"""The bidirectional square-path test UMBmark: a differential drive's two systematic errors from where it stops.
+"""The square-path test UMBmark: a differential drive's two systematic errors from where it stops.
 
-Borenstein & Feng, Measurement and Correction of Systematic Odometry Errors in Mobile Robots, IEEE Transactions on
-Robotics and Automation 12(6), 1996. It needs a tape measure only and is an independent check of `calibrate`.
+Borenstein & Feng, Measurement and Correction of Systematic Odometry Errors in Mobile Robots, IEEE
+Transactions on Robotics and Automation 12(6), 1996. It needs a tape measure only and is an independent
+check of `calibrate`.
 """
 
 import math
@@ -32,8 +33,8 @@ class SquareTest:
     clockwise, counter_clockwise : ndarray, shape (2,)
         Centres of gravity of the return errors [m].
     error : float
-        The larger distance of the two from the start [m]: "the measure of dead-reckoning accuracy for systematic
-        errors", E_max,syst.
+        The larger distance of the two from the start [m]: "the measure of dead-reckoning accuracy for
+        systematic errors", E_max,syst.
     spread : float
         Root mean square distance of the single runs from their centre [m]: what is not systematic.
     """
@@ -56,9 +57,9 @@ class SquareTest:
 def umbmark(rover: Rover, clockwise: ArrayLike, counter_clockwise: ArrayLike, side: float) -> SquareTest:
     """Wheel diameters and track width of a differential drive from its return errors on a square.
 
-    The rover drives the square by its own odometry: four times straight on by `side` and a quarter turn on the spot,
-    starting along +x, with the square to its left (counter-clockwise) or right (clockwise). It stops where it
-    believes to have started.
+    The rover drives the square by its own odometry: four times straight on by `side` and a quarter turn on
+    the spot, starting along +x, with the square to its left (counter-clockwise) or right (clockwise). It
+    stops where it believes to have started.
 
     Parameters
     ----------
@@ -78,8 +79,8 @@ def umbmark(rover: Rover, clockwise: ArrayLike, counter_clockwise: ArrayLike, si
     ValueError
         If the rover is not such a drive, an error is not finite or a side not positive.
 
-    Source: Borenstein & Feng 1996, with both coordinates of both centres where the paper takes one of them, and
-    the curvature of the sides in place of their radius: a straight side is not special.
+    Source: Borenstein & Feng 1996, with both coordinates of both centres where the paper takes one of them,
+    and the curvature of the sides in place of their radius: a straight side is not special.
     """
     left, right, track = _pair(rover)
     if not (math.isfinite(side) and side > 0.0):
@@ -88,9 +89,9 @@ def umbmark(rover: Rover, clockwise: ArrayLike, counter_clockwise: ArrayLike, si
     turns["counter_clockwise"] = _errors("counter_clockwise", counter_clockwise)
     centres = {name: errors.mean(axis=0) for name, errors in turns.items()}
 
-    # If every corner turns too far by `over` and every side bends left by `bend`, to first order side k sets off
-    # k (over + bend) wrong to its left, counter-clockwise, or k (bend - over), clockwise. Summed over the four
-    # sides: (2, -2) L (over + bend), and (2, 2) L (over - bend).
+    # If every corner turns too far by `over` and every side bends left by `bend`, to first order side k
+    # sets off k (over + bend) wrong to its left, counter-clockwise, or k (bend - over), clockwise. Summed
+    # over the four sides: (2, -2) L (over + bend), and (2, 2) L (over - bend).
     both = float(centres["counter_clockwise"] @ (1.0, -1.0)) / (4.0 * side)
     difference = float(centres["clockwise"] @ (1.0, 1.0)) / (4.0 * side)
     over, bend = (both + difference) / 2.0, (both - difference) / 2.0

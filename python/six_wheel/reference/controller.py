@@ -43,7 +43,7 @@ def ramp(
 ) -> tuple[float, float]:
     """A value and its rate `dt` later, on the quickest way to rest at a goal.
 
-    The rate stays within ``(-rates[0], rates[1])``, inside which it starts, and changes by `change` per second.
+    The rate stays within ``(-rates[0], rates[1])``, where it starts, and changes by `change` per second.
     """
     rest = value + rate * abs(rate) / (2 * change)  # by braking at once
     if rest == goal and rate == 0.0:

@@ -97,7 +97,12 @@ impl Motion {
             let way = dt * (rate + slope * dt / 2.0);
             (moved(way, slope.mul_add(dt, rate)), Held::Change)
         } else if dt < first + cruise {
-            (moved(peak.mul_add(dt - first, first_way), peak), Held::Rate)
+            let held = if peak < limit {
+                Held::Change
+            } else {
+                Held::Rate
+            };
+            (moved(peak.mul_add(dt - first, first_way), peak), held)
         } else {
             let left = end - dt;
             let rest = Self {

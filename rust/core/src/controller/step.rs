@@ -148,12 +148,19 @@ impl Controller {
             Route::Stay | Route::Align => 0.0,
         };
         reasons |= bridle.reasons;
-        reasons |= self.turn_on(goal, dt);
+        let turning = self.turn_on(goal, dt);
         reasons |= self.change_speed(target, bridle, dt);
+        // Without joints a direction that still turns at rest is nothing.
+        if !(self.joints.is_empty() && self.at_rest() && self.route == Route::Stay) {
+            reasons |= turning;
+        }
         self.set_speeds();
         let exact = matches!(self.route, Route::Along { .. }) && self.speed == Motion::at(target);
         self.twist = match goal.filter(|_| exact && share == 1.0) {
-            Some(goal) => goal.twist,
+            Some(goal) => {
+                reasons = 0; // met, whatever it took
+                goal.twist
+            }
             None if self.speed.value == 0.0 => Twist::ZERO,
             None => Twist::from(self.direction() * self.speed.value),
         };
