@@ -4,18 +4,18 @@
 //! not steered these are 1 and 0. Where the normal equations are the same for all readings, so are the rows times
 //! their inverse: what a metre of rolling is of the displacement. Displacement, residuals and errors are sums of these.
 
-use super::forward::LARGEST_ROVER;
+mod plan;
+
 use super::lanes::Lanes;
-use super::level::{Kernel, Level};
+use super::level::Kernel;
 use super::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
-use super::single::{Eight, GROUP, level, order, padded};
+use super::single::{Eight, GROUP, padded};
 use super::vector::Vector;
 use crate::odometry::{
-    Encoder, Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise,
-    step_jacobian,
+    Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, step_jacobian,
 };
-use crate::rover::{Mount, Rover};
-use nalgebra::Vector3;
+pub(crate) use plan::Plan;
+use plan::{Room, Triple};
 
 /// Half turn of a steered wheel during a step up to which its chord is the polynomial [rad].
 const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
@@ -29,126 +29,7 @@ pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 /// The columns of joints come in whole registers, on every level that has this kernel.
 pub(crate) const COLUMNS: usize = 4;
 
-/// Three numbers per wheel.
-type Triple = [Eight; 3];
-
-/// What the kernel needs to know of a rover and its encoders, and its memory.
-#[derive(Clone, Debug)]
-pub(crate) struct Plan {
-    level: Level,
-    groups: Vec<Group>,
-    rooms: Vec<Room>,
-}
-
-/// Eight wheels.
-#[derive(Clone, Debug, Default)]
-struct Group {
-    /// Which they are; beyond the last one no index there is.
-    wheels: [usize; GROUP],
-    /// How many there are.
-    count: usize,
-    /// How many of them are steered.
-    steered: usize,
-    /// 1 for a steered wheel, 0 for another.
-    steers: Eight,
-    heading: Eight,
-    /// Angle of a wheel and of its joint per count of their encoders [rad].
-    per_count: [Eight; 2],
-    radius: Eight,
-    pivot: [Eight; 2],
-    /// The rows of a wheel that points ahead; to the left they are the second one and minus the first one.
-    rows: [Triple; 2],
-    /// What a metre along either row is of the displacement.
-    shares: [Triple; 2],
-    /// 1 for a wheel that has the row.
-    has: [Eight; 2],
-}
-
-/// What is kept of eight wheels between the two halves of a step.
-#[derive(Clone, Debug, Default)]
-struct Room {
-    shares: [Triple; 2],
-    rolled: Eight,
-    way: [Eight; 2],
-    slid: Eight,
-    variance: Eight,
-}
-
-impl Group {
-    /// Registers with a wheel in them.
-    #[inline(always)]
-    fn registers(&self, lanes: usize) -> usize {
-        self.count.div_ceil(lanes).min(GROUP / lanes)
-    }
-}
-
 impl Plan {
-    /// Nothing where the normal equations depend on the readings, a counter starts over, or the machine has no kernel.
-    pub fn new(
-        rover: &Rover,
-        wheel_encoder: impl Fn(usize) -> Encoder,
-        steering_encoder: impl Fn(usize) -> Encoder,
-    ) -> Option<Self> {
-        let level = level()?;
-        let solution = rover.solution?;
-        if rover.reading_bound > LARGEST_ROVER {
-            return None;
-        }
-        let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
-        let nobody = Group {
-            wheels: [usize::MAX; GROUP],
-            ..Group::default()
-        };
-        let order = order(rover);
-        let mut groups = vec![nobody; order.len().div_ceil(GROUP)];
-        for (k, &i) in order.iter().enumerate() {
-            let (wheel, group, lane) = (&rover.wheels()[i], &mut groups[k / GROUP], k % GROUP);
-            let encoder = wheel_encoder(i);
-            if encoder.modulus.is_some() {
-                return None;
-            }
-            group.wheels[lane] = i;
-            group.count = lane + 1;
-            group.per_count[0][lane] = encoder.angle_per_count();
-            let rows = match rover.mounts[i] {
-                Mount::Castor(_) => continue,
-                Mount::Fixed(rows) => [rows.rolling, rows.side_slip],
-                Mount::Steered(..) => {
-                    let encoder = steering_encoder(k);
-                    if encoder.modulus.is_some()
-                        || wheel.roller_angle.is_some()
-                        || wheel.heading.abs() > LARGEST_ANGLE / 2.0
-                    {
-                        return None;
-                    }
-                    group.steered += 1;
-                    group.steers[lane] = 1.0;
-                    group.heading[lane] = wheel.heading;
-                    group.per_count[1][lane] = encoder.angle_per_count();
-                    [
-                        Vector3::new(1.0, 0.0, -wheel.y),
-                        Vector3::new(0.0, 1.0, wheel.x),
-                    ]
-                }
-            };
-            group.radius[lane] = wheel.radius;
-            (group.pivot[0][lane], group.pivot[1][lane]) = (wheel.x, wheel.y);
-            for (which, row) in rows.into_iter().enumerate() {
-                group.has[which][lane] = f64::from(u8::from(row.x != 0.0 || row.y != 0.0));
-                let share = share(row);
-                for part in 0..3 {
-                    group.rows[which][part][lane] = row[part];
-                    group.shares[which][part][lane] = share[part];
-                }
-            }
-        }
-        Some(Self {
-            level,
-            rooms: vec![Room::default(); groups.len()],
-            groups,
-        })
-    }
-
     /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no
     /// more than the angles at the end have changed then.
     #[inline]
