@@ -22,6 +22,8 @@ from six_wheel import (
 )
 from six_wheel._calibrating import before_and_after, calibrate_files
 from six_wheel._log_files import example_run
+from six_wheel.drive import ControlledDrive, Loop
+from six_wheel.logs import TIME, Chunk
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -105,6 +107,24 @@ def calibration() -> Figure:
     return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
 
 
+def driven() -> Figure:
+    """What `six-wheel drive --plot` draws: a straight, a left turn, a tighter right turn, a stop."""
+    rover, _ = VEHICLES["six_wheel"]
+    bounds = Limits(
+        speed=0.8, yaw_rate=0.6, acceleration=0.5, jerk=2.0, angular_acceleration=1.0,
+        wheel_speed=6.0, wheel_acceleration=10.0, steering_rate=1.0, steering_acceleration=4.0,
+    )  # fmt: skip
+    times = np.arange(0.0, 10.0, 0.1)
+    twists = np.zeros((len(times), 3))
+    twists[:, 0] = np.select([times < 7.0, times < 9.4], [1.0, 0.3])
+    twists[:, 2] = np.select([times < 2.0, times < 5.0, times < 7.0, times < 9.4], [0.0, 0.5, 0.0, -0.4])
+    engine = ControlledDrive(rover, TIME.units[0], Loop(bounds))
+    rows = [*engine.blocks(Chunk(1, times, twists)), *engine.end()]
+    assert rows
+    shares = engine.summary.shares
+    return plot.drive_figure(rover, engine.course, *engine.trace.path(), limits=bounds, shares=shares)
+
+
 def limits() -> Figure:
     """What the Open Source Rover can do within limits, its wheels turning 70 degrees to either side."""
     rover = Rover.preset("open_source_rover", steering_limit=math.radians(70.0))
@@ -120,6 +140,7 @@ def main() -> None:
     figures["four_axle"] = four_axles()
     figures["transitions"] = transitions()
     figures["calibration"] = calibration()
+    figures["drive"] = driven()
     figures["limits"] = limits()
     for name, figure in figures.items():
         png = io.BytesIO()

@@ -209,9 +209,50 @@ def test_check_draws_no_picture_of_unlimited_motion(run: Run, refused: Callable[
 
 def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     Path("limited.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0}\n")
-    code, out, err = run("drive", "limited.yaml", "commands.csv")
+    code, out, err = run("drive", "limited.yaml", "commands.csv", "--direct")
     assert (code, err) == (0, "")
-    assert re.search(r"largest wheel speed .* over the limit of 2\s", out)
+    assert re.search(r"largest wheel speed .* of 2 allowed, .*, over the limit\s", out)
+
+
+LIMITED = ROVER + "limits: {speed: 0.4, acceleration: 0.5, wheel_speed: 3.0}\n"
+WAITING = "control: {timeout: 2.0}\n"  # the commands are a second apart
+
+
+def test_drive_goes_through_the_controller_if_there_are_limits(run: Run) -> None:
+    Path("limited.yaml").write_text(LIMITED + WAITING)
+    code, out, err = run("drive", "limited.yaml", "commands.csv", "-o", "run.csv")
+    assert (code, err) == (0, "")
+    assert re.search(r"driven +the controller, at 50 Hz\s", out)
+    assert re.search(r"largest speed +0\.4 m/s of 0\.4 allowed, in row \d+\s", out)
+    assert re.search(r"limited by +(\w+ \d+\.\d%(, )?)*SPEED \d+\.\d%", out)
+    assert "over the limit" not in out
+    assert Path("run.csv").read_text().splitlines()[0].endswith("limited_omega,reasons,reason_names")
+
+
+def test_drive_warns_of_commands_too_far_apart(run: Run) -> None:
+    Path("limited.yaml").write_text(LIMITED)
+    code, out, err = run("drive", "limited.yaml", "commands.csv")
+    assert code == 0
+    words = "commands are up to 1 s apart, longer than the timeout of 0.5 s: meanwhile the rover stops"
+    assert err == f"six-wheel: warning: {words}\n"
+    assert re.search(r"STALE \d+\.\d%", out)
+
+
+def test_drive_at_a_rate_or_directly(run: Run, refused: Callable[..., str]) -> None:
+    Path("limited.yaml").write_text(LIMITED + "control: {period: 0.01}\n")
+    assert "at 100 Hz" in run("drive", "limited.yaml", "commands.csv")[1]
+    assert "at 20 Hz" in run("drive", "limited.yaml", "commands.csv", "--rate", "20")[1]
+    code, out, _ = run("drive", "rover.yaml", "commands.csv", "--rate", "200")
+    assert code == 0
+    assert "the controller, at 200 Hz" in out
+    for arguments in (["limited.yaml", "commands.csv", "--direct"], ["rover.yaml", "commands.csv"]):
+        out = run("drive", *arguments)[1]
+        assert re.search(r"driven +directly", out)
+        assert "limited by" not in out
+    for rate, words in (("0", "positive, got 0"), ("nan", "got nan"), ("5", "at least 10 Hz")):
+        assert words in refused("drive", "limited.yaml", "commands.csv", "--rate", rate)
+    words = "--rate must be left out with --direct"
+    assert words in refused("drive", "limited.yaml", "commands.csv", "--rate", "50", "--direct")
 
 
 @pytest.mark.parametrize(

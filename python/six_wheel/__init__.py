@@ -15,6 +15,7 @@ from six_wheel import profiles
 from six_wheel._core import (
     Controller,
     ControllerOutput,
+    ControllerRun,
     Encoder,
     Fit,
     FourAxle,
@@ -57,6 +58,7 @@ __all__ = [
     "ArgumentTypeError",
     "Controller",
     "ControllerOutput",
+    "ControllerRun",
     "Encoder",
     "Fit",
     "FourAxle",

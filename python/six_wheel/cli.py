@@ -14,11 +14,11 @@ import typer
 from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel._cli_calibrate import calibrate
 from six_wheel._cli_check import abilities, draw_limits, wheels_table
+from six_wheel._cli_drive import drive
 from six_wheel._cli_odometry import odometry
 from six_wheel._cli_shared import (
     NodeOption,
     RoverArgument,
-    angle_text,
     choose,
     grid,
     new_console,
@@ -26,8 +26,7 @@ from six_wheel._cli_shared import (
 )
 
 if TYPE_CHECKING:
-    from six_wheel._core import Limits, Rover
-    from six_wheel.drive import Peak, Summary
+    from six_wheel._core import Rover
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -78,51 +77,7 @@ def check(
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
-@app.command(help=COMMANDS["drive"])
-def drive(
-    rover: RoverArgument,
-    commands: Annotated[
-        Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
-    ],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
-    ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture of the path: .png, .svg or .pdf.")] = None,
-    keep: Annotated[
-        str | None,
-        typer.Option(
-            metavar="curvature|speed|yaw_rate|nearest",
-            help="Drive the nearest possible where the rover cannot do as told, keeping this. "
-            "Without it such a row is an error.",
-        ),
-    ] = None,
-    node: NodeOption = None,
-    chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 200_000,
-) -> None:
-    chosen = choose(rover, node)
-    # After the file of the rover is known to be good: Arrow takes its time.
-    from six_wheel.drive import drive as drive_table
-
-    with progress_bar(f"driving {commands.name}") as progress:
-        summary = drive_table(
-            chosen.rover,
-            commands,
-            output,
-            plot=plot,
-            keep=keep,
-            chunk_rows=chunk_rows,
-            sources=[chosen.path] if chosen.path else [],
-            progress=progress,
-        )
-    console = new_console()
-    for warning in summary.warnings:
-        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
-    from six_wheel._core import Limits
-
-    limits = chosen.parameters.limits if chosen.parameters else Limits()
-    console.print(grid([*_summary(summary, limits), ("results", output), ("picture", plot)]))
-
-
+app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
 
@@ -170,32 +125,6 @@ def _left_turn(rover: "Rover") -> tuple[float, float, float]:
     # Unsteered wheels may hold the centre on a line beside the origin: the projection puts it there.
     vx, vy, omega = rover.project((speed, 0.0, speed / max(2.0 * size, 1.2 * rover.min_radius))).tolist()
     return vx, vy, omega
-
-
-def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
-    """What a drive came to, as rows for `grid`."""
-
-    def at(peak: "Peak", value: str, limit: float | None = None) -> str | None:
-        over = f", over the limit of {limit:g}" if limit is not None and abs(peak.value) > limit else ""
-        return f"{value}, {peak.name} in row {peak.row}{over}" if peak.row else None
-
-    angle, rate = summary.steering_angle, summary.steering_rate
-    speed, residual = summary.wheel_speed, summary.residual
-    x, y, yaw = summary.end_pose
-    vx, vy, omega = summary.changed
-    changes = f"{summary.projected_rows}, by at most {vx:.3g} m/s, {vy:.3g} m/s, {omega:.3g} rad/s"
-    return [
-        ("rows", f"{summary.rows:,}"),
-        ("duration", f"{summary.duration:.6g} s"),
-        ("path length", f"{summary.path_length:.6g} m"),
-        ("end pose", f"x {x:.6g} m, y {y:.6g} m, yaw {angle_text(yaw)}"),
-        ("largest steering angle", at(angle, angle_text(angle.value))),
-        ("largest steering rate", at(rate, f"{rate.value:.4g} rad/s", limits.steering_rate)),
-        ("largest wheel speed", at(speed, f"{speed.value:.4g} rad/s", limits.wheel_speed)),
-        ("largest residual", at(residual, f"{residual.value:.2g} m/s")),
-        ("projected rows", changes if summary.projected_rows else summary.projected_rows),
-        ("took", f"{summary.elapsed:.3g} s, {summary.rows / summary.elapsed:,.0f} rows/s"),
-    ]
 
 
 def run(arguments: Sequence[str]) -> int:

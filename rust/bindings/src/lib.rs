@@ -48,6 +48,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<controller::limits::Limits>()?;
     module.add_class::<controller::Controller>()?;
     module.add_class::<controller::output::ControllerOutput>()?;
+    module.add_class::<controller::run::ControllerRun>()?;
     module.add_function(wrap_pyfunction!(controller::output::reason_bits, module)?)?;
     controller::install(module.py())?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;

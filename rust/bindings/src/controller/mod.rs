@@ -3,6 +3,7 @@
 pub mod limits;
 pub mod output;
 mod quick;
+pub mod run;
 
 use std::str::FromStr;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,6 +15,7 @@ use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
+use crate::controller::run::ControllerRun;
 use crate::convert::{Rows, number, raise};
 use crate::rover::Rover;
 
@@ -60,6 +62,7 @@ pub struct Controller {
     core: Mutex<Core>,
     rover: Py<Rover>,
     joints: usize,
+    wheels: usize,
 }
 
 impl Controller {
@@ -108,6 +111,7 @@ impl Controller {
             chosen().and_then(|options| Core::new(&rover.get().core, limits, options, start));
         Ok(Self {
             core: Mutex::new(core.map_err(|error| raise(error, &[]))?),
+            wheels: rover.get().count(),
             rover: rover.unbind(),
             joints,
         })
@@ -184,6 +188,38 @@ impl Controller {
         core.step(now, measured.as_ref().map(Rows::flat))
             .map_err(|error| raise(error, &[]))?;
         Ok(ControllerOutput::of(&core))
+    }
+
+    /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamps : array_like, shape (m,)
+    ///     When the commands were given [s]. They come in this order, each before the first step that is not
+    ///     earlier than its stamp.
+    /// twists : array_like, shape (m, 3)
+    ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// times : array_like, shape (n,)
+    ///     Times of the steps [s], increasing.
+    ///
+    /// Returns
+    /// -------
+    /// ControllerRun
+    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a time is not later than the one before it, a stamp is later than all of them, one of them is not
+    ///     finite, or the shapes do not fit. The controller stays as it was.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        stamps: &Bound<'py, PyAny>,
+        twists: &Bound<'py, PyAny>,
+        times: &Bound<'py, PyAny>,
+    ) -> PyResult<ControllerRun> {
+        ControllerRun::of(py, self, [stamps, twists, times])
     }
 
     /// Back to rest, without a command and with the clock stopped, as when it was made.

@@ -17,6 +17,7 @@ mod motion;
 mod options;
 pub mod reason;
 mod route;
+mod run;
 mod step;
 
 use nalgebra::{Matrix3, Vector3};
@@ -29,6 +30,7 @@ pub use self::limits::Limits;
 use self::motion::Motion;
 pub use self::options::{Align, Options};
 use self::route::Route;
+pub use self::run::Steps;
 use crate::error::{Error, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
