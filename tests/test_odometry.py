@@ -390,6 +390,23 @@ def test_states_are_apart():
     assert odometry.state.pose[0] == second.pose[0] == pytest.approx(0.1)
 
 
+def test_states_that_are_kept_stay_as_they_are():
+    """Objects nobody holds are handed out again, and only those."""
+    log = drive(VEHICLES["six_wheel"], 60)
+    track = sw.dead_reckon(log.rover, log.steering, log.angles, log.stamps)
+    odometry = sw.Odometry(log.rover)
+    kept = {}
+    for k, (steering, angles, stamp) in enumerate(zip(log.steering, log.angles, log.stamps, strict=True)):
+        state = odometry.update(steering, angles, stamp)
+        if k % 3:
+            kept[k] = state
+    for k, state in kept.items():
+        np.testing.assert_array_equal(state.pose, track.poses[k])
+        np.testing.assert_array_equal(state.covariance, track.covariances[k])
+        np.testing.assert_array_equal(state.residual, track.residuals[k])
+        assert state.stamp == log.stamps[k]
+
+
 def test_values_are_values():
     noise = sw.Noise(0.02, 0.01, slip=0.03, period=0.1)
     assert noise == pickle.loads(pickle.dumps(noise)) == eval(repr(noise), {"Noise": sw.Noise})

@@ -19,7 +19,7 @@ pub use quick::install;
 
 use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
-use state::OdometryState;
+use state::{OdometryState, Spares};
 use values::{Encoder, Noise};
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
@@ -68,6 +68,7 @@ use values::{Encoder, Noise};
 pub struct Odometry {
     core: Core,
     rover: Py<Rover>,
+    spares: Spares,
 }
 
 /// An encoder for all joints, one per joint, or some by name.
@@ -186,6 +187,12 @@ impl Odometry {
         }
     }
 
+    /// The state after the last sample, for the caller of `update`.
+    #[inline]
+    fn handed_out<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, OdometryState>> {
+        self.spares.state(&self.core, &self.rover, py)
+    }
+
     fn joints(&self) -> usize {
         self.core.rover().steered().len()
     }
@@ -253,6 +260,7 @@ impl Odometry {
         Ok(Self {
             core: Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?,
             rover: rover.clone().unbind(),
+            spares: Spares::default(),
         })
     }
 

@@ -8,6 +8,7 @@ pub mod encoder;
 pub mod health;
 mod history;
 pub mod noise;
+mod quick;
 pub mod settings;
 mod spread;
 mod state;
@@ -20,15 +21,21 @@ pub use health::Health;
 pub use noise::Noise;
 pub use settings::{Readings, Settings};
 
+use crate::batch::single_step::Plan;
 use crate::error::{Error, number, numbers};
 use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};
 use history::History;
-use state::{State, advance, check_covariance, meet_yaw};
+pub(crate) use spread::Spread;
+pub(crate) use state::HUGE;
+pub(crate) use state::State;
+use state::{advance, check_covariance, meet_yaw};
+pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
 use step::{Motion, Workspace, shared_readings};
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
 use uncertainty::Uncertainty;
+pub(crate) use uncertainty::{StepJacobian, StepNoise};
 
 /// What was read at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +88,8 @@ pub struct Odometry {
     residual: Vec<f64>,
     health: Health,
     work: Workspace,
+    /// How a usual step is made by registers, where it is.
+    plan: Option<Plan>,
     turned: Vec<f64>,
     angles: Vec<f64>,
     history: History,
@@ -115,6 +124,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, from_rates),
+            plan: settings.plan(&rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,
@@ -149,16 +159,23 @@ impl Odometry {
 
     /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
     pub fn covariance(&self) -> [[f64; 3]; 3] {
-        self.state.uncertainty.reported().into()
+        self.state.uncertainty.reported().matrix().into()
     }
 
     /// Covariance of the twist over the last step, in body axes.
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
+        let [_, upper] = self.upper_halves();
+        Spread::from(upper).matrix().into()
+    }
+
+    /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.
+    #[inline]
+    pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
-        if dt == 0.0 {
-            return [[0.0; 3]; 3];
-        }
-        (self.work.noise.total().matrix() / (dt * dt)).into()
+        let rate = if dt == 0.0 { 0.0 } else { 1.0 / (dt * dt) };
+        let twist = <[f64; 6]>::from(self.work.noise.total());
+        let pose = self.state.uncertainty.reported();
+        [pose.into(), twist.map(|value| value * rate)]
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
@@ -218,7 +235,16 @@ impl Odometry {
         self.take(sample).map_err(|refusal| refusal.error)
     }
 
+    #[inline]
     fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        match self.step(&sample) {
+            Some(slips) => Ok(self.conclude(&sample, Health::SLIP.when(slips), None)),
+            None => self.take_any(sample),
+        }
+    }
+
+    /// Any sample.
+    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample)
             .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
@@ -269,16 +295,22 @@ impl Odometry {
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
             *residual = slid / dt;
         }
+        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
+        Ok(self.conclude(&sample, flags, gyro_turn))
+    }
+
+    /// Takes a sample whose step has been made as the one from which the next one counts.
+    #[inline]
+    fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+        let reference = &mut self.reference;
+        let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
-        self.health = Health::GAP.when(is_gap)
-            | Health::WRAPPED.when(wrapped)
-            | Health::SLIP.when(self.work.slips);
-        self.reference.known = true;
-        self.reference.stamp = sample.stamp;
-        self.reference.yaw_rate = sample.yaw_rate;
-        self.reference.wheels.copy_from_slice(sample.wheels);
-        self.reference.steering.copy_from_slice(sample.steering);
-        self.reference.angles.copy_from_slice(&self.angles);
+        self.health = flags | Health::GAP.when(is_gap);
+        reference.stamp = sample.stamp;
+        reference.yaw_rate = sample.yaw_rate;
+        reference.wheels.copy_from_slice(sample.wheels);
+        reference.steering.copy_from_slice(sample.steering);
+        std::mem::swap(&mut reference.angles, &mut self.angles);
         if let Some(yaw) = sample.yaw {
             self.meet_yaw(yaw);
         }
@@ -286,12 +318,12 @@ impl Odometry {
         self.history.push(
             sample,
             dt,
-            &self.angles,
+            &self.reference.angles,
             &self.turned,
             gyro_turn,
             &self.state,
         );
-        Ok(self.health)
+        self.health
     }
 
     fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {

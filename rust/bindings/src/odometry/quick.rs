@@ -55,8 +55,6 @@ impl Quick<5> for Update {
         };
         // What is refused here is refused again by the general way, which says why.
         this.core.update(sample).ok()?;
-        let state = this.state(py);
-        drop(this);
-        Bound::new(py, state).ok().map(Bound::into_any)
+        this.handed_out(py).ok().map(Bound::into_any)
     }
 }

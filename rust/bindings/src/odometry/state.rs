@@ -1,45 +1,151 @@
 //! `six_wheel.OdometryState`.
 
+use std::ops::Deref;
+
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_core::Method;
 use six_wheel_core::odometry::Odometry;
 
+use crate::fast::is_held_once;
 use crate::rover::Rover;
 
 /// Where the rover is after a sample, and how far that may be off.
-#[pyclass(frozen, module = "six_wheel")]
+///
+/// Python cannot change it; what nobody holds any more is written anew by `Odometry` (`Spares`).
+#[pyclass(module = "six_wheel")]
 pub struct OdometryState {
     stamp: Option<f64>,
     pose: [f64; 3],
     twist: [f64; 3],
     velocity: [f64; 3],
-    covariance: [[f64; 3]; 3],
-    twist_covariance: [[f64; 3]; 3],
-    residual: Box<[f64]>,
+    /// Upper halves, row by row.
+    covariance: [f64; 6],
+    twist_covariance: [f64; 6],
+    residual: PerWheel,
     /// None where all count alike.
     weights: Option<Box<[f64]>>,
     health: u32,
     rover: Py<Rover>,
 }
 
-impl OdometryState {
-    pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
-        let alike = odometry.settings().method == Method::LeastSquares;
-        Self {
-            stamp: odometry.stamp(),
-            pose: odometry.pose().into(),
-            twist: odometry.twist().into(),
-            velocity: odometry.velocity().into(),
-            covariance: odometry.covariance(),
-            twist_covariance: odometry.twist_covariance(),
-            residual: odometry.residual().into(),
-            weights: (!alike).then(|| odometry.weights().into()),
-            health: odometry.health().0,
-            rover,
+/// Wheels whose numbers are kept in the object itself.
+const FEW: usize = 8;
+
+/// One number per wheel.
+enum PerWheel {
+    Few([f64; FEW], usize),
+    Many(Box<[f64]>),
+}
+
+impl From<&[f64]> for PerWheel {
+    fn from(numbers: &[f64]) -> Self {
+        let mut few = [0.0; FEW];
+        match few.get_mut(..numbers.len()) {
+            Some(places) => {
+                places.copy_from_slice(numbers);
+                Self::Few(few, numbers.len())
+            }
+            None => Self::Many(numbers.into()),
         }
     }
+}
+
+impl PerWheel {
+    /// As many other numbers.
+    #[inline]
+    fn renew(&mut self, numbers: &[f64]) {
+        let places = match self {
+            Self::Few(few, count) => &mut few[..*count],
+            Self::Many(many) => many,
+        };
+        for (place, number) in places.iter_mut().zip(numbers) {
+            *place = *number;
+        }
+    }
+}
+
+impl Deref for PerWheel {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        match self {
+            Self::Few(numbers, count) => &numbers[..*count],
+            Self::Many(numbers) => numbers,
+        }
+    }
+}
+
+impl OdometryState {
+    pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
+        let mut state = Self {
+            stamp: None,
+            pose: [0.0; 3],
+            twist: [0.0; 3],
+            velocity: [0.0; 3],
+            covariance: [0.0; 6],
+            twist_covariance: [0.0; 6],
+            residual: odometry.residual().into(),
+            weights: None,
+            health: 0,
+            rover,
+        };
+        state.renew(odometry);
+        state
+    }
+
+    /// Takes over the numbers of another sample of the same rover.
+    #[inline]
+    fn renew(&mut self, odometry: &Odometry) {
+        let alike = odometry.settings().method == Method::LeastSquares;
+        self.stamp = odometry.stamp();
+        self.pose = odometry.pose().into();
+        self.twist = odometry.twist().into();
+        self.velocity = odometry.velocity().into();
+        [self.covariance, self.twist_covariance] = odometry.upper_halves();
+        self.residual.renew(odometry.residual());
+        self.weights = (!alike).then(|| odometry.weights().into());
+        self.health = odometry.health().0;
+    }
+}
+
+/// The last states that were handed out. Those that nobody else holds are handed out again with new numbers: that
+/// takes a third of the time of a new object. A loop holds one while it asks for the next, so there are two.
+#[derive(Default)]
+pub struct Spares {
+    states: [Option<Py<OdometryState>>; 2],
+    next: usize,
+}
+
+impl Spares {
+    /// The state after the last sample.
+    #[inline]
+    pub fn state<'py>(
+        &mut self,
+        odometry: &Odometry,
+        rover: &Py<Rover>,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, OdometryState>> {
+        for state in self.states.iter().flatten() {
+            // Only this one reference, and the interpreter's lock: nobody can see it change.
+            if is_held_once(state, py)
+                && let Ok(mut free) = state.try_borrow_mut(py)
+            {
+                free.renew(odometry);
+                return Ok(state.bind(py).clone());
+            }
+        }
+        let state = Bound::new(py, OdometryState::of(odometry, rover.clone_ref(py)))?;
+        self.states[self.next] = Some(state.clone().unbind());
+        self.next = (self.next + 1) % self.states.len();
+        Ok(state)
+    }
+}
+
+/// A symmetric matrix from its upper half.
+fn whole([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [[f64; 3]; 3] {
+    [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 }
 
 /// A covariance of x, y and yaw in ROS order: x, y, z, roll, pitch, yaw.
@@ -102,13 +208,13 @@ impl OdometryState {
     /// Covariance of the pose in world axes, shape (3, 3) [m², m rad, rad²].
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        square(py, &self.covariance)
+        square(py, &whole(self.covariance))
     }
 
     /// Covariance of the twist in body axes, shape (3, 3).
     #[getter]
     fn twist_covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        square(py, &self.twist_covariance)
+        square(py, &whole(self.twist_covariance))
     }
 
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
@@ -155,7 +261,7 @@ impl OdometryState {
         py: Python<'py>,
         unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        spatial(py, &self.covariance, unmeasured)
+        spatial(py, &whole(self.covariance), unmeasured)
     }
 
     /// `twist_covariance` in the order of ROS messages, shape (6, 6).
@@ -170,11 +276,12 @@ impl OdometryState {
         py: Python<'py>,
         unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        spatial(py, &self.twist_covariance, unmeasured)
+        spatial(py, &whole(self.twist_covariance), unmeasured)
     }
 
     fn __repr__(&self) -> String {
-        let deviations: Vec<f64> = (0..3).map(|i| self.covariance[i][i].sqrt()).collect();
+        let [xx, _, _, yy, _, zz] = self.covariance;
+        let deviations = [xx, yy, zz].map(f64::sqrt);
         let [x, y, yaw] = self.pose;
         format!(
             "OdometryState(x={x:.4} ± {} m, y={y:.4} ± {} m, yaw={yaw:.4} ± {} rad)",

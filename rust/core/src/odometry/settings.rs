@@ -3,9 +3,11 @@
 use super::encoder::Encoder;
 use super::noise::Noise;
 use super::step::Rules;
+use crate::batch::single_step::Plan;
 use crate::error::{Error, number};
 use crate::estimate::Method;
 use crate::rover::Rover;
+use crate::wheels::Pivot;
 
 /// What the readings of the wheels are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,6 +125,27 @@ impl Settings {
             inflate: self.inflate,
             slip_threshold: self.slip_threshold,
         }
+    }
+
+    /// How steps are made by registers: totals, every wheel weighed alike.
+    pub(super) fn plan(&self, rover: &Rover) -> Option<Plan> {
+        let castors = || {
+            rover
+                .wheels()
+                .iter()
+                .any(|wheel| wheel.pivot == Pivot::Castor)
+        };
+        let is_plain = self.readings == Readings::Angles
+            && self.method == Method::LeastSquares
+            && !self.inflate
+            && (self.max_speed.is_none() || !castors());
+        let encoders = (
+            |wheel| self.wheel_encoder(wheel),
+            |joint| self.steering_encoder(joint),
+        );
+        is_plain
+            .then(|| Plan::new(rover, encoders.0, encoders.1))
+            .flatten()
     }
 
     pub(super) fn wheel_encoder(&self, wheel: usize) -> Encoder {

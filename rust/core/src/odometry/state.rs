@@ -2,14 +2,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::step::{Motion, Rules, Workspace, step_jacobian};
+use super::step::{Apart, Motion, Rules, Workspace, step_jacobian};
 use super::uncertainty::Uncertainty;
 use crate::error::{Error, numbers};
 use crate::geometry::{Pose, Twist, Walk, wrap_angle};
 use crate::rover::Rover;
 
 /// Displacements and variances over one step beyond which sums of squares might not be finite.
-pub(super) const HUGE: f64 = 1e60;
+pub(crate) const HUGE: f64 = 1e60;
 
 /// What changes from sample to sample and is taken back when a late pose comes.
 #[derive(Clone, Debug)]
@@ -34,6 +34,30 @@ impl State {
             y: self.walk.y.value(),
             yaw: self.walk.yaw.value(),
         }
+    }
+
+    /// Goes along the chord of a step, in world axes.
+    #[inline(always)]
+    pub fn go(&mut self, shift: [f64; 2], turn: f64) {
+        self.walk.shift(shift[0], shift[1]);
+        self.walk.turn(turn);
+    }
+
+    /// The mean twist over a step, and what its filter makes of it.
+    #[inline(always)]
+    pub fn hold(&mut self, twist: Twist, dt: f64, smoothing: f64) {
+        self.twist = twist;
+        self.velocity = Some(match self.velocity.filter(|_| smoothing > 0.0) {
+            None => twist,
+            Some(before) => {
+                let share = -(-dt / smoothing).exp_m1();
+                Twist {
+                    vx: before.vx + share * (twist.vx - before.vx),
+                    vy: before.vy + share * (twist.vy - before.vy),
+                    omega: before.omega + share * (twist.omega - before.omega),
+                }
+            }
+        });
     }
 
     /// Moves the pose by a correction.
@@ -63,22 +87,10 @@ pub(super) fn advance(
         return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
     }
     let (sin, cos) = state.walk.heading.value().sin_cos();
-    let jacobian = step_jacobian(displacement, [sin, cos]);
+    let jacobian = step_jacobian::<Apart>(displacement, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
-    state.walk.shift(jacobian.shift[0], jacobian.shift[1]);
-    state.walk.turn(displacement.omega);
-    state.twist = twist;
-    state.velocity = Some(match state.velocity.filter(|_| smoothing > 0.0) {
-        None => twist,
-        Some(before) => {
-            let share = -(-motion.dt / smoothing).exp_m1();
-            Twist {
-                vx: before.vx + share * (twist.vx - before.vx),
-                vy: before.vy + share * (twist.vy - before.vy),
-                omega: before.omega + share * (twist.omega - before.omega),
-            }
-        }
-    });
+    state.go(jacobian.shift, displacement.omega);
+    state.hold(twist, motion.dt, smoothing);
     Ok(())
 }
 

@@ -6,6 +6,7 @@ use super::noise::Noise;
 use super::spread::Spread;
 use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
+use crate::batch::single_step::COLUMNS;
 use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
@@ -16,10 +17,10 @@ use crate::rover::Rover;
 const SMALL_TURN: f64 = 0.25;
 
 /// How many standard deviations a wheel may disagree before it is said to slip.
-const SUSPICIOUS: f64 = 4.0;
+pub(crate) const SUSPICIOUS: f64 = 4.0;
 
 /// Share of a wheel's way below which a residual is rounding.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// What is known of one step.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +67,28 @@ pub(crate) struct Workspace {
 /// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.
 pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
     let wheels = if from_rates { rover.wheels().len() } else { 0 };
-    rover.steered().len() + wheels + 1
+    joint_columns(rover) + wheels + 1
+}
+
+/// Columns of the steering joints: those beyond the last joint are always zero.
+fn joint_columns(rover: &Rover) -> usize {
+    rover.steered().len().next_multiple_of(COLUMNS)
+}
+
+/// How a product is added: by one instruction where the machine has it.
+pub(crate) trait Fused {
+    /// `a b + c`
+    fn fused(a: f64, b: f64, c: f64) -> f64;
+}
+
+/// Rounded twice, on every machine.
+pub(crate) struct Apart;
+
+impl Fused for Apart {
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a * b + c
+    }
 }
 
 impl Workspace {
@@ -84,6 +106,7 @@ impl Workspace {
             slid: vec![0.0; wheels],
             noise: StepNoise {
                 own: Spread::default(),
+                ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
             },
@@ -192,6 +215,7 @@ impl Workspace {
         let ends = [&mut self.noise.old, &mut self.noise.new];
         for column in ends.into_iter().filter_map(|columns| columns.last_mut()) {
             *column = gain * deviation;
+            self.noise.ends.add(column, 1.0);
         }
         displacement + gain * (turn - displacement.z)
     }
@@ -221,8 +245,8 @@ fn errors(
         .iter()
         .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
     let shares_wheels = |i: usize| {
-        let steered = rover.steered().len();
-        motion.from_rates.then_some(steered + i)
+        let joints = joint_columns(rover);
+        motion.from_rates.then_some(joints + i)
     };
     for (i, (wheel, reading)) in rover.wheels().iter().zip(linearised.readings).enumerate() {
         let distance = if noise.slip == 0.0 && noise.side_slip == 0.0 {
@@ -297,6 +321,7 @@ fn errors(
             *gyro = Vector3::zeros();
         }
     }
+    into.sum_ends();
     slips
 }
 
@@ -306,17 +331,16 @@ fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    series(half * half, &SINE)
+    series::<Apart>(half * half, &SINE)
 }
 
 /// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
 /// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
 #[inline(always)]
-fn series(square: f64, terms: &[f64; 6]) -> f64 {
-    terms
-        .iter()
-        .rev()
-        .fold(1.0, |rest, term| 1.0 - square * term * rest)
+fn series<F: Fused>(square: f64, terms: &[f64; 6]) -> f64 {
+    let [a, b, c, d, e, f] = terms.map(|term| -(square * term));
+    let rest = F::fused(d, F::fused(e, 1.0 + f, 1.0), 1.0);
+    F::fused(a, F::fused(b, F::fused(c, rest, 1.0), 1.0), 1.0)
 }
 
 const SINE: [f64; 6] = [
@@ -345,17 +369,18 @@ const SLOPE: [f64; 6] = [
 ];
 
 /// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
-pub(crate) fn step_jacobian(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
+#[inline(always)]
+pub(crate) fn step_jacobian<F: Fused>(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
     let Twist { vx, vy, omega } = displacement;
     let half = omega / 2.0;
     let (length, slope, sin, cos) = if half.abs() < SMALL_TURN {
         let square = half * half;
-        let length = series(square, &SINE);
+        let length = series::<F>(square, &SINE);
         (
             length,
-            -half / 3.0 * series(square, &SLOPE),
+            half * (-1.0 / 3.0) * series::<F>(square, &SLOPE),
             half * length,
-            series(square, &COSINE),
+            series::<F>(square, &COSINE),
         )
     } else {
         let (sin, cos) = half.sin_cos();
@@ -403,7 +428,7 @@ mod tests {
         };
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
-            let step = step_jacobian(displacement.into(), [yaw.sin(), yaw.cos()]);
+            let step = step_jacobian::<Apart>(displacement.into(), [yaw.sin(), yaw.cos()]);
             let ended = end(yaw, displacement);
             assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
             assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");
