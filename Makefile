@@ -6,6 +6,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
+SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller calibration
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -28,8 +29,9 @@ test-rust:
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
-soak: $(VENV)/installed ## the kernels against the plain core over SOAK times as many rows; prints the worst cases
-	SOAK=$(SOAK) $(BIN)/python -m pytest tests/test_batch.py tests/test_rollout.py tests/test_fast.py -s -q
+soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \

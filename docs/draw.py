@@ -1,13 +1,30 @@
-"""Draw the pictures of `models.md`: ``python docs/draw.py`` writes docs/pictures/<vehicle>.png."""
+"""Draw the pictures of the pages: ``python docs/draw.py`` writes docs/pictures/<vehicle>.png and others."""
 
 import io
 import math
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from six_wheel import FourAxle, FourAxleState, RockerBogie, Rover, Wheel, plot
+from six_wheel import (
+    FourAxle,
+    FourAxleState,
+    Limits,
+    RockerBogie,
+    Rover,
+    Wheel,
+    optiodom,
+    plot,
+    profiles,
+    reference,
+)
+from six_wheel._calibrating import before_and_after, calibrate_files
+from six_wheel._columns import TIME
+from six_wheel._log_files import example_run
+from six_wheel.drive import ControlledDrive, Loop
+from six_wheel.logs import Chunk
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -59,12 +76,73 @@ def four_axles() -> Figure:
     return plot.four_axle_figure(car.simulate(steps, 0.02), title="four axles")
 
 
+def transitions() -> Figure:
+    """Scrub that the angles force, while the Open Source Rover goes over to a left turn of 0.6 m."""
+    rover = Rover.preset("open_source_rover")
+    plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
+    rate, end = math.radians(60.0), (0.3, 0.0, 0.5)
+    figure = Figure(figsize=(6.0, 2.9), layout="constrained")
+    starts = {"from straight": (0.3, 0.0, 0.0), "from R = -0.6 m": (0.3, 0.0, -0.5)}
+    axes = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 2.0))
+    for axis, (title, start) in zip(axes, starts.items(), strict=True):
+        ends = rover.inverse(start), rover.inverse(end)
+        plans = {
+            name: profiles.module_transition(rover, *ends, steering_rate=rate, synchronise=how)
+            for name, how in {"independent joints": "none", "synchronised joints": "time"}.items()
+        }
+        plans["one centre of rotation"] = profiles.icr_transition(rover, start, end, steering_rate=rate)
+        for name, plan in plans.items():
+            times = np.linspace(0.0, plan.duration, 400)
+            scrubs = [reference.profiles.angle_scrub(plain, row, 0.3) for row in plan.at(times).steering]
+            axis.plot(times, 1e3 * np.array(scrubs), label=name, lw=2)
+        axis.set(title=title, xlabel="time [s]", xlim=(0.0, None))
+        axis.grid(alpha=0.3)
+    axes[0].set_ylabel("worst side slip [mm/s]")
+    axes[1].legend(frameon=False, fontsize="small", loc="lower center")
+    return figure
+
+
+def calibration() -> Figure:
+    """What `six-wheel calibrate --example --plot` draws."""
+    run = example_run()
+    return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
+
+
+def driven() -> Figure:
+    """What `six-wheel drive --plot` draws: a straight, a left turn, a tighter right turn, a stop."""
+    rover, _ = VEHICLES["six_wheel"]
+    bounds = Limits(
+        speed=0.8, yaw_rate=0.6, acceleration=0.5, jerk=2.0, angular_acceleration=1.0,
+        wheel_speed=6.0, wheel_acceleration=10.0, steering_rate=1.0, steering_acceleration=4.0,
+    )  # fmt: skip
+    times = np.arange(0.0, 10.0, 0.1)
+    twists = np.zeros((len(times), 3))
+    twists[:, 0] = np.select([times < 7.0, times < 9.4], [1.0, 0.3])
+    twists[:, 2] = np.select([times < 2.0, times < 5.0, times < 7.0, times < 9.4], [0.0, 0.5, 0.0, -0.4])
+    engine = ControlledDrive(rover, TIME.units[0], Loop(bounds))
+    rows = [*engine.blocks(Chunk(1, times, twists)), *engine.end()]
+    assert rows
+    shares = engine.summary.shares
+    return plot.drive_figure(rover, engine.course, *engine.trace.path(), limits=bounds, shares=shares)
+
+
+def limits() -> Figure:
+    """What the Open Source Rover can do within limits, its wheels turning 70 degrees to either side."""
+    rover = Rover.preset("open_source_rover", steering_limit=math.radians(70.0))
+    bounds = Limits(speed=0.5, wheel_speed=8.0, lateral_acceleration=0.25)
+    return plot.limits_figure(rover, bounds, title="Open Source Rover, 70 degrees")
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
         for name, (rover, twist) in VEHICLES.items()
     }
     figures["four_axle"] = four_axles()
+    figures["transitions"] = transitions()
+    figures["calibration"] = calibration()
+    figures["drive"] = driven()
+    figures["limits"] = limits()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)

@@ -1,9 +1,46 @@
 """Settings shared by all tests."""
 
 import os
+from collections.abc import Callable
+from pathlib import Path
 
+import pytest
+from cli_runs import COMMANDS, ROVER, Run
 from hypothesis import settings
 
 # Runs are repeatable and judged by their answers, not by how busy the machine is.
 settings.register_profile("default", derandomize=True, deadline=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Run a command in a folder of its own: exit code, stdout, stderr."""
+    from six_wheel import __main__
+
+    monkeypatch.chdir(tmp_path)
+    Path("rover.yaml").write_text(ROVER)
+    Path("commands.csv").write_text(COMMANDS)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        code = __main__.main(arguments)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def refused(run: Run) -> Callable[..., str]:
+    """Run a command that must fail: one line on stderr, nothing on stdout, exit code 2, no new files."""
+
+    def refused(*arguments: str) -> str:
+        before = sorted(Path().iterdir())
+        code, out, err = run(*arguments)
+        assert (code, out) == (2, "")
+        assert sorted(Path().iterdir()) == before
+        assert err.count("\n") == 1
+        assert err.startswith("six-wheel: ")
+        return err.removeprefix("six-wheel: ").rstrip("\n")
+
+    return refused

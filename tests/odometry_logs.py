@@ -76,3 +76,10 @@ def plain(rover: sw.Rover) -> reference.Rover:
     return reference.Rover(
         [reference.Wheel(wheel.name, **numbers) for wheel, numbers in zip(rover.wheels, wheels, strict=True)]
     )
+
+
+def follow(odometry: sw.Odometry, steering, angles, stamps, **others) -> sw.OdometryState:
+    """The state after a log taken in sample by sample."""
+    for k, stamp in enumerate(stamps):
+        odometry.update(steering[k], angles[k], stamp, **{name: column[k] for name, column in others.items()})
+    return odometry.state

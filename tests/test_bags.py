@@ -23,9 +23,9 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from six_wheel import bags
+from six_wheel._columns import TableError
 from six_wheel.drive import drive
 from six_wheel.joint_logs import JointLog, read_truth
-from six_wheel.logs import TableError
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types

@@ -16,55 +16,12 @@ pytest.importorskip("typer")
 pytest.importorskip("rich")
 pytest.importorskip("pyarrow")
 
+from cli_runs import ROVER, Run
+
 import six_wheel as sw
-from six_wheel import __main__, __version__, cli
+from six_wheel import __main__, __version__, _cli_shared, cli
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-ROVER = """\
-traction_joints: [front_left, front_right, middle_left, middle_right, rear_left, rear_right]
-steering_joints: [turn_front_left, turn_front_right, turn_rear_left, turn_rear_right]
-d1: 0.4
-d2: 0.5
-d3: 0.5
-d4: 0.45
-wheel_radius: 0.15
-steering_limit: 1.0
-"""
-COMMANDS = "time,vx,omega\n0,0.5,0\n1,0.5,0.2\n2,0.5,0\n3,0,0\n"
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run a command in a folder of its own: exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-    Path("rover.yaml").write_text(ROVER)
-    Path("commands.csv").write_text(COMMANDS)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        code = __main__.main(arguments)
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
-
-
-@pytest.fixture
-def refused(run: Run) -> Callable[..., str]:
-    """Run a command that must fail: one line on stderr, nothing on stdout, exit code 2, no new files."""
-
-    def refused(*arguments: str) -> str:
-        before = sorted(Path().iterdir())
-        code, out, err = run(*arguments)
-        assert (code, out) == (2, "")
-        assert sorted(Path().iterdir()) == before
-        assert err.count("\n") == 1
-        assert err.startswith("six-wheel: ")
-        return err.removeprefix("six-wheel: ").rstrip("\n")
-
-    return refused
-
 
 # --- help ------------------------------------------------------------------------------------------------
 
@@ -234,11 +191,68 @@ def test_drive_projects_on_request(run: Run, refused: Callable[..., str]) -> Non
     assert "keep must be one of" in refused("drive", "rover.yaml", "sideways.csv", "--keep", "all")
 
 
+def test_check_says_what_the_limits_leave(run: Run) -> None:
+    limits = "{speed: 0.6, deceleration: 0.5, yaw_rate: 1.8, wheel_speed: 2.0, steering_rate: 0.5}"
+    Path("limited.yaml").write_text(ROVER + f"limits: {limits}\n")
+    code, out, err = run("check", "limited.yaml", "--plot", "limits.png")
+    assert (code, err) == (0, "")
+    assert re.search(r"top speed +0\.3 m/s, bound by wheel speed", out)  # 2 rad/s at 0.15 m
+    assert re.search(r"time to full lock +2 s", out)  # 1 rad
+    assert re.search(r"stopping distance +0\.09 m in 0\.6 s", out)  # v^2 / 2a
+    assert Path("limits.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_check_draws_no_picture_of_unlimited_motion(run: Run, refused: Callable[..., str]) -> None:
+    assert "limits must bound every motion" in refused("check", "rover.yaml", "--plot", "limits.png")
+    assert not Path("limits.png").exists()
+
+
 def test_drive_says_what_is_over_a_limit(run: Run) -> None:
     Path("limited.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0}\n")
-    code, out, err = run("drive", "limited.yaml", "commands.csv")
+    code, out, err = run("drive", "limited.yaml", "commands.csv", "--direct")
     assert (code, err) == (0, "")
-    assert re.search(r"largest wheel speed .* over the limit of 2\s", out)
+    assert re.search(r"largest wheel speed .* of 2 allowed, .*, over the limit\s", out)
+
+
+LIMITED = ROVER + "limits: {speed: 0.4, acceleration: 0.5, wheel_speed: 3.0}\n"
+WAITING = "control: {timeout: 2.0}\n"  # the commands are a second apart
+
+
+def test_drive_goes_through_the_controller_if_there_are_limits(run: Run) -> None:
+    Path("limited.yaml").write_text(LIMITED + WAITING)
+    code, out, err = run("drive", "limited.yaml", "commands.csv", "-o", "run.csv")
+    assert (code, err) == (0, "")
+    assert re.search(r"driven +the controller, at 50 Hz\s", out)
+    assert re.search(r"largest speed +0\.4 m/s of 0\.4 allowed, in row \d+\s", out)
+    assert re.search(r"limited by +(\w+ \d+\.\d%(, )?)*SPEED \d+\.\d%", out)
+    assert "over the limit" not in out
+    assert Path("run.csv").read_text().splitlines()[0].endswith("limited_omega,reasons,reason_names")
+
+
+def test_drive_warns_of_commands_too_far_apart(run: Run) -> None:
+    Path("limited.yaml").write_text(LIMITED)
+    code, out, err = run("drive", "limited.yaml", "commands.csv")
+    assert code == 0
+    words = "commands are up to 1 s apart, longer than the timeout of 0.5 s: meanwhile the rover stops"
+    assert err == f"six-wheel: warning: {words}\n"
+    assert re.search(r"STALE \d+\.\d%", out)
+
+
+def test_drive_at_a_rate_or_directly(run: Run, refused: Callable[..., str]) -> None:
+    Path("limited.yaml").write_text(LIMITED + "control: {period: 0.01}\n")
+    assert "at 100 Hz" in run("drive", "limited.yaml", "commands.csv")[1]
+    assert "at 20 Hz" in run("drive", "limited.yaml", "commands.csv", "--rate", "20")[1]
+    code, out, _ = run("drive", "rover.yaml", "commands.csv", "--rate", "200")
+    assert code == 0
+    assert "the controller, at 200 Hz" in out
+    for arguments in (["limited.yaml", "commands.csv", "--direct"], ["rover.yaml", "commands.csv"]):
+        out = run("drive", *arguments)[1]
+        assert re.search(r"driven +directly", out)
+        assert "limited by" not in out
+    for rate, words in (("0", "positive, got 0"), ("nan", "got nan"), ("5", "at least 10 Hz")):
+        assert words in refused("drive", "limited.yaml", "commands.csv", "--rate", rate)
+    words = "--rate must be left out with --direct"
+    assert words in refused("drive", "limited.yaml", "commands.csv", "--rate", "50", "--direct")
 
 
 @pytest.mark.parametrize(
@@ -290,8 +304,8 @@ def test_progress_is_shown_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPat
 
     screen = io.StringIO()
     console = Console(file=screen, force_terminal=True, width=100)
-    monkeypatch.setattr(cli, "_console", lambda stderr=False: console)
-    monkeypatch.setattr(cli, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr(_cli_shared, "new_console", lambda stderr=False: console)
+    monkeypatch.setattr(_cli_shared, "PROGRESS_AFTER", 0.0)
     run("drive", "rover.yaml", "commands.csv", "--chunk-rows", "1")
     assert "driving commands.csv" in screen.getvalue()
     assert "100%" in screen.getvalue()

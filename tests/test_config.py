@@ -293,9 +293,17 @@ def test_limits_in_both_ways_of_ros(read):
 
 def test_the_ways_of_a_controller(read):
     text = ros(
-        extra="    control: {timeout: 0.2, align: none}\n    control.mode: crab\n    control.discretise: true"
+        extra="    control: {timeout: 0.2, align: none}\n    control.mode: crab\n    control.period: 0.02"
     )
-    assert read(text).control == {"timeout": 0.2, "align": None, "mode": "crab", "discretise": True}
+    assert read(text).control == {"timeout": 0.2, "align": None, "mode": "crab", "period": 0.02}
+
+
+def test_limits_build_a_controller(read):
+    text = ros(extra="    limits: {speed: 1.0, jerk: 2.0}\n    control: {timeout: 0.25, mode: crab}")
+    controller = read(text).build_controller(mode="free")
+    assert (controller.rover.wheels, controller.limits) == (ROVER.wheels, sw.Limits(speed=1.0, jerk=2.0))
+    assert "timeout=0.25" in repr(controller)
+    assert "crab" not in repr(controller)
 
 
 def test_limits_and_ways_come_back_from_a_dump(tmp_path):
@@ -413,8 +421,10 @@ MISTAKES = {
     "limit 0": (ros(limits="{speed: 0.0}"), 10, "limits.speed must be finite and positive, got 0.0 (it is"),
     "limit nan": (ros(limits="{jerk: nan}"), 10, "limits.jerk must be finite and positive, got nan"),
     "limit misspelt": (ros(limits="{sped: 1.0}"), 10, "unknown key limits.sped (did you mean speed?)"),
-    "way misspelt": (ros(control="{timeuot: 1.0}"), 10, "unknown key control.timeuot (did you mean timeout?)"),
-    "no such way": (ros(control="{mode: sideways}"), 10, "control.mode must be one of 'free', 'crab', 'front_"),
+    "limit past range": (ros(limits="{steering_limit: 2}"), 10, "limits.steering_limit must lie inside"),
+    "period too long": (ros(control="{period: 1.0}"), 10, "control.period must not exceed max_step=0.1"),
+    "way misspelt": (ros(control="{timeuot: 1.0}"), 10, "unknown key control.timeuot (did you mean"),
+    "no such way": (ros(control="{mode: sideways}"), 10, "control.mode must be one of 'free', 'crab'"),
     "limits no mapping": (ros(limits="3.0"), 10, "limits must be a mapping, got 3.0"),
     "missing": (ros(d3=...), 2, "d3 is missing (add d3, the distance from middle to front axle"),
     "missing joints": (ros(steering_joints=...), 2, "steering_joints is missing (add steering_joints, a"),

@@ -148,7 +148,7 @@ def test_bad_rows_are_flagged_and_good_rows_are_not_lost(bad):
 def test_raise_names_the_row():
     angles = SIX.angles.copy()
     angles[33, 1] = np.nan
-    with pytest.raises(ValueError, match=r"wheels\[33\] must be finite, got \("):
+    with pytest.raises(ValueError, match=r"wheel_angles\[33\] must be finite, got \("):
         sw.dead_reckon(SIX.rover, SIX.steering, angles, SIX.stamps, errors="raise")
     stamps = SIX.stamps.copy()
     stamps[7] = stamps[6]

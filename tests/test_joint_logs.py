@@ -18,12 +18,12 @@ parquet = pytest.importorskip("pyarrow.parquet")
 import optiodom_data  # noqa: E402
 
 from six_wheel import optiodom  # noqa: E402
+from six_wheel._columns import TableError  # noqa: E402
 from six_wheel._core import Encoder  # noqa: E402
 from six_wheel._joint_columns import joint_columns  # noqa: E402
 from six_wheel._joint_tables import MOST_FINDINGS  # noqa: E402
 from six_wheel.drive import drive  # noqa: E402
 from six_wheel.joint_logs import JointLog, JointRows, read_truth  # noqa: E402
-from six_wheel.logs import TableError  # noqa: E402
 
 CART = sw.Rover.differential(0.5, 0.1)
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)

@@ -267,3 +267,22 @@ def test_missing_matplotlib_is_named_with_the_install_line():
     code = "import sys; sys.modules['matplotlib'] = None; import six_wheel.plot"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert 'ImportError: pictures need matplotlib: pip install "six-wheel[plot]"' in done.stderr
+
+
+def test_paths_against_the_truth_and_what_a_calibration_leaves():
+    truth = integrate(np.tile((0.1, 0.0, 0.2), (80, 1)), 0.5)
+    worse = integrate(np.tile((0.1, 0.0, 0.22), (80, 1)), 0.5)
+    figure = plot.track_figure({"nominal": worse, "calibrated": truth}, truth, title="a circle")
+    draw(figure)
+    path, along, growth = figure.axes
+    assert [line.get_label() for line in path.lines[:3]] == ["truth", "nominal", "calibrated"]
+    assert along.lines[0].get_ydata()[-1] > 0.1
+    assert np.max(along.lines[1].get_ydata()) < 1e-12
+    assert len(growth.lines) == 2
+    draw(plot.track_figure(truth, truth))
+    draw(plot.track_figure(truth[:1], truth[:1]))
+    with pytest.raises(ValueError, match="estimate must have shape"):
+        plot.track_figure(truth[:-1], truth)
+    errors = np.random.default_rng(1).normal(size=(50, 3))
+    draw(plot.residual_figure(errors, 0.1 * errors, title="windows"))
+    draw(plot.residual_figure(np.empty((0, 3)), np.empty((0, 3))))

@@ -273,6 +273,7 @@ def test_the_published_ruckig_takes_as_long():
         f"durations agree to {worst:.1e}, {seconds:.0f} s"
     )
     assert solved > 0.85 * CASES
+    assert refused <= CASES // 10_000
 
 
 def assert_within(profile: profiles.Profile, ends: dict, limits: dict) -> None:

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    Controller,
+    ControllerOutput,
+    ControllerRun,
     Encoder,
     Fit,
     FourAxle,
@@ -39,16 +42,23 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
+from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
 from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
+    from six_wheel.calibration import calibrate
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.recordings import Log, Truth
+    from six_wheel.square_test import umbmark
 
 __all__ = [
     "ArgumentTypeError",
+    "Controller",
+    "ControllerOutput",
+    "ControllerRun",
     "Encoder",
     "Fit",
     "FourAxle",
@@ -58,11 +68,13 @@ __all__ = [
     "InfeasibleMotionError",
     "Limits",
     "Link",
+    "Log",
     "Mobility",
     "Noise",
     "Odometry",
     "OdometryState",
     "Pose",
+    "Reason",
     "RockerBogie",
     "RolloutCost",
     "Rover",
@@ -70,10 +82,12 @@ __all__ = [
     "SlipReport",
     "SteeringCommand",
     "Track",
+    "Truth",
     "Twist",
     "UnderdeterminedError",
     "Wheel",
     "__version__",
+    "calibrate",
     "compose",
     "dead_reckon",
     "default_threads",
@@ -86,6 +100,7 @@ __all__ = [
     "profiles",
     "rollout",
     "set_default_threads",
+    "umbmark",
     "wrap_angle",
 ]
 
@@ -124,14 +139,18 @@ _LATER = {
     "FourAxleState": "four_axle",
     "FourAxleStep": "four_axle",
     "Health": "odometry",
+    "Log": "recordings",
     "SlipReport": "odometry",
     "Track": "odometry",
+    "Truth": "recordings",
+    "calibrate": "calibration",
     "dead_reckon": "odometry",
+    "umbmark": "square_test",
 }
 
 
 def __getattr__(name: str) -> object:
-    """Plain values and what makes them, loaded when asked for: dataclasses would double the import time."""
+    """What is loaded when asked for: dataclasses would double the import time, calibration needs SciPy."""
     if name in _LATER:
         from importlib import import_module
 

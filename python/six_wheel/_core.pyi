@@ -4,6 +4,7 @@ from typing import Any, Literal, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
     FourAxleMotion,
@@ -13,16 +14,22 @@ from six_wheel.four_axle import (
     TurnSequence,
 )
 from six_wheel.odometry import Health, Track
-from six_wheel.profiles import Peaks, State
+from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
 
 __all__ = [
+    "BodyTransition",
+    "Controller",
+    "ControllerOutput",
+    "ControllerRun",
     "Encoder",
     "Fit",
     "FourAxle",
+    "IcrTransition",
     "Limits",
     "Link",
     "Mobility",
+    "ModuleTransition",
     "Noise",
     "Odometry",
     "OdometryState",
@@ -40,6 +47,7 @@ __all__ = [
     "integrate",
     "kernels",
     "log",
+    "reason_bits",
     "rollout",
     "set_default_threads",
     "wrap_angle",
@@ -50,6 +58,8 @@ _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front"]
 _Brake: TypeAlias = Literal["locked", "free"]
+_Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
+_Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
 _Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
@@ -200,7 +210,89 @@ class Profile:
     @property
     def peaks(self) -> Peaks: ...
     def at(self, times: ArrayLike) -> State: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class BodyTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        jerk: float | None = None,
+        angular_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+        previous: ArrayLike | None = None,
+    ) -> BodyTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class ModuleTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start: tuple[ArrayLike, ArrayLike],
+        end: tuple[ArrayLike, ArrayLike],
+        duration: float | None = None,
+        *,
+        shape: Literal["linear", "trapezoid", "s_curve"] | None = None,
+        steering_rate: float | None = None,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_acceleration: float | None = None,
+        wheel_jerk: float | None = None,
+        synchronise: Literal["time", "phase", "none"] | None = None,
+    ) -> ModuleTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class IcrTransition:
+    @staticmethod
+    def between(
+        rover: Rover,
+        start_twist: ArrayLike,
+        end_twist: ArrayLike,
+        *,
+        steering_rate: float,
+        steering_acceleration: float | None = None,
+        steering_jerk: float | None = None,
+        wheel_speed: float | None = None,
+        wheel_acceleration: float | None = None,
+        acceleration: float | None = None,
+        angular_acceleration: float | None = None,
+        previous: ArrayLike | None = None,
+    ) -> IcrTransition: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def stops(self) -> int: ...
+    @property
+    def phases(self) -> tuple[Phase, ...]: ...
+    def at(self, times: ArrayLike) -> TransitionState: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
@@ -499,7 +591,7 @@ class Odometry:
     def update(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamp: float,
         *,
         yaw: float | None = None,
@@ -508,7 +600,7 @@ class Odometry:
     def run(
         self,
         steering: ArrayLike | None,
-        wheels: ArrayLike,
+        wheel_angles: ArrayLike,
         stamps: ArrayLike,
         *,
         yaw: ArrayLike | None = None,
@@ -716,6 +808,69 @@ class Limits:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class Controller:
+    def __new__(
+        cls,
+        rover: Rover,
+        limits: Limits | None = None,
+        *,
+        timeout: float | None = 0.5,
+        period: float | None = None,
+        max_step: float = 0.1,
+        mode: _Mode = "free",
+        align: _Align | None = "cosine",
+        align_tolerance: float = 0.02,
+        discretise: bool = False,
+        steering: ArrayLike | None = None,
+    ) -> Controller: ...
+    def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
+    def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...
+    def run(self, stamps: ArrayLike, twists: ArrayLike, times: ArrayLike) -> ControllerRun: ...
+    def reset(self) -> None: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def now(self) -> float | None: ...
+    @property
+    def stopped(self) -> bool: ...
+    @property
+    def stopping_distance(self) -> float: ...
+
+@final
+class ControllerOutput:
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def steering_rates(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def reasons(self) -> Reason: ...
+
+@final
+class ControllerRun:
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def steering_rates(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def reasons(self) -> NDArray[np.uint32]: ...
+    def __len__(self) -> int: ...
+
+def reason_bits() -> list[tuple[str, int]]: ...
 def integrate(
     twists: ArrayLike,
     dt: ArrayLike,

@@ -8,6 +8,7 @@ from six_wheel._controllers import CONTROLLERS
 from six_wheel._kinds import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel._kinds import TELLING as OWN_TELLING
 from six_wheel._nodes import GROUPS, Section, closest
+from six_wheel._schema import GROUPS as MAPPINGS
 from six_wheel._schema import NESTED, Common, Form, describe, keys_of, shown
 from six_wheel._yaml import Path, Report, one_line, spell
 
@@ -136,9 +137,9 @@ def _is_well_known(key: str, form: Form) -> bool:
 
 
 def _check_groups(section: Section, error: Report, warning: Report) -> None:
-    """The keys of `limits` and `control`."""
-    for group in ("limits", "control"):
-        given, known = section.data.get(group), NESTED[group].model_fields
+    """The keys of `limits` and the other mappings that every rover may have."""
+    for group, schema in MAPPINGS.items():
+        given, known = section.data.get(group), schema.model_fields
         for key in given if isinstance(given, dict) else ():
             if key not in known:
                 at, guess = (group, key), closest(key, known)

@@ -5,13 +5,14 @@ that no default can tell apart, so a header says which, by a word (``front_left_
 a unit (``front_left [rpm]``). Of a log that has several, the angle serves best, and ticks before rates.
 """
 
+import difflib
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
+from six_wheel._columns import BRACKETS, TIME, Column, Quantity, TableError, Unit, find_columns, unit, words
 from six_wheel._core import Rover
-from six_wheel.logs import BRACKETS, TIME, Column, Quantity, TableError, Unit, find_columns, unit, words
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
@@ -216,7 +217,21 @@ def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover
     listed = ", ".join(f'"{header}"' for header in headers)
     for joint, wheel in rover.steering_joints.items():
         if f"steering {wheel}" not in found:
-            raise TableError(f'no column for the steering angle of {wheel} ("{joint}") among {listed}')
+            hint = did_you_mean([joint, f"{wheel}_steering"], headers)
+            missing = f'no column for the steering angle of {wheel} ("{joint}")'
+            raise TableError(f"{missing} among {listed}{hint}")
     if not any(name.startswith("wheel ") for name in found):
         named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
-        raise TableError(f"no column for any wheel ({named}) among {listed}")
+        hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
+        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}")
+
+
+def did_you_mean(names: Sequence[str], given: Sequence[str]) -> str:
+    """The pair of a name that is missing and one that is there which are most alike, as a question."""
+    likeness = {
+        (difflib.SequenceMatcher(None, words(BRACKETS.sub(r"\1", there)), words(name)).ratio(), name, there)
+        for name in names
+        for there in given
+    }
+    best, name, there = max(likeness, default=(0.0, "", ""))
+    return f'; did you mean "{there}" for "{name}"?' if best > 0.6 else ""

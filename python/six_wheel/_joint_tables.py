@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs import LATEST_SECOND, Column, RowError, Table, TableError, Unit, is_number
+from six_wheel._columns import Column, TableError, Unit, is_number
+from six_wheel.logs import LATEST_SECOND, RowError, Table
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -82,7 +82,8 @@ def arrays(steering: ArrayLike | None, wheels: ArrayLike, stamps: ArrayLike, sen
     given = {name: np.asarray(column) for name, column in sensors.items() if column is not None}
     for name, column in {"steering": angles, "stamps": times, **given}.items():
         if column is not None and (column.ndim == 0 or len(column) != len(columns)):
-            raise ValueError(f"{name} must have {len(columns)} rows, as wheels, got shape {column.shape}")
+            rule = f"have {len(columns)} rows, as wheel_angles"
+            raise ValueError(f"{name} must {rule}, got shape {column.shape}")
 
     def pieces() -> Iterator[Piece]:
         for first in range(0, len(times), CHUNK_ROWS):

@@ -13,12 +13,13 @@ from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Ta
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import Encoder, Noise, Odometry, Rover, Wheel
 from six_wheel._joints import JointList
 from six_wheel._nodes import Section
 from six_wheel._yaml import Path, Report, one_line, spell
 
 __all__ = [
+    "GROUPS",
     "NESTED",
     "Common",
     "Finite",
@@ -101,6 +102,10 @@ def required(description: str, key: str | None = None) -> Any:
     return Field(description=description, alias=key)
 
 
+def _any_of(schema: type[BaseModel]) -> str:
+    return f"a mapping with any of {', '.join(schema.model_fields)}"
+
+
 class LimitKeys(BaseModel):
     """The keys of `limits`: the keywords of `six_wheel.Limits`."""
 
@@ -132,6 +137,64 @@ class ControlKeys(BaseModel):
     discretise: Flag = optional("true or false")
 
 
+_AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
+
+
+class NoiseKeys(BaseModel):
+    """What `Parameters.noise` can hold: the arguments of `Noise`."""
+
+    speed: Annotated[Number, asks_core(Noise, "speed")] = optional("a standard deviation in m/s")
+    steering: Annotated[Number, asks_core(Noise, "steering")] = optional("a standard deviation in rad")
+    slip: Annotated[Number, asks_core(Noise, "slip")] = optional("a standard deviation in m per root m")
+    side_slip: Annotated[Number, asks_core(Noise, "side_slip")] = optional(
+        "a standard deviation in m per root m"
+    )
+
+
+class _Counting(BaseModel):
+    resolution: Annotated[Number, asks_core(Encoder, "resolution")] = optional(
+        "the counts of one turn of the shaft it sits on"
+    )
+    gear: Annotated[Number, asks_core(Encoder, "gear")] = optional(
+        "the turns of that shaft for one of the joint"
+    )
+    modulus: Annotated[Number, asks_core(Encoder, "modulus")] = optional(
+        "where a reading begins again at 0, such as 65536"
+    )
+    reversed: list[Name] = optional("a list of the wheels whose readings run the other way")
+
+
+class EncoderKeys(_Counting):
+    """What `Parameters.encoders` can hold: how the readings of the wheels become angles."""
+
+    per_sample: Flag = optional("whether a row counts from the row before")
+    scale: Positive = optional("a factor for the angles of all wheels")
+    steering_gain: dict[str, Positive] = optional("a mapping of steered wheel to a factor for its angle")
+
+
+class SteeringEncoderKeys(_Counting):
+    """What `Parameters.steering_encoders` can hold: how their readings become steering angles."""
+
+    offsets: dict[str, Finite] = optional("a mapping of steered wheel to its angle where the reading is 0")
+
+
+class OdometryKeys(BaseModel):
+    """What `Parameters.odometry` can hold: options of `Odometry`."""
+
+    method: Annotated[Name, asks_core(Odometry, "method", **_AXLE)] = optional(
+        "least_squares, middle_wheels or robust"
+    )
+    inflate: Flag = optional("whether wheels that disagree widen the covariance")
+    slip_threshold: Annotated[Number, asks_core(Odometry, "slip_threshold", **_AXLE)] = optional(
+        "a residual in m/s"
+    )
+    max_gap: Annotated[Number, asks_core(Odometry, "max_gap", **_AXLE)] = optional("a time in s")
+    max_speed: Annotated[Number, asks_core(Odometry, "max_speed", **_AXLE)] = optional("a speed in m/s")
+    max_steering_rate: Annotated[Number, asks_core(Odometry, "max_steering_rate", **_AXLE)] = optional(
+        "a rate of turn in rad/s"
+    )
+
+
 class Common(BaseModel):
     """The keys of every rover, in whatever form it is given."""
 
@@ -139,8 +202,12 @@ class Common(BaseModel):
     wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
     odom_frame_id: Name = optional("the name of a frame, such as odom")
     base_frame_id: Name = optional("the name of a frame, such as base_link")
-    limits: LimitKeys = optional(f"a mapping with any of {', '.join(LimitKeys.model_fields)}")
-    control: ControlKeys = optional(f"a mapping with any of {', '.join(ControlKeys.model_fields)}")
+    limits: LimitKeys = optional(_any_of(LimitKeys))
+    control: ControlKeys = optional(_any_of(ControlKeys))
+    noise: NoiseKeys = optional(_any_of(NoiseKeys))
+    encoders: EncoderKeys = optional(_any_of(EncoderKeys))
+    steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
+    odometry: OdometryKeys = optional(_any_of(OdometryKeys))
 
 
 def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -224,7 +291,16 @@ def describe(form: Form, at: Path) -> str:
     return str((inner or form.keys[str(at[0])]).description)
 
 
-NESTED: dict[str, type[BaseModel]] = {"limits": LimitKeys, "control": ControlKeys}
+GROUPS: dict[str, type[BaseModel]] = {
+    "limits": LimitKeys,
+    "control": ControlKeys,
+    "noise": NoiseKeys,
+    "encoders": EncoderKeys,
+    "steering_encoders": SteeringEncoderKeys,
+    "odometry": OdometryKeys,
+}
+"""Keys of every rover that hold mappings with keys of their own."""
+NESTED: dict[str, type[BaseModel]] = {**GROUPS}
 """Keys that hold mappings with keys of their own."""
 
 

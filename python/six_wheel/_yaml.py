@@ -14,6 +14,7 @@ from yaml.composer import ComposerError
 from yaml.reader import ReaderError
 
 __all__ = [
+    "Loader",
     "Path",
     "Place",
     "Report",
@@ -88,7 +89,9 @@ class YamlSyntaxError(Exception):
         self.line, self.message, self.remedy = line, message, remedy
 
 
-class _Loader(yaml.SafeLoader):
+class Loader(yaml.SafeLoader):
+    """PyYAML's, without its meaning of words and without aliases."""
+
     yaml_implicit_resolvers = {}  # none of YAML 1.1's  # noqa: RUF012 - PyYAML's own way to start afresh
 
     def __init__(self, text: str) -> None:
@@ -120,7 +123,7 @@ class _Dumper(yaml.SafeDumper):
 
 
 for _name, _regex in (("null", _NULL), ("bool", _BOOL), ("int", _INT), ("float", _FLOAT)):
-    for _class in (_Loader, _Dumper):
+    for _class in (Loader, _Dumper):
         _class.add_implicit_resolver(_TAG + _name, _regex, None)
 
 
@@ -146,7 +149,7 @@ def parse(text: str, report: Report) -> Tree:
         If the text is not YAML, or uses what ROS 2 does not read.
     """
     try:
-        root = _Loader(text).get_single_node()
+        root = Loader(text).get_single_node()
     except yaml.YAMLError as error:
         raise _explain(error, text) from None
     except (ValueError, OverflowError) as error:  # PyYAML on "\UFFFFFFFF", or a version number of 5000 digits

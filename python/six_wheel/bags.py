@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel._columns import TIME_UNITS, TableError
 from six_wheel._core import Rover
-from six_wheel._joint_columns import Reading
+from six_wheel._joint_columns import Reading, did_you_mean
 from six_wheel._joint_tables import Batch, Findings
-from six_wheel.logs import TIME_UNITS, TableError
 
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
@@ -191,11 +191,13 @@ class JointBag(Bag):
         listed = ", ".join([*(j for j, name in self._joints.items() if name in kinds), *strangers]) or "none"
         for joint, wheel in rover.steering_joints.items():
             if "angle" not in kinds.get(f"steering {wheel}", ()):
-                raise TableError(f"{self.path}: no position of joint {joint} among {listed}")
+                hint = did_you_mean([joint], [*strangers])
+                raise TableError(f"{self.path}: no position of joint {joint} among {listed}{hint}")
         wheels = {name: known for name, known in kinds.items() if name.startswith("wheel ") and known}
         if not wheels:
             joints = ", ".join(rover.traction_joints)
-            raise TableError(f"{self.path}: no joint of any wheel ({joints}) among {listed}")
+            hint = did_you_mean([*rover.traction_joints], [*strangers])
+            raise TableError(f"{self.path}: no joint of any wheel ({joints}) among {listed}{hint}")
         self.names = [name for name in dict.fromkeys(self._joints.values()) if kinds.get(name)]
         choices: tuple[Reading, ...] = ("angle", "speed") if reading is None else (reading,)
         for choice in choices:

@@ -31,11 +31,11 @@ from pathlib import Path
 from typing import Any, Literal, NoReturn, TypeAlias
 
 from six_wheel import _yaml
-from six_wheel._core import Limits, Rover, Wheel
+from six_wheel._core import Controller, Limits, Rover, Wheel
 from six_wheel._forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
 from six_wheel._joints import JointList, wheel_said_by, wheels_of_joints
 from six_wheel._nodes import PARAMETERS, Section, closest, section
-from six_wheel._schema import Form, LimitKeys, Values, as_argument, check_values
+from six_wheel._schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -93,6 +93,9 @@ class Parameters:
         Those the file gives; there are no others.
     control : dict of str to object
         Of the keywords of `Controller` those the file gives.
+    noise, encoders, steering_encoders, odometry : dict
+        What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
+        the readings of wheels and steering joints; options of `Odometry`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str
@@ -108,9 +111,17 @@ class Parameters:
     base_frame_id: str = "base_link"
     limits: Limits = field(default_factory=Limits)
     control: dict[str, Any] = field(default_factory=dict)
+    noise: dict[str, float] = field(default_factory=dict)
+    encoders: Values = field(default_factory=dict)
+    steering_encoders: Values = field(default_factory=dict)
+    odometry: Values = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
+
+    def build_controller(self, **changes: Any) -> Controller:
+        """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
+        return Controller(self.rover, self.limits, **self.control | changes)
 
 
 def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
@@ -144,6 +155,11 @@ def read_parameters(path: str | os.PathLike[str], *, node: str | None = None) ->
     path = Path(path)
     log = _Log(str(path))
     return _read(path, _text(path, log), node, log)
+
+
+def parse_parameters(text: str, *, node: str | None = None, path: Path = Path("rover")) -> Parameters:
+    """The same from the text of a parameter file, which messages call `path`."""
+    return _read(path, text, node, _Log(str(path)))
 
 
 def dump(
@@ -187,7 +203,7 @@ def dump(
         text = _yaml.write(values | others if node is None else {node: {PARAMETERS: values | others}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
         try:
-            if values and _read(Path("rover"), text, node, _Log("rover")).rover == rover:
+            if values and parse_parameters(text, node=node).rover == rover:
                 return text
         except ParameterFileError:
             continue
@@ -290,18 +306,33 @@ def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
     form.check(found, values, log.error, log.warning)
     values = form.complete(found, values)
     rover = _rover(found, form, values, log)
+    if rover is not None:
+        _check_encoders(found, values, rover, log)
     if rover is None or log.has_errors:
         raise log.failure()
-    named: Values = {
-        key: values[key] for key in ("odom_frame_id", "base_frame_id", "control") if key in values
-    }
+    named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
     if named.get("control", {}).get("align") == "none":
         named["control"] = named["control"] | {"align": None}
     named["limits"] = Limits(**values.get("limits", {}))
     controller = form.name if form.controller else None
-    return Parameters(
+    parameters = Parameters(
         path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
     )
+    _check_controller(found, parameters, log)
+    return parameters
+
+
+def _check_controller(section: Section, parameters: Parameters, log: _Log) -> None:
+    """Whether limits and ways of a controller fit each other, and the rover."""
+    if not {"limits", "control"} & section.data.keys():
+        return
+    try:
+        parameters.build_controller()
+    except ValueError as error:
+        key = str(error).partition(" ")[0]
+        at = ("limits" if key in LimitKeys.model_fields else "control", key)
+        log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+        raise log.failure() from None
 
 
 def _text(path: Path, log: _Log) -> str:
@@ -413,6 +444,26 @@ def _joints(
             message = f"wheel_of_joint names {_yaml.one_line(joint)}, which is in neither list of joints"
             log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
+
+
+def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    """The wheels that the keys of encoders name are there."""
+    steered = (rover.steered_names, rover.steering_joints)
+    for group, key, (wheels, joints) in (
+        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("encoders", "steering_gain", steered),
+        ("steering_encoders", "reversed", steered),
+        ("steering_encoders", "offsets", steered),
+    ):
+        given = values.get(group, {}).get(key, ())
+        places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)
+        known = [*wheels, *joints]
+        for place, wheel in places:
+            if wheel not in known:
+                at, guess = (group, key, place), closest(wheel, known)
+                message = f"{group}.{key} names {_yaml.one_line(wheel)}, which is no such wheel or joint"
+                remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
+                log.error(section.line_of(at), at, message, remedy)
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:

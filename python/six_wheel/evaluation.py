@@ -3,9 +3,9 @@
 Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `Truth.at` of
 `six_wheel.recordings` brings a reference with its own clock to the stamps of a log.
 
-The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012, in the
-plane and without scale; relative errors go by distance as in Geiger, Lenz & Urtasun, Are we ready for autonomous
-driving?, CVPR 2012. The package evo computes the same numbers.
+The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012, in
+the plane and without scale; relative errors go by distance as in Geiger, Lenz & Urtasun, Are we ready for
+autonomous driving?, CVPR 2012. The package evo computes the same numbers.
 """
 
 import math
@@ -250,7 +250,7 @@ def relative_error(
     pairs = segments(wanted, length, stride=stride) if rows is None else np.asarray(rows, dtype=np.int64)
     if pairs.ndim != 2 or pairs.shape[1] != 2:
         raise ValueError(f"rows must have shape (m, 2), got {pairs.shape}")
-    if pairs.size and not (0 <= pairs.min() and pairs.max() < len(wanted)):
+    if pairs.size and not (pairs.min() >= 0 and pairs.max() < len(wanted)):
         raise ValueError(f"rows must be in 0 to {len(wanted) - 1}, got {pairs.min()} to {pairs.max()}")
     first, last = pairs.T
     error = between(between(wanted[first], wanted[last]), between(moved[first], moved[last]))
@@ -327,11 +327,12 @@ class Evaluation:
     growth: ErrorGrowth = field(repr=False)
 
     def __repr__(self) -> str:
+        turned = math.degrees(self.first.final_heading)
+        per = math.degrees(self.relative.heading_rmse)
         return (
-            f"Evaluation({self.distance:.2f} m: ATE {self.first.rmse:.4f} m, aligned {self.aligned.rmse:.4f} m, "
-            f"end {self.first.final:.4f} m {math.degrees(self.first.final_heading):+.2f} deg, "
-            f"{self.relative.percent:.2f} % and {math.degrees(self.relative.heading_rmse):.2f} deg "
-            f"per {self.relative.length:g} m)"
+            f"Evaluation({self.distance:.2f} m: ATE {self.first.rmse:.4f} m, "
+            f"aligned {self.aligned.rmse:.4f} m, end {self.first.final:.4f} m {turned:+.2f} deg, "
+            f"{self.relative.percent:.2f} % and {per:.2f} deg per {self.relative.length:g} m)"
         )
 
     def to_dict(self) -> dict[str, float]:

@@ -14,10 +14,10 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._columns import TIME, Column, TableError, Unit, find_columns
 from six_wheel._core import Encoder, Rover
 from six_wheel._joint_columns import Reading, joint_columns, truth_columns
 from six_wheel._joint_tables import Batch, Finding, Findings, Sieve, Source, TolerantTable
-from six_wheel.logs import TIME, Column, TableError, Unit, find_columns
 from six_wheel.recordings import Log, Truth
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]

@@ -1,13 +1,14 @@
 """OptiOdom recordings: an example of a reader for a format of one's own.
 
-A reader turns files into `Rover` and `Log`; everything else works on those. This one reads the data set of Sousa,
-Petry, Moreira & Costa (doi 10.1007/s10846-022-01630-3): four laboratory robots, their encoders against an OptiTrack
-motion capture system. A run is a CSV file without header, one row per sample,
+A reader turns files into `Rover` and `Log`; everything else works on those. This one reads the data set of
+Sousa, Petry, Moreira & Costa (doi 10.1007/s10846-022-01630-3): four laboratory robots, their encoders
+against an OptiTrack motion capture system. A run is a CSV file without header, one row per sample,
 
     time, x, y, heading, reading 1, reading 2, ...
 
-whose readings count from the row before; ``<session>_metadata.csv`` beside it has the nominal robot. Which wheel
-a reading belongs to and which way it counts is in `ROBOTS`, the only part that knows one robot from another.
+whose readings count from the row before; ``<session>_metadata.csv`` beside it has the nominal robot. Which
+wheel a reading belongs to and which way it counts is in `ROBOTS`, the only part that knows one robot from
+another.
 """
 
 import csv
@@ -145,7 +146,7 @@ def runs(folder: str | Path) -> list[Path]:
 
 
 def example() -> tuple[Rover, Log]:
-    """The run that comes with this package and the nominal robot: a tricycle driven freely. See data/README.md."""
+    """The nominal robot and the run that come with this package: a tricycle driven freely."""
     folder = resources.files("six_wheel") / "data" / "optiodom"
     with resources.as_file(folder) as real:
         (path,) = runs(real)

@@ -36,9 +36,23 @@ from six_wheel._drawing import (
     tidy,
     write_title,
 )
+from six_wheel._drive_plot import drive_figure
 from six_wheel._four_axle_plot import four_axle_figure
+from six_wheel._limits_plot import limits_figure
+from six_wheel._track_plot import residual_figure, track_figure
 
-__all__ = ["draw_path", "draw_rover", "four_axle_figure", "path_figure", "save", "show_figure"]
+__all__ = [
+    "draw_path",
+    "draw_rover",
+    "drive_figure",
+    "four_axle_figure",
+    "limits_figure",
+    "path_figure",
+    "residual_figure",
+    "save",
+    "show_figure",
+    "track_figure",
+]
 
 ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
 

@@ -68,7 +68,7 @@ class Peaks(NamedTuple):
 
 
 class TransitionState(NamedTuple):
-    """What body and wheels do at one time of a transition, or at many: leading axes are those of the times."""
+    """What body and wheels do at one time of a transition, or at many, along leading axes."""
 
     twist: Floats
     """``[vx, vy, omega]``, shape (..., 3) [m/s, m/s, rad/s]; of modules, the one that fits them best."""

@@ -97,7 +97,9 @@ class Log:
             raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
         steering = None if self.steering is None else np.array(self.steering, dtype=np.float64)
         if steering is not None and (steering.ndim != 2 or len(steering) != len(stamps)):
-            raise ValueError(f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}")
+            raise ValueError(
+                f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}"
+            )
         truth = self.truth
         if truth is not None and not isinstance(truth, Truth):
             truth = Truth(stamps, truth)

@@ -1,21 +1,24 @@
 """What a sampling planner gets back for its rollouts."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Floats: TypeAlias = "NDArray[np.float64]"
 
 
 class RolloutCost(NamedTuple):
     """Poses of k rollouts of t steps, and the worst each asks of the wheels: see `Rover.rollout_cost`."""
 
-    poses: NDArray[np.float64]
+    poses: Floats
     """Rows ``[x, y, yaw]``, shape (..., k, t + 1, 3) [m, m, rad]."""
-    wheel_speed: NDArray[np.float64]
+    wheel_speed: Floats
     """Largest wheel speed, either way round, shape (..., k) [rad/s]."""
-    steering_angle: NDArray[np.float64]
+    steering_angle: Floats
     """Largest steering angle, to either side, shape (..., k) [rad]."""
-    steering_rate: NDArray[np.float64]
+    steering_rate: Floats
     """Largest steering rate, shape (..., k) [rad/s]."""
-    scrub: NDArray[np.float64]
+    scrub: Floats
     """Largest speed at which a wheel slides sideways, shape (..., k) [m/s]."""

@@ -7,11 +7,11 @@ with one wheel equation (`Wheel.rows`). x forward, y left, angles counter-clockw
 
 Rooms, in the order in which they build on each other: `geometry` (poses), `wheels` (the wheel equation),
 `layouts` (the named lists of wheels), `estimate` (wheels to twist), `admissible` (which twists are possible),
-`mobility`, and `rover`, where they come together; `odometry`, `suspension`, `four_axle` and `profiles` beside
-them.
+`mobility`, and `rover`, where they come together; `odometry`, `suspension`, `four_axle`, `profiles` and
+`controller` (limits along a motion) beside them.
 """
 
-from six_wheel.reference import profiles
+from six_wheel.reference import controller, profiles
 from six_wheel.reference.estimate import Fit
 from six_wheel.reference.geometry import compose, differentiate, exp, integrate, log, wrap_angle
 from six_wheel.reference.mobility import Mobility
@@ -20,4 +20,5 @@ from six_wheel.reference.rover import Rover
 from six_wheel.reference.wheels import InfeasibleMotionError, UnderdeterminedError, Wheel
 
 __all__ = ["Fit", "InfeasibleMotionError", "Mobility", "Rover", "UnderdeterminedError", "Wheel"]
-__all__ += ["compose", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost", "wrap_angle"]
+__all__ += ["compose", "controller", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost"]
+__all__ += ["wrap_angle"]

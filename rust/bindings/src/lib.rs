@@ -34,7 +34,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<odometry::Odometry>()?;
     odometry::install(module.py())?;
-    module.add_class::<odometry::values::OdometryState>()?;
+    module.add_class::<odometry::state::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
@@ -46,6 +46,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_class::<controller::limits::Limits>()?;
+    module.add_class::<controller::Controller>()?;
+    module.add_class::<controller::output::ControllerOutput>()?;
+    module.add_class::<controller::run::ControllerRun>()?;
+    module.add_function(wrap_pyfunction!(controller::output::reason_bits, module)?)?;
+    controller::install(module.py())?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
     module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;

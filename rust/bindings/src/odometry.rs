@@ -1,6 +1,7 @@
 //! `six_wheel.Odometry`.
 
 mod quick;
+pub mod state;
 pub mod values;
 
 use std::str::FromStr;
@@ -18,7 +19,8 @@ pub use quick::install;
 
 use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
-use values::{Encoder, Noise, OdometryState};
+use state::{OdometryState, Spares};
+use values::{Encoder, Noise};
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
 ///
@@ -66,6 +68,7 @@ use values::{Encoder, Noise, OdometryState};
 pub struct Odometry {
     core: Core,
     rover: Py<Rover>,
+    spares: Spares,
 }
 
 /// An encoder for all joints, one per joint, or some by name.
@@ -153,6 +156,15 @@ fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
     Ok(matrix)
 }
 
+/// None is what a rover says that does not steer.
+fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
+    if joints == 0 {
+        return Ok(None);
+    }
+    let rule = "hold the angles of the steered wheels";
+    Err(refuse("steering", rule, "None"))
+}
+
 impl Odometry {
     /// The readings of one joint kind, a single row.
     fn row<'py>(
@@ -160,8 +172,8 @@ impl Odometry {
         value: &Bound<'py, PyAny>,
         width: usize,
     ) -> PyResult<Option<Rows<'py>>> {
-        if width == 0 && value.is_none() {
-            return Ok(None);
+        if value.is_none() && argument == "steering" {
+            return steering_left_out(width);
         }
         let rows = Rows::read(argument, value, width)?;
         if rows.is_single() {
@@ -173,6 +185,12 @@ impl Odometry {
                 "more rows than one",
             ))
         }
+    }
+
+    /// The state after the last sample, for the caller of `update`.
+    #[inline]
+    fn handed_out<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, OdometryState>> {
+        self.spares.state(&self.core, &self.rover, py)
     }
 
     fn joints(&self) -> usize {
@@ -242,6 +260,7 @@ impl Odometry {
         Ok(Self {
             core: Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?,
             rover: rover.clone().unbind(),
+            spares: Spares::default(),
         })
     }
 
@@ -251,8 +270,8 @@ impl Odometry {
     /// ----------
     /// steering : array_like, shape (steered wheels,)
     ///     Steering angles [rad], or counts of their encoders; None for a rover that does not steer.
-    /// wheels : array_like, shape (wheels,)
-    ///     What `readings` says, in radians or counts; NaN where a passive wheel has no encoder.
+    /// wheel_angles : array_like, shape (wheels,)
+    ///     Running totals [rad], or what `readings` and the encoders say; NaN where a passive wheel has no encoder.
     /// stamp : float
     ///     When they were read [s].
     /// yaw : float, optional
@@ -272,18 +291,18 @@ impl Odometry {
     /// ValueError
     ///     If a reading is not finite, the stamp not later than the last one, a limit exceeded or a shape wrong. The
     ///     state is as before.
-    #[pyo3(signature = (steering, wheels, stamp, *, yaw=None, yaw_rate=None))]
+    #[pyo3(signature = (steering, wheel_angles, stamp, *, yaw=None, yaw_rate=None))]
     fn update(
         &mut self,
         py: Python<'_>,
         steering: &Bound<'_, PyAny>,
-        wheels: &Bound<'_, PyAny>,
+        wheel_angles: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
         yaw: Option<&Bound<'_, PyAny>>,
         yaw_rate: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<OdometryState> {
         let steering = Self::row("steering", steering, self.joints())?;
-        let wheels = Self::row("wheels", wheels, self.wheels())?;
+        let wheels = Self::row("wheel_angles", wheel_angles, self.wheels())?;
         let sample = Sample {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
@@ -303,7 +322,7 @@ impl Odometry {
     /// ----------
     /// steering : array_like, shape (n, steered wheels)
     ///     As in `update`; None for a rover that does not steer.
-    /// wheels : array_like, shape (n, wheels)
+    /// wheel_angles : array_like, shape (n, wheels)
     ///     As in `update`.
     /// stamps : array_like, shape (n,)
     ///     When they were read [s].
@@ -324,13 +343,13 @@ impl Odometry {
     /// ------
     /// ValueError
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
-    #[pyo3(signature = (steering, wheels, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
+    #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn run<'py>(
         &mut self,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
-        wheels: &Bound<'py, PyAny>,
+        wheel_angles: &Bound<'py, PyAny>,
         stamps: &Bound<'py, PyAny>,
         yaw: Option<&Bound<'py, PyAny>>,
         yaw_rate: Option<&Bound<'py, PyAny>>,
@@ -350,10 +369,10 @@ impl Odometry {
             }
         };
         let (count, joints) = (self.wheels(), self.joints());
-        let wheels = Rows::read_table("wheels", wheels, count)?;
+        let wheels = Rows::read_table("wheel_angles", wheel_angles, count)?;
         let leading = wheels.leading.as_slice();
-        let steering = if steering.is_none() && joints == 0 {
-            None
+        let steering = if steering.is_none() {
+            steering_left_out(joints)?
         } else {
             Rows::read_beside("steering", Some(steering), joints, leading)?
         };

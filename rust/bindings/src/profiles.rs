@@ -1,5 +1,6 @@
 //! `six_wheel.profiles`: profiles of values, and the transitions of a rover built on them.
 
+mod arguments;
 mod made;
 mod transitions;
 

@@ -272,7 +272,11 @@ impl Rover {
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    pub(crate) fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+    pub(crate) fn normal(
+        &self,
+        readings: &[Reading],
+        weight: impl Fn(usize) -> f64,
+    ) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
             let (rolling, side_slip) = (
@@ -286,7 +290,11 @@ impl Rover {
     }
 
     /// What turns the right-hand side of the normal equations into their solution.
-    pub(crate) fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+    pub(crate) fn solution(
+        &self,
+        normal: Matrix3<f64>,
+        unseen: Unseen,
+    ) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
@@ -327,9 +335,15 @@ impl Rover {
     /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
     pub(crate) fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
         let turn = Matrix3::new(
-            1.0, 0.0, self.centre.y / self.size, //
-            0.0, 1.0, -self.centre.x / self.size, //
-            0.0, 0.0, 1.0 / self.size,
+            1.0,
+            0.0,
+            self.centre.y / self.size, //
+            0.0,
+            1.0,
+            -self.centre.x / self.size, //
+            0.0,
+            0.0,
+            1.0 / self.size,
         );
         turn * solution * turn.transpose()
     }

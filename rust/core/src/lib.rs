@@ -11,8 +11,9 @@
 //!
 //! Rooms: [`geometry`] (twist, pose, exp and log), [`wheels`] (the wheel equation), [`steering`] (which angle
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
-//! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits, projection), [`mobility`] (rank of the
-//! constraints), [`batch`] (whole arrays), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
+//! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
+//! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`profiles`] (values over time,
+//! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
 //! pivots: brakes, sequences, simulation).
 
 pub mod admissible;
@@ -34,7 +35,7 @@ pub mod suspension;
 pub mod wheels;
 
 pub use admissible::Keep;
-pub use controller::Limits;
+pub use controller::{Controller, Limits};
 pub use error::{Error, ErrorKind};
 pub use estimate::{Fit, Measured, Method, Unseen};
 

@@ -8,137 +8,34 @@ pub mod encoder;
 pub mod health;
 mod history;
 pub mod noise;
+mod quick;
+pub mod settings;
 mod spread;
+mod state;
 mod step;
 mod tolerant;
 mod uncertainty;
 
-use nalgebra::Matrix3;
-
 pub use encoder::Encoder;
 pub use health::Health;
 pub use noise::Noise;
+pub use settings::{Readings, Settings};
 
+use crate::batch::single_step::Plan;
 use crate::error::{Error, number, numbers};
-use crate::estimate::Method;
-use crate::geometry::{Pose, Twist, Walk, wrap_angle};
+use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};
 use history::History;
-use step::{Motion, Rules, Workspace, shared_readings, step_jacobian};
+pub(crate) use spread::Spread;
+pub(crate) use state::HUGE;
+pub(crate) use state::State;
+use state::{advance, check_covariance, meet_yaw};
+pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
+use step::{Motion, Workspace, shared_readings};
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
 use uncertainty::Uncertainty;
-
-/// Displacements and variances over one step beyond which sums of squares might not be finite.
-const HUGE: f64 = 1e60;
-
-/// What the readings of the wheels are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Readings {
-    /// Running totals.
-    #[default]
-    Angles,
-    /// Rates at the stamps: a step takes the mean of its two ends.
-    Speeds,
-    /// What came since the sample before.
-    Increments,
-}
-
-/// How odometry works; all of it may be left out.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Standard deviations of readings and slip.
-    pub noise: Noise,
-    /// What the readings of the wheels are.
-    pub readings: Readings,
-    /// One for all wheels or one per wheel; empty: they read radians.
-    pub wheel_encoders: Vec<Encoder>,
-    /// One for all steering joints or one per joint; empty: they read radians.
-    pub steering_encoders: Vec<Encoder>,
-    /// How the wheels are weighed.
-    pub method: Method,
-    /// Whether disagreement of the wheels beyond the noise counts as more noise.
-    pub inflate: bool,
-    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains.
-    pub slip_threshold: Option<f64>,
-    /// Time between samples beyond which a step is flagged [s].
-    pub max_gap: Option<f64>,
-    /// Rim speed beyond which a sample is refused [m/s].
-    pub max_speed: Option<f64>,
-    /// Steering rate beyond which a sample is refused [rad/s].
-    pub max_steering_rate: Option<f64>,
-    /// Time constant of the first-order filter of `velocity` [s]; 0: none.
-    pub smoothing: f64,
-    /// How late a pose from outside may come [s].
-    pub lag: f64,
-    /// Samples that are kept for that at most.
-    pub history: usize,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            noise: Noise::default(),
-            readings: Readings::Angles,
-            wheel_encoders: Vec::new(),
-            steering_encoders: Vec::new(),
-            method: Method::LeastSquares,
-            inflate: false,
-            slip_threshold: None,
-            max_gap: None,
-            max_speed: None,
-            max_steering_rate: None,
-            smoothing: 0.0,
-            lag: 0.0,
-            history: 1024,
-        }
-    }
-}
-
-impl Settings {
-    fn check(&self, rover: &Rover) -> Result<(), Error> {
-        self.noise.check()?;
-        let encoders = [
-            ("wheel_encoders", &self.wheel_encoders, rover.wheels().len()),
-            (
-                "steering_encoders",
-                &self.steering_encoders,
-                rover.steered().len(),
-            ),
-        ];
-        for (argument, encoders, count) in encoders {
-            if encoders.len() > 1 && encoders.len() != count {
-                let rule = format!("be one encoder or {count}");
-                return Err(Error::value(argument, rule, encoders.len().to_string()));
-            }
-            encoders.iter().try_for_each(Encoder::check)?;
-        }
-        let optional = [
-            ("slip_threshold", self.slip_threshold),
-            ("max_gap", self.max_gap),
-            ("max_speed", self.max_speed),
-            ("max_steering_rate", self.max_steering_rate),
-        ];
-        for (argument, value) in optional {
-            if let Some(value) = value
-                && !(value > 0.0)
-            {
-                return Err(Error::value(argument, "be positive", number(value)));
-            }
-        }
-        for (argument, value) in [("smoothing", self.smoothing), ("lag", self.lag)] {
-            if !(value.is_finite() && value >= 0.0) {
-                let rule = "be finite and not negative";
-                return Err(Error::value(argument, rule, number(value)));
-            }
-        }
-        if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
-            let rule = "be another one for a rover without unsteered wheels";
-            return Err(Error::value("method", rule, "'middle_wheels'"));
-        }
-        Ok(())
-    }
-}
+pub(crate) use uncertainty::{StepJacobian, StepNoise};
 
 /// What was read at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -169,38 +66,6 @@ struct Reference {
     yaw_rate: Option<f64>,
 }
 
-/// What changes from sample to sample and is taken back when a late pose comes.
-#[derive(Clone, Debug)]
-struct State {
-    walk: Walk,
-    twist: Twist,
-    velocity: Option<Twist>,
-    uncertainty: Uncertainty,
-}
-
-impl State {
-    fn copy_from(&mut self, other: &Self) {
-        self.walk = other.walk;
-        self.twist = other.twist;
-        self.velocity = other.velocity;
-        self.uncertainty.copy_from(&other.uncertainty);
-    }
-
-    fn pose(&self) -> Pose {
-        Pose {
-            x: self.walk.x.value(),
-            y: self.walk.y.value(),
-            yaw: self.walk.yaw.value(),
-        }
-    }
-
-    /// Moves the pose by a correction.
-    fn shift(&mut self, by: &nalgebra::Vector3<f64>) {
-        self.walk.shift(by.x, by.y);
-        self.walk.turn(by.z);
-    }
-}
-
 /// Why a sample is refused.
 struct Refusal {
     flag: Health,
@@ -223,6 +88,8 @@ pub struct Odometry {
     residual: Vec<f64>,
     health: Health,
     work: Workspace,
+    /// How a usual step is made by registers, where it is.
+    plan: Option<Plan>,
     turned: Vec<f64>,
     angles: Vec<f64>,
     history: History,
@@ -257,6 +124,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, from_rates),
+            plan: settings.plan(&rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,
@@ -291,16 +159,23 @@ impl Odometry {
 
     /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
     pub fn covariance(&self) -> [[f64; 3]; 3] {
-        self.state.uncertainty.reported().into()
+        self.state.uncertainty.reported().matrix().into()
     }
 
     /// Covariance of the twist over the last step, in body axes.
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
+        let [_, upper] = self.upper_halves();
+        Spread::from(upper).matrix().into()
+    }
+
+    /// The upper halves of [`Self::covariance`] and [`Self::twist_covariance`], row by row.
+    #[inline]
+    pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
-        if dt == 0.0 {
-            return [[0.0; 3]; 3];
-        }
-        (self.work.noise.total().matrix() / (dt * dt)).into()
+        let rate = if dt == 0.0 { 0.0 } else { 1.0 / (dt * dt) };
+        let twist = <[f64; 6]>::from(self.work.noise.total());
+        let pose = self.state.uncertainty.reported();
+        [pose.into(), twist.map(|value| value * rate)]
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
@@ -360,7 +235,16 @@ impl Odometry {
         self.take(sample).map_err(|refusal| refusal.error)
     }
 
+    #[inline]
     fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        match self.step(&sample) {
+            Some(slips) => Ok(self.conclude(&sample, Health::SLIP.when(slips), None)),
+            None => self.take_any(sample),
+        }
+    }
+
+    /// Any sample.
+    fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.check_numbers(&sample)
             .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
@@ -372,7 +256,7 @@ impl Odometry {
             return Ok(Health::FIRST);
         }
         let dt = sample.stamp - self.reference.stamp;
-        if !(dt > 0.0) {
+        if dt <= 0.0 {
             let flag = if dt == 0.0 {
                 Health::DUPLICATE
             } else {
@@ -411,16 +295,22 @@ impl Odometry {
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
             *residual = slid / dt;
         }
+        let flags = Health::WRAPPED.when(wrapped) | Health::SLIP.when(self.work.slips);
+        Ok(self.conclude(&sample, flags, gyro_turn))
+    }
+
+    /// Takes a sample whose step has been made as the one from which the next one counts.
+    #[inline]
+    fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+        let reference = &mut self.reference;
+        let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
-        self.health = Health::GAP.when(is_gap)
-            | Health::WRAPPED.when(wrapped)
-            | Health::SLIP.when(self.work.slips);
-        self.reference.known = true;
-        self.reference.stamp = sample.stamp;
-        self.reference.yaw_rate = sample.yaw_rate;
-        self.reference.wheels.copy_from_slice(sample.wheels);
-        self.reference.steering.copy_from_slice(sample.steering);
-        self.reference.angles.copy_from_slice(&self.angles);
+        self.health = flags | Health::GAP.when(is_gap);
+        reference.stamp = sample.stamp;
+        reference.yaw_rate = sample.yaw_rate;
+        reference.wheels.copy_from_slice(sample.wheels);
+        reference.steering.copy_from_slice(sample.steering);
+        std::mem::swap(&mut reference.angles, &mut self.angles);
         if let Some(yaw) = sample.yaw {
             self.meet_yaw(yaw);
         }
@@ -428,19 +318,23 @@ impl Odometry {
         self.history.push(
             sample,
             dt,
-            &self.angles,
+            &self.reference.angles,
             &self.turned,
             gyro_turn,
             &self.state,
         );
-        Ok(self.health)
+        self.health
     }
 
     fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {
         crate::error::finite("steering", sample.steering)?;
         for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
             if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
-                return Err(Error::value("wheels", "be finite", numbers(sample.wheels)));
+                return Err(Error::value(
+                    "wheel_angles",
+                    "be finite",
+                    numbers(sample.wheels),
+                ));
             }
         }
         let others = [
@@ -511,7 +405,7 @@ impl Odometry {
                 let speed = wheel.radius * (self.turned[i] - owed) / dt;
                 if speed.abs() > limit {
                     let rule = format!("keep {} at a rim speed of {limit} m/s at most", wheel.name);
-                    return Err(Error::value("wheels", rule, number(speed)));
+                    return Err(Error::value("wheel_angles", rule, number(speed)));
                 }
             }
         }
@@ -545,7 +439,7 @@ impl Odometry {
             return Ok(Health::FIRST);
         };
         let dt = stamp - before;
-        if !(dt > 0.0) {
+        if dt <= 0.0 {
             let rule = format!("be later than the last one, {}", number(before));
             return Err(Error::value("stamp", rule, number(stamp)));
         }
@@ -587,112 +481,4 @@ impl Odometry {
         self.health = Health::GAP.when(self.settings.max_gap.is_some_and(|gap| dt > gap));
         Ok(self.health)
     }
-}
-
-impl Settings {
-    fn rules(&self) -> Rules {
-        Rules {
-            noise: self.noise,
-            method: self.method,
-            inflate: self.inflate,
-            slip_threshold: self.slip_threshold,
-        }
-    }
-
-    fn wheel_encoder(&self, wheel: usize) -> Encoder {
-        pick(&self.wheel_encoders, wheel)
-    }
-
-    fn steering_encoder(&self, joint: usize) -> Encoder {
-        pick(&self.steering_encoders, joint)
-    }
-}
-
-/// The encoder of one joint: its own, the one for all, or one that reads radians.
-fn pick(encoders: &[Encoder], index: usize) -> Encoder {
-    let own = encoders.get(index).or_else(|| encoders.first());
-    own.copied().unwrap_or_default()
-}
-
-/// One step of the state. On failure it has not changed.
-fn advance(
-    rover: &Rover,
-    rules: &Rules,
-    motion: Motion<'_>,
-    work: &mut Workspace,
-    state: &mut State,
-    smoothing: f64,
-) -> Result<(), Error> {
-    let displacement = work.displacement(rover, motion, rules)?;
-    let step = <[f64; 3]>::from(displacement);
-    let twist = Twist::from(step.map(|part| part / motion.dt));
-    let finite = step.iter().all(|part| part.abs() < HUGE)
-        && work.noise.own.is_below(HUGE)
-        && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
-    if !finite {
-        let rule = "be small enough for a finite pose and covariance";
-        return Err(Error::value("wheels", rule, numbers(motion.turned)));
-    }
-    let (sin, cos) = state.walk.heading.value().sin_cos();
-    let jacobian = step_jacobian(displacement, [sin, cos]);
-    state.uncertainty.propagate(&jacobian, &work.noise);
-    state.walk.shift(jacobian.shift[0], jacobian.shift[1]);
-    state.walk.turn(displacement.omega);
-    state.twist = twist;
-    state.velocity = Some(match state.velocity.filter(|_| smoothing > 0.0) {
-        None => twist,
-        Some(before) => {
-            let share = -(-motion.dt / smoothing).exp_m1();
-            Twist {
-                vx: before.vx + share * (twist.vx - before.vx),
-                vy: before.vy + share * (twist.vy - before.vy),
-                omega: before.omega + share * (twist.omega - before.omega),
-            }
-        }
-    });
-    Ok(())
-}
-
-/// Takes in an absolute yaw; the first one tells where the sensor's zero is.
-fn meet_yaw(state: &mut State, yaw: f64, deviation: f64) {
-    let (predicted, variance) = (state.walk.yaw.value(), deviation * deviation);
-    match state.uncertainty.yaw_offset {
-        None => state.uncertainty.set_yaw_offset(yaw - predicted, variance),
-        Some(offset) => {
-            let gain = state.uncertainty.correct_yaw(offset, variance);
-            state.shift(&(gain * wrap_angle(yaw - predicted - offset.value)));
-        }
-    }
-}
-
-/// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
-fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>, Error> {
-    let matrix = Matrix3::from(covariance);
-    let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
-    let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
-    let diagonal = matrix.diagonal();
-    if matrix.iter().any(|value| value.is_nan())
-        || matrix
-            .iter()
-            .enumerate()
-            .any(|(k, value)| k % 4 != 0 && value.is_infinite())
-        || diagonal.iter().any(|value| *value < 0.0)
-    {
-        return refused("hold variances on its diagonal and finite covariances beside it");
-    }
-    let scale = |i: usize, k: usize| (finite[(i, i)] * finite[(k, k)]).sqrt();
-    for (i, k) in [(0, 1), (0, 2), (1, 2)] {
-        let known = diagonal[i].is_finite() && diagonal[k].is_finite();
-        if (finite[(i, k)] - finite[(k, i)]).abs() > 1e-9 * scale(i, k) {
-            return refused("be symmetric");
-        }
-        if known && finite[(i, k)].abs() > scale(i, k) * (1.0 + 1e-9) {
-            return refused("have no negative variance in any direction");
-        }
-    }
-    let symmetric = (finite + finite.transpose()) / 2.0;
-    if symmetric.symmetric_eigenvalues().min() < -1e-9 * symmetric.trace() {
-        return refused("have no negative variance in any direction");
-    }
-    Ok((matrix + matrix.transpose()) / 2.0)
 }

@@ -10,6 +10,8 @@ pub mod icr;
 mod laws;
 pub mod led;
 pub mod optimal;
+mod plan;
+mod ruckig;
 pub mod shapes;
 mod timing;
 

@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use six_wheel_core::batch::{self, Level, Log, Workers};
+use six_wheel_core::odometry::{Odometry, Sample, Settings};
 use six_wheel_core::{Error, Inputs, Keep, Measured, Method, Rover, SteeringRange, Twist, Unseen};
 
 thread_local! {
@@ -145,6 +146,31 @@ fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
                 assert_eq!(counts[0], [0, 0]);
             }
         }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_sample_of_odometry_takes_no_memory() -> Result<(), Error> {
+    for rover in rovers()? {
+        let (steering, mut wheels) = (
+            vec![0.1; rover.steered().len()],
+            vec![0.0; rover.wheels().len()],
+        );
+        let mut odometry = Odometry::new(rover, Settings::default())?;
+        let mut stamp = 0.0;
+        let step = || {
+            stamp += 0.1;
+            wheels.fill(stamp);
+            odometry.update(Sample {
+                steering: &steering,
+                wheels: &wheels,
+                stamp,
+                yaw: None,
+                yaw_rate: None,
+            })
+        };
+        assert_eq!(taken(step), 0);
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
-use six_wheel_core::odometry::{Health, Noise, Odometry, Readings, Sample, Settings};
+use six_wheel_core::odometry::{Encoder, Health, Noise, Odometry, Readings, Sample, Settings};
 use six_wheel_core::{Error, Inputs, Keep, Pose, Rover, SteeringRange, Twist};
 
 fn rovers() -> impl Strategy<Value = Rover> {
@@ -182,4 +182,96 @@ fn memory_for_late_poses_is_bounded() -> Result<(), Error> {
     assert!(odometry.correct(Pose::default(), 91.0, unit).is_ok());
     assert!(odometry.correct(Pose::default(), 90.5, unit).is_err());
     Ok(())
+}
+
+/// Vehicles whose steps go through registers: steered wheels in none, part, one or several of them.
+fn vehicles() -> Result<Vec<Rover>, Error> {
+    let around = |count: u32| -> Vec<[f64; 2]> {
+        let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
+        (0..count)
+            .map(|k| [turn(k).cos() + 0.3, turn(k).sin()])
+            .collect()
+    };
+    let whole = SteeringRange::symmetric(3.2)?;
+    Ok(vec![
+        Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, SteeringRange::default())?,
+        Rover::mecanum(0.3, 0.2, 0.1, 0.8)?,
+        Rover::swerve(&around(3), None, 0.1, whole)?,
+        Rover::swerve(&around(5), None, 0.1, whole)?,
+        Rover::swerve(&around(11), None, 0.1, whole)?,
+    ])
+}
+
+fn close(found: &[f64], expected: &[f64], rounding: f64) -> bool {
+    let largest = expected
+        .iter()
+        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    let pairs = found.iter().zip(expected);
+    found.len() == expected.len()
+        && pairs
+            .into_iter()
+            .all(|(a, b)| (a - b).abs() <= rounding * largest)
+}
+
+proptest! {
+    /// A counter that starts over is not for registers: with one that never gets there the readings are the same.
+    #[test]
+    fn registers_and_the_plain_core_agree(
+        which in 0..5_usize,
+        slip in prop::sample::select(vec![0.0, 0.02]),
+        side_slip in prop::sample::select(vec![0.0, 0.01]),
+        speed in prop::sample::select(vec![0.0, 0.01]),
+        threshold in prop::option::of(0.001..0.5_f64),
+        rows in prop::collection::vec((prop::collection::vec(-0.2..0.2_f64, 22), 0.01..0.5_f64), 1..30),
+        yaw in prop::option::of(-1.0..1.0_f64),
+    ) {
+        let rover = vehicles()?.swap_remove(which);
+        let (joints, count) = (rover.steered().len(), rover.wheels().len());
+        let settings = Settings {
+            noise: Noise { speed, slip, side_slip, yaw: 0.05, ..Noise::default() },
+            slip_threshold: threshold,
+            lag: 1.0,
+            ..Settings::default()
+        };
+        let endless = Encoder { modulus: Some(1e12), ..Encoder::default() };
+        let plain = Settings { wheel_encoders: vec![endless], ..settings.clone() };
+        let mut registers = Odometry::new(rover.clone(), settings)?;
+        let mut plain = Odometry::new(rover, plain)?;
+        let (mut steering, mut wheels, mut stamp) = (vec![0.0; joints], vec![0.0; count], 0.0);
+        for (k, (changes, dt)) in rows.iter().enumerate() {
+            for (reading, change) in steering.iter_mut().chain(&mut wheels).zip(changes) {
+                *reading += change;
+            }
+            stamp += dt;
+            let yaw = yaw.filter(|_| k % 5 == 3);
+            let sample = Sample { yaw, ..sample(&steering, &wheels, stamp) };
+            let health = plain.update(sample)?;
+            prop_assert_eq!(registers.update(sample)?, health);
+            // Sums of up to 22 terms a step, over up to 30 steps.
+            let pose = <[f64; 3]>::from(registers.pose());
+            let expected = <[f64; 3]>::from(plain.pose());
+            prop_assert!(close(&pose, &expected, 1e-13), "{:?} {:?}", pose, expected);
+            let twist = <[f64; 3]>::from(registers.twist());
+            let expected = <[f64; 3]>::from(plain.twist());
+            prop_assert!(close(&twist, &expected, 1e-13), "{:?} {:?}", twist, expected);
+            let largest = wheels.iter().fold(0.0_f64, |most, turn| most.max(turn.abs())) / dt;
+            for (slid, expected) in registers.residual().iter().zip(plain.residual()) {
+                prop_assert!((slid - expected).abs() <= 1e-14 * (1.0 + largest));
+            }
+            for (found, expected) in [
+                (registers.covariance(), plain.covariance()),
+                (registers.twist_covariance(), plain.twist_covariance()),
+            ] {
+                let (found, expected) = (found.as_flattened(), expected.as_flattened());
+                prop_assert!(close(found, expected, 1e-13), "{:?} {:?}", found, expected);
+            }
+        }
+        let unit = Matrix3::identity().into();
+        let back = stamp - rows[rows.len() - 1].1 / 2.0;
+        if registers.correct(Pose::default(), back, unit).is_ok() {
+            plain.correct(Pose::default(), back, unit)?;
+            let (found, expected) = (registers.covariance(), plain.covariance());
+            prop_assert!(close(found.as_flattened(), expected.as_flattened(), 1e-13));
+        }
+    }
 }

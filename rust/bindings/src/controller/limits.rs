@@ -52,6 +52,22 @@ impl Limits {
         Ok(keywords)
     }
 
+    /// The call that makes these limits.
+    pub fn text(&self) -> String {
+        let text = |value: f64| {
+            if value.is_infinite() {
+                "float('inf')".into()
+            } else {
+                format!("{value:?}")
+            }
+        };
+        let given: Vec<String> = self
+            .given()
+            .map(|(name, value)| format!("{name}={}", text(value)))
+            .collect();
+        format!("Limits({})", given.join(", "))
+    }
+
     /// The limits that are not what leaving them out makes them.
     fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let core = self.0;
@@ -220,18 +236,7 @@ impl Limits {
     }
 
     fn __repr__(&self) -> String {
-        let text = |value: f64| {
-            if value.is_infinite() {
-                "float('inf')".into()
-            } else {
-                format!("{value:?}")
-            }
-        };
-        let given: Vec<String> = self
-            .given()
-            .map(|(name, value)| format!("{name}={}", text(value)))
-            .collect();
-        format!("Limits({})", given.join(", "))
+        self.text()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

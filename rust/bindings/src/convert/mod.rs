@@ -74,6 +74,8 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
         let text = value
             .repr()
             .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        // An array's takes lines.
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         ArgumentTypeError::new_err(format!("{argument} must be a number, got {text}"))
     };
     if value.is_instance_of::<PyBool>() {

@@ -15,6 +15,13 @@ pub fn float(object: Object<'_, '_>) -> Option<f64> {
     unsafe { number(object.as_ptr()) }
 }
 
+/// Whether there is no other reference to an object than this one.
+#[inline(always)]
+pub fn is_held_once<T>(object: &Py<T>, _py: Python<'_>) -> bool {
+    // SAFETY: a live object, and the interpreter's lock is held.
+    unsafe { ffi::Py_REFCNT(object.as_ptr()) == 1 }
+}
+
 /// Three numbers in a tuple, a list or an array.
 #[inline(always)]
 pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {

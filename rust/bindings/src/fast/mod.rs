@@ -32,6 +32,6 @@ mod arguments;
 mod arrays;
 mod method;
 
-pub use arguments::{Object, float, three, two};
+pub use arguments::{Object, float, is_held_once, three, two};
 pub use arrays::{Numbers, Row, fresh, pair, truth};
 pub use method::{Method, Quick, install};

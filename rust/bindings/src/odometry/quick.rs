@@ -19,7 +19,7 @@ impl Quick<5> for Update {
     fn method() -> &'static Method<5> {
         static METHOD: Method<5> = Method::new(
             c"update",
-            [c"steering", c"wheels", c"stamp", c"yaw", c"yaw_rate"],
+            [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"],
             3,
         );
         &METHOD
@@ -55,8 +55,6 @@ impl Quick<5> for Update {
         };
         // What is refused here is refused again by the general way, which says why.
         this.core.update(sample).ok()?;
-        let state = this.state(py);
-        drop(this);
-        Bound::new(py, state).ok().map(Bound::into_any)
+        this.handed_out(py).ok().map(Bound::into_any)
     }
 }

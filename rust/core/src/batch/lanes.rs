@@ -150,6 +150,25 @@ impl<S: Vector> Lanes<S> {
         lanes.with(simd.shift::<LOG>(lanes.values))
     }
 
+    /// Rows of three numbers, as many as there are lanes, to their columns; 0 where there are fewer.
+    #[inline(always)]
+    pub fn unbraid(simd: S, rows: &[f64]) -> [Self; 3] {
+        match S::as_simd_f64s(rows).0 {
+            [a, b, c, ..] => simd
+                .unbraid([*a, *b, *c])
+                .map(|values| Self { simd, values }),
+            _ => [Self::splat(simd, 0.0); 3],
+        }
+    }
+
+    /// The reverse of [`Self::unbraid`].
+    #[inline(always)]
+    pub fn braid([x, y, z]: [Self; 3], rows: &mut [f64]) {
+        if let [a, b, c, ..] = S::as_mut_simd_f64s(rows).0 {
+            [*a, *b, *c] = x.simd.braid([x.values, y.values, z.values]);
+        }
+    }
+
     /// The last lane.
     #[inline(always)]
     pub fn last(self, simd: S) -> f64 {

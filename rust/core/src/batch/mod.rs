@@ -12,6 +12,7 @@ mod rollout_cost;
 mod rows;
 pub(crate) mod single;
 pub(crate) mod single_forward;
+pub(crate) mod single_step;
 mod steered;
 mod stream;
 mod table;

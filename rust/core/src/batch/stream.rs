@@ -33,6 +33,7 @@ pub(crate) fn fetch_ahead<S: Vector>(simd: S, rows: &[f64], k: usize, parts: usi
 const ROOM: usize = 8 * BLOCK + LINE;
 
 /// Where a kernel writes its rows, one piece after the other, of at most `ROOM - LINE` numbers.
+#[allow(clippy::large_enum_variant)] // on the stack of the kernel, one per array; a box would be an allocation
 pub(crate) enum Output<'a, S: Vector> {
     /// Where they belong.
     Direct(&'a mut [f64]),

@@ -138,8 +138,13 @@ impl Linearised<'_> {
             (Some(rates), Some(joint)) => rates[joint],
             _ => 0.0,
         };
-        if quantity == Quantity::Steering && wheel.steering().is_none() {
-            return Vector3::zeros();
+        match (quantity, wheel.steering()) {
+            (Quantity::Steering, None) => return Vector3::zeros(),
+            // Both rows turn together and AᵀA stays: what is left of the sum below is that of Aᵀ db.
+            (Quantity::Steering, Some(_)) if wheel.is_centred() && read => {
+                return reading.side_slip * (reading.rolled * self.weight(i));
+            }
+            _ => {}
         }
         let direction = match self.rover.mounts[i] {
             Mount::Steered(..) => Direction {

@@ -3,8 +3,9 @@
 
 use nalgebra::Matrix3;
 
+use super::state::{State, advance, check_covariance, meet_yaw};
 use super::step::Motion;
-use super::{Odometry, Readings, Sample, Settings, State, advance, check_covariance, meet_yaw};
+use super::{Odometry, Readings, Sample, Settings};
 use crate::error::{Error, finite, number};
 use crate::geometry::{Pose, wrap_angle};
 
@@ -89,9 +90,10 @@ impl History {
         (entry % self.entries.len() as u64) as usize
     }
 
+    #[inline]
     pub fn push(
         &mut self,
-        sample: Sample<'_>,
+        sample: &Sample<'_>,
         dt: f64,
         angles: &[f64],
         turned: &[f64],
@@ -100,9 +102,21 @@ impl History {
     ) {
         self.last_dt = dt;
         self.commanded = None;
-        if self.entries.is_empty() {
-            return;
+        if !self.entries.is_empty() {
+            self.keep(sample, dt, angles, turned, gyro_turn, state);
         }
+    }
+
+    #[inline(never)]
+    fn keep(
+        &mut self,
+        sample: &Sample<'_>,
+        dt: f64,
+        angles: &[f64],
+        turned: &[f64],
+        gyro_turn: Option<f64>,
+        state: &State,
+    ) {
         let capacity = self.entries.len() as u64;
         let place = self.place(self.next);
         let entry = &mut self.entries[place];

@@ -5,6 +5,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::step::Fused;
+
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
@@ -14,6 +16,36 @@ pub(crate) struct Spread {
     yy: f64,
     yz: f64,
     zz: f64,
+}
+
+impl From<[f64; 6]> for Spread {
+    /// The upper half, row by row.
+    #[inline(always)]
+    fn from([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Self {
+        Self {
+            xx,
+            xy,
+            xz,
+            yy,
+            yz,
+            zz,
+        }
+    }
+}
+
+impl From<Spread> for [f64; 6] {
+    #[inline(always)]
+    fn from(spread: Spread) -> Self {
+        let Spread {
+            xx,
+            xy,
+            xz,
+            yy,
+            yz,
+            zz,
+        } = spread;
+        [xx, xy, xz, yy, yz, zz]
+    }
 }
 
 impl Spread {
@@ -79,6 +111,14 @@ impl Spread {
         self.zz += other.zz;
     }
 
+    /// Twice as much.
+    #[inline(always)]
+    pub fn doubled(mut self) -> Self {
+        let same = self;
+        self.add_spread(&same);
+        self
+    }
+
     /// Adds the same variance to every component.
     pub fn add_to_diagonal(&mut self, variance: f64) {
         self.xx += variance;
@@ -109,15 +149,43 @@ impl Spread {
         }
     }
 
+    /// `a S aᵀ` of a matrix that leaves the third component as it is.
+    #[inline(always)]
+    pub fn displaced<F: Fused>(&self, a: &Matrix3<f64>) -> Self {
+        let dot = |p: f64, q: f64, r: f64, k: usize| {
+            F::fused(r, a[(k, 2)], F::fused(q, a[(k, 1)], p * a[(k, 0)]))
+        };
+        let (xz, yz) = (
+            dot(self.xz, self.yz, self.zz, 0),
+            dot(self.xz, self.yz, self.zz, 1),
+        );
+        let first = (
+            dot(self.xx, self.xy, self.xz, 0),
+            dot(self.xy, self.yy, self.yz, 0),
+        );
+        let second = (
+            dot(self.xx, self.xy, self.xz, 1),
+            dot(self.xy, self.yy, self.yz, 1),
+        );
+        Self {
+            xx: dot(first.0, first.1, xz, 0),
+            xy: dot(first.0, first.1, xz, 1),
+            xz,
+            yy: dot(second.0, second.1, yz, 1),
+            yz,
+            zz: self.zz,
+        }
+    }
+
     /// As the third component swings the other two by this lever.
     #[inline(always)]
-    pub fn swung(&self, [x, y]: [f64; 2]) -> Self {
-        let (xz, yz) = (self.xz + x * self.zz, self.yz + y * self.zz);
+    pub fn swung<F: Fused>(&self, [x, y]: [f64; 2]) -> Self {
+        let (xz, yz) = (F::fused(x, self.zz, self.xz), F::fused(y, self.zz, self.yz));
         Self {
-            xx: self.xx + x * (self.xz + xz),
-            xy: self.xy + y * self.xz + x * yz,
+            xx: F::fused(x, self.xz + xz, self.xx),
+            xy: F::fused(x, yz, F::fused(y, self.xz, self.xy)),
             xz,
-            yy: self.yy + y * (self.yz + yz),
+            yy: F::fused(y, self.yz + yz, self.yy),
             yz,
             zz: self.zz,
         }
@@ -126,6 +194,7 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
+    use super::super::step::Apart;
     use super::*;
 
     #[test]
@@ -138,7 +207,13 @@ mod tests {
         assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!((spread.swung(lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
+        assert!(
+            (spread.swung::<Apart>(lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14
+        );
+        let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
+        assert!(
+            (spread.displaced::<Apart>(&a).matrix() - spread.image(&a).matrix()).amax() < 1e-14
+        );
         assert_eq!(Spread::of(&spread.matrix()), spread);
     }
 }

@@ -4,8 +4,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::noise::Noise;
 use super::spread::Spread;
+use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
-use crate::error::Error;
+use crate::batch::single_step::COLUMNS;
+use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::geometry::{Twist, sinc};
@@ -15,10 +17,10 @@ use crate::rover::Rover;
 const SMALL_TURN: f64 = 0.25;
 
 /// How many standard deviations a wheel may disagree before it is said to slip.
-const SUSPICIOUS: f64 = 4.0;
+pub(crate) const SUSPICIOUS: f64 = 4.0;
 
 /// Share of a wheel's way below which a residual is rounding.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// What is known of one step.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,8 @@ pub(crate) struct Rules {
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
     readings: Vec<Reading>,
+    /// Inverse of the normal equations, where it is the same for all readings.
+    inverse: Option<Matrix3<f64>>,
     middle: Vec<f64>,
     steered_by: Vec<f64>,
     pub weights: Vec<f64>,
@@ -63,7 +67,28 @@ pub(crate) struct Workspace {
 /// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.
 pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
     let wheels = if from_rates { rover.wheels().len() } else { 0 };
-    rover.steered().len() + wheels + 1
+    joint_columns(rover) + wheels + 1
+}
+
+/// Columns of the steering joints: those beyond the last joint are always zero.
+fn joint_columns(rover: &Rover) -> usize {
+    rover.steered().len().next_multiple_of(COLUMNS)
+}
+
+/// How a product is added: by one instruction where the machine has it.
+pub(crate) trait Fused {
+    /// `a b + c`
+    fn fused(a: f64, b: f64, c: f64) -> f64;
+}
+
+/// Rounded twice, on every machine.
+pub(crate) struct Apart;
+
+impl Fused for Apart {
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a * b + c
+    }
 }
 
 impl Workspace {
@@ -72,12 +97,16 @@ impl Workspace {
         let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
         Self {
             readings: vec![Reading::NONE; wheels],
+            inverse: rover
+                .solution
+                .map(|solution| rover.unshifted_inverse(&solution)),
             middle: vec![0.0; joints],
             steered_by: vec![0.0; joints],
             weights: vec![1.0; wheels],
             slid: vec![0.0; wheels],
             noise: StepNoise {
                 own: Spread::default(),
+                ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
             },
@@ -105,7 +134,11 @@ impl Workspace {
             speeds: motion.turned,
             steering_rates: Some(&self.steered_by),
         };
-        rover.check_readings(measured)?;
+        let mut read = motion.turned.iter().chain(&self.steered_by);
+        if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
+            let rule = "be small enough for a finite pose and covariance";
+            return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
+        }
         rover.read(measured, &mut self.readings);
         for (steered_by, &wheel) in self.steered_by.iter().zip(rover.steered()) {
             let chord = chord(*steered_by);
@@ -119,12 +152,16 @@ impl Workspace {
             Unseen::Refuse,
             &mut self.weights,
         )?;
-        let solution = match rules.method {
-            Method::LeastSquares => rover.solution_for(&self.readings, measured, Unseen::Refuse)?,
-            _ => {
-                let normal = rover.normal(&self.readings, |i| self.weights[i]);
-                rover.solution(normal, Unseen::Refuse)?
-            }
+        let is_plain = rules.method == Method::LeastSquares;
+        let solution = if is_plain {
+            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
+        } else {
+            let normal = rover.normal(&self.readings, |i| self.weights[i]);
+            rover.solution(normal, Unseen::Refuse)?
+        };
+        let inverse = match self.inverse.filter(|_| is_plain && measured.is_complete()) {
+            Some(inverse) => inverse,
+            None => rover.unshifted_inverse(&solution),
         };
         let displacement = Vector3::from(by_wheels);
         for (reading, slid) in self.readings.iter().zip(&mut self.slid) {
@@ -138,9 +175,8 @@ impl Workspace {
             measured,
             solution,
             twist: displacement,
-            weights: Some(&self.weights),
+            weights: (!is_plain).then_some(self.weights.as_slice()),
         };
-        let inverse = rover.unshifted_inverse(&solution);
         self.slips = errors(
             &linearised,
             &inverse,
@@ -179,6 +215,7 @@ impl Workspace {
         let ends = [&mut self.noise.old, &mut self.noise.new];
         for column in ends.into_iter().filter_map(|columns| columns.last_mut()) {
             *column = gain * deviation;
+            self.noise.ends.add(column, 1.0);
         }
         displacement + gain * (turn - displacement.z)
     }
@@ -202,9 +239,14 @@ fn errors(
     let mut gradients = Spread::default();
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
+    // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
+    let furthest = linearised
+        .readings
+        .iter()
+        .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
     let shares_wheels = |i: usize| {
-        let steered = rover.steered().len();
-        motion.from_rates.then_some(steered + i)
+        let joints = joint_columns(rover);
+        motion.from_rates.then_some(joints + i)
     };
     for (i, (wheel, reading)) in rover.wheels().iter().zip(linearised.readings).enumerate() {
         let distance = if noise.slip == 0.0 && noise.side_slip == 0.0 {
@@ -249,18 +291,15 @@ fn errors(
         rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));
         let bound = match rules.slip_threshold {
             Some(threshold) => threshold * dt,
-            None => SUSPICIOUS * variance.sqrt() + ROUNDING * reading.rolled.abs(),
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
         };
         slips |= slid[i] > bound;
     }
     if rules.inflate && rows > 3.0 {
         let excess = (seen / (rows - 3.0) - explained / rows).max(0.0);
-        for (reading, weight) in linearised
-            .readings
-            .iter()
-            .zip(linearised.weights.unwrap_or(&[]))
-        {
-            let (rolling, side_slip) = (reading.rolling * *weight, reading.side_slip * *weight);
+        for (i, reading) in linearised.readings.iter().enumerate() {
+            let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+            let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
             gradients.add(&rolling, excess);
             gradients.add(&side_slip, excess);
         }
@@ -282,6 +321,7 @@ fn errors(
             *gyro = Vector3::zeros();
         }
     }
+    into.sum_ends();
     slips
 }
 
@@ -291,17 +331,16 @@ fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    series(half * half, &SINE)
+    series::<Apart>(half * half, &SINE)
 }
 
 /// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
 /// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
 #[inline(always)]
-fn series(square: f64, terms: &[f64; 6]) -> f64 {
-    terms
-        .iter()
-        .rev()
-        .fold(1.0, |rest, term| 1.0 - square * term * rest)
+fn series<F: Fused>(square: f64, terms: &[f64; 6]) -> f64 {
+    let [a, b, c, d, e, f] = terms.map(|term| -(square * term));
+    let rest = F::fused(d, F::fused(e, 1.0 + f, 1.0), 1.0);
+    F::fused(a, F::fused(b, F::fused(c, rest, 1.0), 1.0), 1.0)
 }
 
 const SINE: [f64; 6] = [
@@ -330,17 +369,18 @@ const SLOPE: [f64; 6] = [
 ];
 
 /// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
-pub(crate) fn step_jacobian(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
+#[inline(always)]
+pub(crate) fn step_jacobian<F: Fused>(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
     let Twist { vx, vy, omega } = displacement;
     let half = omega / 2.0;
     let (length, slope, sin, cos) = if half.abs() < SMALL_TURN {
         let square = half * half;
-        let length = series(square, &SINE);
+        let length = series::<F>(square, &SINE);
         (
             length,
-            -half / 3.0 * series(square, &SLOPE),
+            half * (-1.0 / 3.0) * series::<F>(square, &SLOPE),
             half * length,
-            series(square, &COSINE),
+            series::<F>(square, &COSINE),
         )
     } else {
         let (sin, cos) = half.sin_cos();
@@ -388,7 +428,7 @@ mod tests {
         };
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
-            let step = step_jacobian(displacement.into(), [yaw.sin(), yaw.cos()]);
+            let step = step_jacobian::<Apart>(displacement.into(), [yaw.sin(), yaw.cos()]);
             let ended = end(yaw, displacement);
             assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
             assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");

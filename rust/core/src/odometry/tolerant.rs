@@ -15,6 +15,8 @@ pub(crate) struct Suspect {
     wheels: Vec<f64>,
     steering: Vec<f64>,
     owed: Vec<f64>,
+    /// Whether there is anything to clear.
+    marked: bool,
 }
 
 impl Suspect {
@@ -25,12 +27,17 @@ impl Suspect {
             wheels: vec![0.0; wheels],
             steering: vec![0.0; joints],
             owed: vec![0.0; wheels],
+            marked: false,
         }
     }
 
+    #[inline]
     pub fn clear(&mut self) {
-        self.flag = Health::GOOD;
-        self.owed.fill(0.0);
+        if self.marked {
+            self.marked = false;
+            self.flag = Health::GOOD;
+            self.owed.fill(0.0);
+        }
     }
 
     /// Increment of a wheel in rows that were left out.
@@ -39,6 +46,7 @@ impl Suspect {
     }
 
     fn set(&mut self, flag: Health, sample: &Sample<'_>) {
+        self.marked = true;
         self.flag = flag;
         self.stamp = sample.stamp;
         self.wheels.copy_from_slice(sample.wheels);
@@ -119,6 +127,7 @@ impl Odometry {
         let counts = self.settings.readings == Readings::Increments
             && (flag == Health::BACKWARDS || flag == Health::DUPLICATE);
         if counts {
+            self.suspect.marked = true;
             for (owed, increment) in self.suspect.owed.iter_mut().zip(sample.wheels) {
                 *owed += increment;
             }

@@ -13,6 +13,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::spread::Spread;
+use super::step::Apart;
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -29,7 +30,8 @@ pub(crate) struct StepJacobian {
 
 impl StepJacobian {
     /// By what an error of the yaw at the start swings the end.
-    fn lever(&self) -> [f64; 2] {
+    #[inline(always)]
+    pub fn lever(&self) -> [f64; 2] {
         [-self.shift[1], self.shift[0]]
     }
 
@@ -57,6 +59,8 @@ impl StepJacobian {
 pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
     pub own: Spread,
+    /// The same of readings that other steps share, as if those at its two ends erred on their own.
+    pub ends: Spread,
     /// Per shared reading: its error at the start of the step, times its standard deviation.
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
@@ -67,15 +71,22 @@ impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
     pub fn total(&self) -> Spread {
         let mut total = self.own;
-        for column in self.old.iter().chain(&self.new) {
-            total.add(column, 1.0);
-        }
+        total.add_spread(&self.ends);
         total
+    }
+
+    /// Adds up the columns.
+    pub fn sum_ends(&mut self) {
+        self.ends = Spread::default();
+        for column in self.old.iter().chain(&self.new) {
+            self.ends.add(column, 1.0);
+        }
     }
 
     /// Applies what a correction leaves of every error.
     pub fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.own = self.own.image(rest);
+        self.ends = self.ends.image(rest);
         for column in self.old.iter_mut().chain(&mut self.new) {
             *column = rest * *column;
         }
@@ -97,7 +108,9 @@ pub(crate) struct YawOffset {
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
     pub settled: Spread,
-    pub carried: Vec<Vector3<f64>>,
+    pub carried: Vec<[f64; 3]>,
+    /// Sum over the columns of their products with themselves.
+    open: Spread,
     pub yaw_offset: Option<YawOffset>,
 }
 
@@ -105,7 +118,8 @@ impl Uncertainty {
     pub fn new(shared_readings: usize) -> Self {
         Self {
             settled: Spread::default(),
-            carried: vec![Vector3::zeros(); shared_readings],
+            carried: vec![[0.0; 3]; shared_readings],
+            open: Spread::default(),
             yaw_offset: None,
         }
     }
@@ -114,50 +128,76 @@ impl Uncertainty {
     pub fn copy_from(&mut self, other: &Self) {
         self.settled = other.settled;
         self.carried.copy_from_slice(&other.carried);
+        self.open = other.open;
         self.yaw_offset = other.yaw_offset;
     }
 
     /// Starts over from a known covariance.
     pub fn set(&mut self, covariance: Matrix3<f64>) {
         self.settled = Spread::of(&covariance);
-        self.carried.fill(Vector3::zeros());
+        self.close();
         self.yaw_offset = None;
     }
 
     /// No reading before is shared with a step to come.
     pub fn let_go(&mut self) {
         self.settled = self.covariance();
-        self.carried.fill(Vector3::zeros());
+        self.close();
         self.yaw_offset = None;
+    }
+
+    fn close(&mut self) {
+        self.carried.fill([0.0; 3]);
+        self.open = Spread::default();
     }
 
     /// Covariance of the pose.
     pub fn covariance(&self) -> Spread {
         let mut covariance = self.settled;
-        for column in &self.carried {
-            covariance.add(column, 1.0);
-        }
+        covariance.add_spread(&self.open);
         covariance
     }
 
     /// The same without a negative variance in any direction, rounding or not.
-    pub fn reported(&self) -> Matrix3<f64> {
+    pub fn reported(&self) -> Spread {
         let mut covariance = self.covariance();
         covariance.add_to_diagonal(ROUNDING * covariance.trace());
-        covariance.matrix()
+        covariance
     }
 
     /// Goes along one step.
     pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
-        let mut settled = self.settled.swung(step.lever());
+        let mut settled = self.settled.swung::<Apart>(step.lever());
         settled.add_spread(&noise.own.image(&step.by_displacement));
         let ends = noise.old.iter().zip(&noise.new);
+        self.open = Spread::default();
         for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
-            let whole = step.carry(carried) + step.map(old);
+            let whole = step.carry(&Vector3::from(*carried)) + step.map(old);
             settled.add(&whole, 1.0);
-            *carried = step.map(new);
+            let column = step.map(new);
+            self.open.add(&column, 1.0);
+            *carried = column.into();
         }
         self.settled = settled;
+        self.carry_yaw_offset(step);
+    }
+
+    /// The same where the columns of the joints have gone along already: what is left is the gyroscope's.
+    #[inline(always)]
+    pub fn follow(&mut self, settled: Spread, open: Spread, step: &StepJacobian) {
+        (self.settled, self.open) = (settled, open);
+        if let Some(column) = self.carried.last_mut()
+            && *column != [0.0; 3]
+        {
+            let whole = step.carry(&Vector3::from(*column));
+            self.settled.add(&whole, 1.0);
+            *column = [0.0; 3];
+        }
+        self.carry_yaw_offset(step);
+    }
+
+    #[inline(always)]
+    fn carry_yaw_offset(&mut self, step: &StepJacobian) {
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = step.carry(&offset.cross);
         }
@@ -229,8 +269,9 @@ impl Uncertainty {
     /// Applies what a correction leaves of every error.
     fn multiply(&mut self, rest: &Matrix3<f64>) {
         self.settled = self.settled.image(rest);
+        self.open = self.open.image(rest);
         for column in &mut self.carried {
-            *column = rest * *column;
+            *column = (rest * Vector3::from(*column)).into();
         }
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = rest * offset.cross;

@@ -16,7 +16,7 @@ use crate::rover::{Inputs, Mount, Rover};
 use crate::steering::ANGLE_TOLERANCE;
 use crate::wheels::{Pivot, REST};
 
-/// Distance at which the centre passes a pivot, as a share of how fast it passes, that no wheel can follow.
+/// Speed of a pivot, as a share of its change along the chord, at which its wheel cannot follow the direction.
 const TOO_CLOSE: f64 = 1e-6;
 
 /// Share of an angle's sine that is rounding.
@@ -116,7 +116,7 @@ fn rests(twist: Twist, x: f64, y: f64) -> bool {
 
 impl Chord {
     /// The chord from one twist to another with wheels that stand at these angles; both twists must be possible.
-    pub fn new(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
+    pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
         let mut aligned = angles.to_vec();
         let mut speeds = vec![0.0; rover.wheels().len()];
         let inputs = Inputs {
@@ -154,13 +154,10 @@ impl Chord {
                 change,
                 turns,
             };
-            let slowest = joint.slowest();
-            let gap = across.abs() / change.norm_sqr();
-            if turns && gap < TOO_CLOSE && slowest > 0.0 && slowest < 1.0 {
-                let why = format!(
-                    "the centre of rotation would pass the pivot of {:?}",
-                    wheel.name
-                );
+            let least = joint.velocity(joint.slowest().clamp(0.0, 1.0)).norm();
+            if turns && least < TOO_CLOSE * change.norm() {
+                let name = &wheel.name;
+                let why = format!("the centre of rotation would pass over the pivot of {name:?}");
                 return Way::Closed(why.into());
             }
             let last = joint.angle + joint.swept(1.0);
@@ -212,7 +209,7 @@ impl Chord {
                 nodes.push(k as f64 / cells as f64);
                 continue;
             }
-            for _ in 0..40 {
+            for _ in 0..50 {
                 let middle = f64::midpoint(a, b);
                 if self.measure(middle) < wanted {
                     a = middle;

@@ -6,6 +6,9 @@ use super::chord::{Chord, Joint, is_driven};
 use crate::error::{Error, number};
 use crate::rover::{Mount, Rover};
 
+/// Limits whose cubes, of rates, are still numbers.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+
 /// Limits of a transition; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IcrLimits {
@@ -54,6 +57,10 @@ impl IcrLimits {
         for (argument, limit) in limits {
             if limit.is_nan() || limit <= 0.0 {
                 return Err(Error::value(argument, "be positive", number(limit)));
+            }
+            if limit != f64::INFINITY && !SIZES.contains(&limit) {
+                let rule = format!("be between {:?} and {:?}", SIZES.start(), SIZES.end());
+                return Err(Error::value(argument, rule, number(limit)));
             }
         }
         if self.steering_rate.is_finite() {

@@ -151,6 +151,31 @@ impl BodyTransition {
         })
     }
 
+    /// As fast as limits of the acceleration and jerk of vx and vy each, and of omega, allow.
+    pub fn within(
+        rover: &Rover,
+        [start, end]: [Twist; 2],
+        [linear, angular]: [[f64; 2]; 2],
+        synchronise: Synchronise,
+        previous: Option<&[f64]>,
+    ) -> Result<Self, Error> {
+        let (start, end) = (<[f64; 3]>::from(start), <[f64; 3]>::from(end));
+        let limits = [linear, linear, angular];
+        let bounds = |axis: usize| {
+            let [first, second] = limits[axis];
+            // What does not change needs no limit.
+            let first = if start[axis] == end[axis] {
+                first.min(1.0)
+            } else {
+                first
+            };
+            Bounds::symmetric(first, second, f64::INFINITY)
+        };
+        let (from, to) = (Moving::resting(&start), Moving::resting(&end));
+        let profile = time_optimal(&from, &to, &[0, 1, 2].map(bounds), synchronise, None)?;
+        Self::new(rover, profile, previous)
+    }
+
     /// How long it takes [s].
     pub fn duration(&self) -> f64 {
         self.profile.duration()

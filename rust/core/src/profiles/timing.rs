@@ -85,7 +85,9 @@ impl Timing {
             Self::Sampled(axis) => axis.at(time),
             Self::Binding { bounds, duration } => {
                 if time >= *duration {
-                    let last = bounds.last().map_or([0.0; 4], |bound| bound.at(f64::INFINITY));
+                    let last = bounds
+                        .last()
+                        .map_or([0.0; 4], |bound| bound.at(f64::INFINITY));
                     return [1.0, last[1], last[2], 0.0];
                 }
                 let next = bounds.partition_point(|bound| bound.start <= time);
@@ -343,13 +345,26 @@ fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 
     let worst_of = |piece: &Piece, end: f64, checks: usize| {
         let step = (end - piece.start) / checks as f64;
         let states = (0..=checks).map(|check| super::coast(piece.state, step * check as f64));
-        states.fold(0.0, |worst: f64, state| worst.max(strain(chord, laws, smooth, state)))
+        states.fold(0.0, |worst: f64, state| {
+            worst.max(strain(chord, laws, smooth, state))
+        })
     };
-    let coarse = axis.pieces.iter().zip(ends()).map(|(piece, end)| worst_of(piece, end, CHECKS));
+    let coarse = axis
+        .pieces
+        .iter()
+        .zip(ends())
+        .map(|(piece, end)| worst_of(piece, end, CHECKS));
     let coarse: Vec<f64> = coarse.collect();
     let worst = coarse.iter().fold(0.0, |a: f64, b| a.max(*b));
-    let tight = axis.pieces.iter().zip(ends()).zip(&coarse).filter(|(_, own)| **own >= worst * TIGHT);
-    tight.fold(worst, |worst, ((piece, end), _)| worst.max(worst_of(piece, end, FINE_CHECKS)))
+    let tight = axis
+        .pieces
+        .iter()
+        .zip(ends())
+        .zip(&coarse)
+        .filter(|(_, own)| **own >= worst * TIGHT);
+    tight.fold(worst, |worst, ((piece, end), _)| {
+        worst.max(worst_of(piece, end, FINE_CHECKS))
+    })
 }
 
 /// By how much the time would have to be stretched at one place, given with its derivatives.
@@ -360,7 +375,10 @@ fn strain(
     [s, pace, second, third]: Derivatives,
 ) -> f64 {
     let s = s.clamp(0.0, 1.0);
-    let mut worst = laws.iter().fold(0.0, |most: f64, law| most.max(law.pace(s))) * pace;
+    let mut worst = laws
+        .iter()
+        .fold(0.0, |most: f64, law| most.max(law.pace(s)))
+        * pace;
     for (joint, &limit) in chord.joints.iter().zip(&smooth.accelerations) {
         let [slope, bend, twist] = joint.swing(s);
         let acceleration = bend * pace * pace + slope * second;

@@ -1,0 +1,104 @@
+//! `six_wheel.ControllerOutput`: what one step commands.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+use six_wheel_core::controller::{Controller, reason};
+
+/// What one step of a `Controller` commands. Arrays are made when they are asked for.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct ControllerOutput {
+    twist: [f64; 3],
+    reasons: u32,
+    /// Steering angles, their rates, wheel speeds.
+    numbers: Box<[f64]>,
+    joints: usize,
+}
+
+impl ControllerOutput {
+    /// The last step of a controller.
+    pub fn of(core: &Controller) -> Self {
+        let (steering, rates, speeds) = (core.steering(), core.steering_rates(), core.speeds());
+        let mut numbers = Vec::with_capacity(2 * steering.len() + speeds.len());
+        numbers.extend_from_slice(steering);
+        numbers.extend_from_slice(rates);
+        numbers.extend_from_slice(speeds);
+        Self {
+            twist: core.twist().into(),
+            reasons: core.reasons(),
+            numbers: numbers.into_boxed_slice(),
+            joints: steering.len(),
+        }
+    }
+}
+
+/// The `Reason` of these bits: one object per value, as an enumeration has it.
+fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static KNOWN: PyOnceLock<Py<PyDict>> = PyOnceLock::new();
+    let known = KNOWN.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
+    if let Some(found) = known.get_item(bits)? {
+        return Ok(found);
+    }
+    let class = CLASS.get_or_try_init(py, || {
+        let module = py.import("six_wheel.controller")?;
+        module.getattr("Reason").map(Bound::unbind)
+    })?;
+    let made = class.bind(py).call1((bits,))?;
+    known.set_item(bits, &made)?;
+    Ok(made)
+}
+
+#[pymethods]
+impl ControllerOutput {
+    /// Steering angles [rad], shape (steered wheels,).
+    #[getter]
+    fn steering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[..self.joints])
+    }
+
+    /// Rates of the steering angles [rad/s], shape (steered wheels,).
+    #[getter]
+    fn steering_rates<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints])
+    }
+
+    /// Wheel speeds [rad/s], shape (wheels,).
+    #[getter]
+    fn speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.numbers[2 * self.joints..])
+    }
+
+    /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
+    #[getter]
+    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.twist)
+    }
+
+    /// Why it is not the motion asked for: a `Reason`, empty if it is.
+    #[getter]
+    fn reasons<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reason(py, self.reasons)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let part = |values: &[f64]| {
+            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            format!("[{}]", texts.join(", "))
+        };
+        Ok(format!(
+            "ControllerOutput(steering={}, speeds={}, twist={}, reasons={})",
+            part(&self.numbers[..self.joints]),
+            part(&self.numbers[2 * self.joints..]),
+            part(&self.twist),
+            reason(py, self.reasons)?.repr()?,
+        ))
+    }
+}
+
+/// Name and bit of every reason.
+#[pyfunction]
+pub fn reason_bits() -> Vec<(&'static str, u32)> {
+    reason::ALL.to_vec()
+}

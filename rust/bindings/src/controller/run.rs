@@ -1,0 +1,83 @@
+//! `six_wheel.ControllerRun`: what many steps in one call command.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use six_wheel_core::controller::Steps;
+
+use super::Controller;
+use crate::convert::{Output, Rows, Scalars, compute, raise};
+
+/// What the steps of `Controller.run` command, one row a step.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct ControllerRun {
+    /// Steering angles [rad], shape (n, steered wheels).
+    #[pyo3(get)]
+    steering: Py<PyAny>,
+    /// Rates of the steering angles [rad/s], shape (n, steered wheels).
+    #[pyo3(get)]
+    steering_rates: Py<PyAny>,
+    /// Wheel speeds [rad/s], shape (n, wheels).
+    #[pyo3(get)]
+    speeds: Py<PyAny>,
+    /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
+    #[pyo3(get)]
+    twist: Py<PyAny>,
+    /// Bits of `Reason`, shape (n,), uint32.
+    #[pyo3(get)]
+    reasons: Py<PyArray1<u32>>,
+}
+
+impl ControllerRun {
+    /// Runs a controller.
+    pub fn of<'py>(
+        py: Python<'py>,
+        controller: &Controller,
+        [stamps, twists, times]: [&Bound<'py, PyAny>; 3],
+    ) -> PyResult<Self> {
+        let times = Scalars::read("times", times)?;
+        let count = times.flat().len();
+        times.fit_exactly("times", &[count])?;
+        let stamps = Scalars::read("stamps", stamps)?;
+        let commands = stamps.flat().len();
+        stamps.fit_exactly("stamps", &[commands])?;
+        let twists = Rows::read("twists", twists, 3)?;
+        twists.check_leading("twists", &[commands])?;
+
+        let output = |width| Output::new(py, "out", None, &[count, width], &[]);
+        let (mut steering, mut rates) = (output(controller.joints)?, output(controller.joints)?);
+        let (mut speeds, mut motions) = (output(controller.wheels)?, output(3)?);
+        let mut reasons = vec![0; count];
+        let steps = Steps {
+            steering: steering.flat(),
+            steering_rates: rates.flat(),
+            speeds: speeds.flat(),
+            twists: motions.triples(),
+            reasons: &mut reasons,
+        };
+        let (stamps, twists, times) = (stamps.flat(), twists.triples(), times.flat());
+        // Whoever waits for the controller holds the interpreter: it is let go before that is asked for again.
+        compute(py, count, || {
+            controller.lock().run(stamps, twists, times, steps)
+        })
+        .map_err(|error| raise(error, &[count.max(commands)]))?;
+        let array = |output: Output<'py>| Ok::<_, PyErr>(output.finish()?.into_any().unbind());
+        Ok(Self {
+            steering: array(steering)?,
+            steering_rates: array(rates)?,
+            speeds: array(speeds)?,
+            twist: array(motions)?,
+            reasons: PyArray1::from_vec(py, reasons).unbind(),
+        })
+    }
+}
+
+#[pymethods]
+impl ControllerRun {
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        self.reasons.bind(py).as_any().len()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("<ControllerRun of {} steps>", self.__len__(py)?))
+    }
+}

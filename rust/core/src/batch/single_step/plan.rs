@@ -1,0 +1,131 @@
+//! What the kernel of a step of odometry needs to know of a rover and its encoders, and its memory.
+
+use nalgebra::Vector3;
+
+use super::super::forward::LARGEST_ROVER;
+use super::super::level::Level;
+use super::super::polynomials::LARGEST_ANGLE;
+use super::super::single::{Eight, GROUP, level, order};
+use crate::odometry::Encoder;
+use crate::rover::{Mount, Rover};
+
+/// Three numbers per wheel.
+pub(super) type Triple = [Eight; 3];
+
+/// What the kernel needs to know of a rover and its encoders, and its memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(super) level: Level,
+    pub(super) groups: Vec<Group>,
+    pub(super) rooms: Vec<Room>,
+}
+
+/// Eight wheels.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Group {
+    /// Which they are; beyond the last one no index there is.
+    pub(super) wheels: [usize; GROUP],
+    /// How many there are.
+    pub(super) count: usize,
+    /// How many of them are steered.
+    pub(super) steered: usize,
+    /// 1 for a steered wheel, 0 for another.
+    pub(super) steers: Eight,
+    pub(super) heading: Eight,
+    /// Angle of a wheel and of its joint per count of their encoders [rad].
+    pub(super) per_count: [Eight; 2],
+    pub(super) radius: Eight,
+    pub(super) pivot: [Eight; 2],
+    /// The rows of a wheel that points ahead; to the left they are the second one and minus the first one.
+    pub(super) rows: [Triple; 2],
+    /// What a metre along either row is of the displacement.
+    pub(super) shares: [Triple; 2],
+    /// 1 for a wheel that has the row.
+    pub(super) has: [Eight; 2],
+}
+
+/// What is kept of eight wheels between the two halves of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Room {
+    pub(super) shares: [Triple; 2],
+    pub(super) rolled: Eight,
+    pub(super) way: [Eight; 2],
+    pub(super) slid: Eight,
+    pub(super) variance: Eight,
+}
+
+impl Group {
+    /// Registers with a wheel in them.
+    #[inline(always)]
+    pub fn registers(&self, lanes: usize) -> usize {
+        self.count.div_ceil(lanes).min(GROUP / lanes)
+    }
+}
+
+impl Plan {
+    /// Nothing where the normal equations depend on the readings, a counter starts over, or the machine has no kernel.
+    pub fn new(
+        rover: &Rover,
+        wheel_encoder: impl Fn(usize) -> Encoder,
+        steering_encoder: impl Fn(usize) -> Encoder,
+    ) -> Option<Self> {
+        let level = level()?;
+        let solution = rover.solution?;
+        if rover.reading_bound > LARGEST_ROVER {
+            return None;
+        }
+        let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
+        let nobody = Group {
+            wheels: [usize::MAX; GROUP],
+            ..Group::default()
+        };
+        let order = order(rover);
+        let mut groups = vec![nobody; order.len().div_ceil(GROUP)];
+        for (k, &i) in order.iter().enumerate() {
+            let (wheel, group, lane) = (&rover.wheels()[i], &mut groups[k / GROUP], k % GROUP);
+            let encoder = wheel_encoder(i);
+            if encoder.modulus.is_some() {
+                return None;
+            }
+            group.wheels[lane] = i;
+            group.count = lane + 1;
+            group.per_count[0][lane] = encoder.angle_per_count();
+            let rows = match rover.mounts[i] {
+                Mount::Castor(_) => continue,
+                Mount::Fixed(rows) => [rows.rolling, rows.side_slip],
+                Mount::Steered(..) => {
+                    let encoder = steering_encoder(k);
+                    if encoder.modulus.is_some()
+                        || wheel.roller_angle.is_some()
+                        || wheel.heading.abs() > LARGEST_ANGLE / 2.0
+                    {
+                        return None;
+                    }
+                    group.steered += 1;
+                    group.steers[lane] = 1.0;
+                    group.heading[lane] = wheel.heading;
+                    group.per_count[1][lane] = encoder.angle_per_count();
+                    [
+                        Vector3::new(1.0, 0.0, -wheel.y),
+                        Vector3::new(0.0, 1.0, wheel.x),
+                    ]
+                }
+            };
+            group.radius[lane] = wheel.radius;
+            (group.pivot[0][lane], group.pivot[1][lane]) = (wheel.x, wheel.y);
+            for (which, row) in rows.into_iter().enumerate() {
+                group.has[which][lane] = f64::from(u8::from(row.x != 0.0 || row.y != 0.0));
+                let share = share(row);
+                for part in 0..3 {
+                    group.rows[which][part][lane] = row[part];
+                    group.shares[which][part][lane] = share[part];
+                }
+            }
+        }
+        Some(Self {
+            level,
+            rooms: vec![Room::default(); groups.len()],
+            groups,
+        })
+    }
+}

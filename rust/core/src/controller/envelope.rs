@@ -1,0 +1,271 @@
+//! Constant limits of speed and turn under which every limit of the rover holds, on a whole piece of an arc.
+//!
+//! With a speed `s` along a direction `d` that turns by `angle`, a velocity is `s f`, and
+//!
+//! ```text
+//! change            s' f  +  s angle' g                                       f = |row d|, g = |row d'|
+//! change of change  s'' f  +  2 s' angle' g  +  s angle'' g  -  s angle'²  f
+//! ```
+//!
+//! An envelope gives half of every limit to the turn and what that leaves to the speed. Whatever happens inside
+//! it keeps every limit; so a step that stays inside has nothing to check, and slowing the turn down and easing
+//! off the speed are always possible.
+
+use super::arc::{Arc, Bound, Bounds};
+use super::limits::Limits;
+use super::motion::Motion;
+use super::reason;
+
+/// Excess that is rounding.
+const ROUNDING: f64 = 1.0 + 1e-12;
+
+/// A limit and what it is called.
+#[derive(Clone, Copy, Debug)]
+pub struct Cap {
+    /// The limit.
+    pub value: f64,
+    /// Its [`reason`].
+    pub reason: u32,
+}
+
+impl Cap {
+    const NONE: Self = Self {
+        value: f64::INFINITY,
+        reason: 0,
+    };
+
+    /// The lower of two.
+    fn or(self, value: f64, reason: u32) -> Self {
+        if value < self.value {
+            Self { value, reason }
+        } else {
+            self
+        }
+    }
+}
+
+/// What bounds the motion beside the arc.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// The limits, those of the joints tightened for what steering asks of wheels with scrub.
+    pub limits: Limits,
+    /// Share of the wheels' speed and acceleration that steering takes.
+    pub steering_share: [f64; 2],
+    /// Rate at which a joint turns by less than half a turn in the longest step.
+    pub fastest_turn: f64,
+}
+
+/// See the head of this file.
+#[derive(Clone, Copy, Debug)]
+pub struct Envelope {
+    /// Angle of the arc at which the turn comes to rest.
+    pub end: f64,
+    /// Whether there is a turn.
+    pub turning: bool,
+    /// Speed, without regard to the turn.
+    pub fastest: Cap,
+    /// Speed for which the turn is limited.
+    pub speed: f64,
+    /// Rate of the turn and its change.
+    pub turn: [Cap; 2],
+    /// Change of the speed, slowing down and speeding up.
+    pub rates: [Cap; 2],
+    /// Change of that.
+    pub change: Cap,
+    /// Way of the body's origin per way along the motion.
+    pub way: f64,
+}
+
+/// Zero times infinity is zero: what does not move, or does not count.
+fn times(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
+}
+
+/// The limit over what it is shared by: infinite for nothing.
+fn over(limit: f64, share: f64) -> f64 {
+    if share > 0.0 {
+        limit / share
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The highest speed in a direction.
+pub fn fastest(limits: &Limits, bounds: &Bounds) -> Cap {
+    let lateral = times(bounds.linear.along, bounds.yaw.along);
+    let wheels = bounds.wheels.along.max(bounds.castors);
+    Cap::NONE
+        .or(over(limits.speed, bounds.linear.along), reason::SPEED)
+        .or(over(limits.yaw_rate, bounds.yaw.along), reason::YAW_RATE)
+        .or(
+            over(limits.lateral_acceleration, lateral).sqrt(),
+            reason::LATERAL_ACCELERATION,
+        )
+        .or(over(limits.wheel_speed, wheels), reason::WHEEL_SPEED)
+}
+
+/// A velocity whose change is limited.
+struct Row {
+    bound: Bound,
+    /// Slowing down, speeding up.
+    change: [f64; 2],
+    jerk: f64,
+    reasons: [u32; 2],
+    jerk_reason: u32,
+}
+
+impl Envelope {
+    /// Of one direction that is kept, or of the turn to `end`, up to `speed` or what is possible of it.
+    pub fn new(room: &Room, arc: &Arc, start: f64, end: f64, speed: f64) -> Self {
+        let mut limits = room.limits;
+        let turning = end != start;
+        let bounds = arc.bounds(start, end);
+        if turning {
+            limits.wheel_speed -= room.steering_share[0];
+            limits.wheel_acceleration -= room.steering_share[1];
+        }
+        let fastest = fastest(&limits, &bounds);
+        let speed = speed.min(fastest.value);
+        let rows = rows(&limits, &bounds);
+        let mut envelope = Self {
+            end,
+            turning,
+            fastest,
+            speed,
+            turn: [Cap {
+                value: 0.0,
+                reason: 0,
+            }; 2],
+            rates: [Cap::NONE; 2],
+            change: Cap::NONE,
+            way: bounds.linear.along,
+        };
+        if turning {
+            envelope.turn = turn(room, &limits, &bounds, &rows, speed);
+        } else {
+            envelope.speed = fastest.value;
+        }
+        let [rate, change] = envelope.turn.map(|cap| cap.value);
+        for row in &rows {
+            let turned = times(speed * row.bound.across, rate);
+            for (k, cap) in envelope.rates.iter_mut().enumerate() {
+                if row.change[k] < f64::INFINITY {
+                    let left = (row.change[k] - turned).max(0.0);
+                    *cap = cap.or(over(left, row.bound.along), row.reasons[k]);
+                }
+                if row.jerk < f64::INFINITY {
+                    let share = over(row.jerk / 12.0, times(row.bound.across, rate));
+                    *cap = cap.or(share, row.jerk_reason);
+                }
+            }
+        }
+        let steepest = envelope.rates[0].value.max(envelope.rates[1].value);
+        for row in rows.iter().filter(|row| row.jerk < f64::INFINITY) {
+            let Bound { along, across } = row.bound;
+            let turned = times(speed * across, change)
+                + times(speed * along, rate * rate)
+                + 2.0 * times(steepest, times(rate, across));
+            envelope.change = envelope
+                .change
+                .or(over(row.jerk - turned, along), row.jerk_reason);
+        }
+        envelope
+    }
+
+    /// Rates and change of the turn, and of the speed, as [`Motion::approach`] takes them.
+    pub fn turn_limits(&self) -> ([f64; 2], f64) {
+        ([self.turn[0].value; 2], self.turn[1].value)
+    }
+
+    /// How fast the turn could become on the way to its end, which is not to come sooner than `dt`.
+    pub fn promise(&self, angle: f64, dt: f64) -> f64 {
+        let [rate, change] = self.turn.map(|cap| cap.value);
+        let left = (self.end - angle).abs();
+        rate.min(times(change, left).sqrt()).min(left / dt)
+    }
+
+    /// Whether a turn can go on inside, and end in time.
+    pub fn holds_turn(&self, turn: Motion) -> bool {
+        let [rate, change] = self.turn.map(|cap| cap.value);
+        if turn.rate == 0.0 || change.is_infinite() {
+            return true; // or may jump
+        }
+        let sign = turn.rate.signum();
+        let left = (self.end - turn.value) * sign;
+        let braking = turn.stop(change) - turn.value;
+        turn.rate.abs() <= rate * ROUNDING && braking.abs() <= left * ROUNDING
+    }
+
+    /// Whether a speed can go on inside: neither above the highest, nor past rest.
+    pub fn holds_speed(&self, speed: Motion) -> bool {
+        let sign = if speed.value < 0.0 { -1.0 } else { 1.0 };
+        let forward = Motion {
+            value: speed.value * sign,
+            rate: speed.rate * sign,
+        };
+        let stop = forward.stop(self.change.value);
+        let rate = self.rates[usize::from(forward.rate > 0.0)].value;
+        (forward.rate.abs() <= rate * ROUNDING || self.change.value.is_infinite())
+            && forward.value.max(stop) <= self.speed * ROUNDING
+            && stop >= (ROUNDING - 1.0) * -forward.value
+    }
+}
+
+fn rows(limits: &Limits, bounds: &Bounds) -> [Row; 3] {
+    [
+        Row {
+            bound: bounds.linear,
+            change: [limits.deceleration, limits.acceleration],
+            jerk: limits.jerk,
+            reasons: [reason::DECELERATION, reason::ACCELERATION],
+            jerk_reason: reason::JERK,
+        },
+        Row {
+            bound: bounds.yaw,
+            change: [limits.angular_deceleration, limits.angular_acceleration],
+            jerk: limits.angular_jerk,
+            reasons: [reason::ANGULAR_DECELERATION, reason::ANGULAR_ACCELERATION],
+            jerk_reason: reason::ANGULAR_JERK,
+        },
+        Row {
+            bound: bounds.wheels,
+            change: [limits.wheel_acceleration; 2],
+            jerk: f64::INFINITY,
+            reasons: [reason::WHEEL_ACCELERATION; 2],
+            jerk_reason: 0,
+        },
+    ]
+}
+
+/// Limits of the turn: what joints allow, and half of what everything else does.
+fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], speed: f64) -> [Cap; 2] {
+    let [first, second] = bounds.steering;
+    let joints = [limits.steering_rate, limits.steering_acceleration];
+    let mut rate = Cap::NONE
+        .or(over(joints[0], first), reason::STEERING_RATE)
+        .or(
+            over(joints[1] / 2.0, second).sqrt(),
+            reason::STEERING_ACCELERATION,
+        );
+    for row in rows {
+        let across = times(speed, row.bound.across);
+        let least = row.change[0].min(row.change[1]);
+        rate = rate.or(over(least / 2.0, across), row.reasons[1]);
+        let along = times(speed, row.bound.along);
+        rate = rate.or(over(row.jerk / 6.0, along).sqrt(), row.jerk_reason);
+    }
+    if rate.value < f64::INFINITY {
+        // So that the wheels go the way round they would go in smaller steps.
+        rate = rate.or(over(room.fastest_turn, first), rate.reason);
+    }
+    let left = joints[1] - times(second, rate.value * rate.value);
+    let mut change = Cap::NONE;
+    if joints[1] < f64::INFINITY {
+        change = change.or(over(left, first), reason::STEERING_ACCELERATION);
+    }
+    for row in rows {
+        let across = times(speed, row.bound.across);
+        change = change.or(over(row.jerk / 6.0, across), row.jerk_reason);
+    }
+    [rate, change]
+}

@@ -1,0 +1,115 @@
+//! One number on its way to a goal, its rate and the change of its rate limited.
+
+/// Share of a motion's way or time that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// A value that changes at a rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Where it is.
+    pub value: f64,
+    /// How it changes, per second.
+    pub rate: f64,
+}
+
+/// What keeps a motion from its goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// Nothing: it is there.
+    No,
+    /// The limit of its rate.
+    Rate,
+    /// The limit of the change of its rate.
+    Change,
+}
+
+impl Motion {
+    /// At rest.
+    pub fn at(value: f64) -> Self {
+        Self { value, rate: 0.0 }
+    }
+
+    /// Where it comes to rest when its rate falls by `change` per second.
+    pub fn stop(self, change: f64) -> f64 {
+        if self.rate == 0.0 {
+            self.value
+        } else {
+            self.value + self.rate * self.rate.abs() / (2.0 * change)
+        }
+    }
+
+    /// After `dt` seconds on the quickest way to rest at the goal: the rate grows to a limit, stays, and falls to
+    /// zero just there. The limits hold all along, so for a log of any steps.
+    ///
+    /// `rates` are the limits downwards and upwards. What is faster slows down first.
+    pub fn approach(self, goal: f64, rates: [f64; 2], change: f64, dt: f64) -> (Self, Held) {
+        let there = (Self::at(goal), Held::No);
+        let stop = self.stop(change);
+        // Braking already, and just in time.
+        let brakes = (goal - stop).abs() <= ROUNDING * ((stop - self.value).abs() + goal.abs());
+        let way = if brakes && self.rate != 0.0 {
+            self.rate
+        } else {
+            goal - stop
+        };
+        if way == 0.0 {
+            return there;
+        }
+        let sign = way.signum();
+        let limit = rates[usize::from(way > 0.0)];
+        let (gap, rate) = ((goal - self.value) * sign, self.rate * sign);
+        let moved = |way: f64, rate: f64| Self {
+            value: sign.mul_add(way, self.value),
+            rate: sign * rate,
+        };
+        if change.is_infinite() {
+            return if limit * dt >= gap || limit.is_infinite() {
+                there
+            } else {
+                (moved(limit * dt, limit), Held::Rate)
+            };
+        }
+        // Braking distances of the three speeds, and the fastest one from which it can still stop in time.
+        let braking = |rate: f64| rate * rate / (2.0 * change);
+        let peak = if brakes && rate > 0.0 {
+            rate
+        } else {
+            limit.min((change * gap + rate * rate / 2.0).max(0.0).sqrt())
+        };
+        let too_fast = rate > peak;
+        let first = (peak - rate).abs() / change;
+        let first_way = if too_fast {
+            braking(rate) - braking(peak)
+        } else {
+            braking(peak) - braking(rate)
+        };
+        let cruise_way = (gap - first_way - braking(peak)).max(0.0);
+        let cruise = if cruise_way > 0.0 && peak > 0.0 {
+            cruise_way / peak
+        } else {
+            0.0
+        };
+        let end = first + cruise + peak / change;
+        if dt >= end * (1.0 - ROUNDING) {
+            there
+        } else if dt < first {
+            let slope = if too_fast { -change } else { change };
+            let way = dt * (rate + slope * dt / 2.0);
+            (moved(way, slope.mul_add(dt, rate)), Held::Change)
+        } else if dt < first + cruise {
+            let held = if peak < limit {
+                Held::Change
+            } else {
+                Held::Rate
+            };
+            (moved(peak.mul_add(dt - first, first_way), peak), held)
+        } else {
+            let left = end - dt;
+            let rest = Self {
+                value: goal - sign * change * left * left / 2.0,
+                rate: sign * change * left,
+            };
+            (rest, Held::Change)
+        }
+    }
+}

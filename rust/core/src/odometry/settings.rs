@@ -1,0 +1,164 @@
+//! How odometry works: all that does not change while it does.
+
+use super::encoder::Encoder;
+use super::noise::Noise;
+use super::step::Rules;
+use crate::batch::single_step::Plan;
+use crate::error::{Error, number};
+use crate::estimate::Method;
+use crate::rover::Rover;
+use crate::wheels::Pivot;
+
+/// What the readings of the wheels are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Readings {
+    /// Running totals.
+    #[default]
+    Angles,
+    /// Rates at the stamps: a step takes the mean of its two ends.
+    Speeds,
+    /// What came since the sample before.
+    Increments,
+}
+
+/// How odometry works; all of it may be left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Standard deviations of readings and slip.
+    pub noise: Noise,
+    /// What the readings of the wheels are.
+    pub readings: Readings,
+    /// One for all wheels or one per wheel; empty: they read radians.
+    pub wheel_encoders: Vec<Encoder>,
+    /// One for all steering joints or one per joint; empty: they read radians.
+    pub steering_encoders: Vec<Encoder>,
+    /// How the wheels are weighed.
+    pub method: Method,
+    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    pub inflate: bool,
+    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains.
+    pub slip_threshold: Option<f64>,
+    /// Time between samples beyond which a step is flagged [s].
+    pub max_gap: Option<f64>,
+    /// Rim speed beyond which a sample is refused [m/s].
+    pub max_speed: Option<f64>,
+    /// Steering rate beyond which a sample is refused [rad/s].
+    pub max_steering_rate: Option<f64>,
+    /// Time constant of the first-order filter of `velocity` [s]; 0: none.
+    pub smoothing: f64,
+    /// How late a pose from outside may come [s].
+    pub lag: f64,
+    /// Samples that are kept for that at most.
+    pub history: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            noise: Noise::default(),
+            readings: Readings::Angles,
+            wheel_encoders: Vec::new(),
+            steering_encoders: Vec::new(),
+            method: Method::LeastSquares,
+            inflate: false,
+            slip_threshold: None,
+            max_gap: None,
+            max_speed: None,
+            max_steering_rate: None,
+            smoothing: 0.0,
+            lag: 0.0,
+            history: 1024,
+        }
+    }
+}
+
+impl Settings {
+    pub(super) fn check(&self, rover: &Rover) -> Result<(), Error> {
+        self.noise.check()?;
+        let encoders = [
+            ("wheel_encoders", &self.wheel_encoders, rover.wheels().len()),
+            (
+                "steering_encoders",
+                &self.steering_encoders,
+                rover.steered().len(),
+            ),
+        ];
+        for (argument, encoders, count) in encoders {
+            if encoders.len() > 1 && encoders.len() != count {
+                let rule = format!("be one encoder or {count}");
+                return Err(Error::value(argument, rule, encoders.len().to_string()));
+            }
+            encoders.iter().try_for_each(Encoder::check)?;
+        }
+        let optional = [
+            ("slip_threshold", self.slip_threshold),
+            ("max_gap", self.max_gap),
+            ("max_speed", self.max_speed),
+            ("max_steering_rate", self.max_steering_rate),
+        ];
+        for (argument, value) in optional {
+            if let Some(value) = value
+                && (value.is_nan() || value <= 0.0)
+            {
+                return Err(Error::value(argument, "be positive", number(value)));
+            }
+        }
+        for (argument, value) in [("smoothing", self.smoothing), ("lag", self.lag)] {
+            if !(value.is_finite() && value >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value(argument, rule, number(value)));
+            }
+        }
+        if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
+            let rule = "be another one for a rover without unsteered wheels";
+            return Err(Error::value("method", rule, "'middle_wheels'"));
+        }
+        Ok(())
+    }
+}
+
+impl Settings {
+    pub(super) fn rules(&self) -> Rules {
+        Rules {
+            noise: self.noise,
+            method: self.method,
+            inflate: self.inflate,
+            slip_threshold: self.slip_threshold,
+        }
+    }
+
+    /// How steps are made by registers: totals, every wheel weighed alike.
+    pub(super) fn plan(&self, rover: &Rover) -> Option<Plan> {
+        let castors = || {
+            rover
+                .wheels()
+                .iter()
+                .any(|wheel| wheel.pivot == Pivot::Castor)
+        };
+        let is_plain = self.readings == Readings::Angles
+            && self.method == Method::LeastSquares
+            && !self.inflate
+            && (self.max_speed.is_none() || !castors());
+        let encoders = (
+            |wheel| self.wheel_encoder(wheel),
+            |joint| self.steering_encoder(joint),
+        );
+        is_plain
+            .then(|| Plan::new(rover, encoders.0, encoders.1))
+            .flatten()
+    }
+
+    pub(super) fn wheel_encoder(&self, wheel: usize) -> Encoder {
+        pick(&self.wheel_encoders, wheel)
+    }
+
+    pub(super) fn steering_encoder(&self, joint: usize) -> Encoder {
+        pick(&self.steering_encoders, joint)
+    }
+}
+
+/// The encoder of one joint: its own, the one for all, or one that reads radians.
+fn pick(encoders: &[Encoder], index: usize) -> Encoder {
+    let own = encoders.get(index).or_else(|| encoders.first());
+    own.copied().unwrap_or_default()
+}

@@ -1,0 +1,139 @@
+//! Pose, motion and their uncertainty, one step at a time.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::step::{Apart, Motion, Rules, Workspace, step_jacobian};
+use super::uncertainty::Uncertainty;
+use crate::error::{Error, numbers};
+use crate::geometry::{Pose, Twist, Walk, wrap_angle};
+use crate::rover::Rover;
+
+/// Displacements and variances over one step beyond which sums of squares might not be finite.
+pub(crate) const HUGE: f64 = 1e60;
+
+/// What changes from sample to sample and is taken back when a late pose comes.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub walk: Walk,
+    pub twist: Twist,
+    pub velocity: Option<Twist>,
+    pub uncertainty: Uncertainty,
+}
+
+impl State {
+    pub fn copy_from(&mut self, other: &Self) {
+        self.walk = other.walk;
+        self.twist = other.twist;
+        self.velocity = other.velocity;
+        self.uncertainty.copy_from(&other.uncertainty);
+    }
+
+    pub fn pose(&self) -> Pose {
+        Pose {
+            x: self.walk.x.value(),
+            y: self.walk.y.value(),
+            yaw: self.walk.yaw.value(),
+        }
+    }
+
+    /// Goes along the chord of a step, in world axes.
+    #[inline(always)]
+    pub fn go(&mut self, shift: [f64; 2], turn: f64) {
+        self.walk.shift(shift[0], shift[1]);
+        self.walk.turn(turn);
+    }
+
+    /// The mean twist over a step, and what its filter makes of it.
+    #[inline(always)]
+    pub fn hold(&mut self, twist: Twist, dt: f64, smoothing: f64) {
+        self.twist = twist;
+        self.velocity = Some(match self.velocity.filter(|_| smoothing > 0.0) {
+            None => twist,
+            Some(before) => {
+                let share = -(-dt / smoothing).exp_m1();
+                Twist {
+                    vx: before.vx + share * (twist.vx - before.vx),
+                    vy: before.vy + share * (twist.vy - before.vy),
+                    omega: before.omega + share * (twist.omega - before.omega),
+                }
+            }
+        });
+    }
+
+    /// Moves the pose by a correction.
+    pub fn shift(&mut self, by: &Vector3<f64>) {
+        self.walk.shift(by.x, by.y);
+        self.walk.turn(by.z);
+    }
+}
+
+/// One step of the state. On failure it has not changed.
+pub(super) fn advance(
+    rover: &Rover,
+    rules: &Rules,
+    motion: Motion<'_>,
+    work: &mut Workspace,
+    state: &mut State,
+    smoothing: f64,
+) -> Result<(), Error> {
+    let displacement = work.displacement(rover, motion, rules)?;
+    let step = <[f64; 3]>::from(displacement);
+    let twist = Twist::from(step.map(|part| part / motion.dt));
+    let finite = step.iter().all(|part| part.abs() < HUGE)
+        && work.noise.own.is_below(HUGE)
+        && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
+    if !finite {
+        let rule = "be small enough for a finite pose and covariance";
+        return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
+    }
+    let (sin, cos) = state.walk.heading.value().sin_cos();
+    let jacobian = step_jacobian::<Apart>(displacement, [sin, cos]);
+    state.uncertainty.propagate(&jacobian, &work.noise);
+    state.go(jacobian.shift, displacement.omega);
+    state.hold(twist, motion.dt, smoothing);
+    Ok(())
+}
+
+/// Takes in an absolute yaw; the first one tells where the sensor's zero is.
+pub(super) fn meet_yaw(state: &mut State, yaw: f64, deviation: f64) {
+    let (predicted, variance) = (state.walk.yaw.value(), deviation * deviation);
+    match state.uncertainty.yaw_offset {
+        None => state.uncertainty.set_yaw_offset(yaw - predicted, variance),
+        Some(offset) => {
+            let gain = state.uncertainty.correct_yaw(offset, variance);
+            state.shift(&(gain * wrap_angle(yaw - predicted - offset.value)));
+        }
+    }
+}
+
+/// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
+pub(super) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>, Error> {
+    let matrix = Matrix3::from(covariance);
+    let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
+    let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
+    let diagonal = matrix.diagonal();
+    if matrix.iter().any(|value| value.is_nan())
+        || matrix
+            .iter()
+            .enumerate()
+            .any(|(k, value)| k % 4 != 0 && value.is_infinite())
+        || diagonal.iter().any(|value| *value < 0.0)
+    {
+        return refused("hold variances on its diagonal and finite covariances beside it");
+    }
+    let scale = |i: usize, k: usize| (finite[(i, i)] * finite[(k, k)]).sqrt();
+    for (i, k) in [(0, 1), (0, 2), (1, 2)] {
+        let known = diagonal[i].is_finite() && diagonal[k].is_finite();
+        if (finite[(i, k)] - finite[(k, i)]).abs() > 1e-9 * scale(i, k) {
+            return refused("be symmetric");
+        }
+        if known && finite[(i, k)].abs() > scale(i, k) * (1.0 + 1e-9) {
+            return refused("have no negative variance in any direction");
+        }
+    }
+    let symmetric = (finite + finite.transpose()) / 2.0;
+    if symmetric.symmetric_eigenvalues().min() < -1e-9 * symmetric.trace() {
+        return refused("have no negative variance in any direction");
+    }
+    Ok((matrix + matrix.transpose()) / 2.0)
+}
