@@ -1,5 +1,6 @@
 //! `six_wheel.Odometry`.
 
+mod input;
 mod quick;
 pub mod state;
 pub mod values;
@@ -9,18 +10,19 @@ use std::str::FromStr;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::PyDict;
 use six_wheel_core::Method;
 use six_wheel_core::odometry::{
-    Encoder as CoreEncoder, Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
+    Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
 };
 
 pub use quick::install;
 
 use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
 use crate::rover::Rover;
+use input::{encoders, optional, row, steering_left_out, triple};
 use state::{OdometryState, Spares};
-use values::{Encoder, Noise};
+use values::Noise;
 
 /// Dead reckoning that knows its error: the pose of a rover from what its wheels turned.
 ///
@@ -71,122 +73,7 @@ pub struct Odometry {
     spares: Spares,
 }
 
-/// An encoder for all joints, one per joint, or some by name.
-fn encoders(
-    argument: &str,
-    given: Option<&Bound<'_, PyAny>>,
-    names: &[&str],
-) -> PyResult<Vec<CoreEncoder>> {
-    let Some(given) = given else {
-        return Ok(Vec::new());
-    };
-    let one = |item: &Bound<'_, PyAny>| {
-        item.cast::<Encoder>()
-            .map(|encoder| encoder.get().0)
-            .map_err(|_| {
-                let got = item.get_type().to_string();
-                refuse(
-                    argument,
-                    "be an Encoder, several of them or a dict of them by name",
-                    &got,
-                )
-            })
-    };
-    if let Ok(mapping) = given.cast::<PyMapping>() {
-        let mut all = vec![CoreEncoder::default(); names.len()];
-        for pair in mapping.items()?.iter() {
-            let (name, encoder): (String, Bound<'_, PyAny>) = pair.extract()?;
-            let Some(place) = names.iter().position(|known| *known == name) else {
-                let rule = format!("name some of {}", names.join(", "));
-                return Err(refuse(argument, &rule, &format!("'{name}'")));
-            };
-            all[place] = one(&encoder)?;
-        }
-        return Ok(all);
-    }
-    if given.is_instance_of::<Encoder>() {
-        return Ok(vec![one(given)?]);
-    }
-    let items = given.try_iter().map_err(|_| {
-        one(given)
-            .err()
-            .unwrap_or_else(|| refuse(argument, "be an Encoder", "something else"))
-    })?;
-    let all: Vec<CoreEncoder> = items.map(|item| one(&item?)).collect::<PyResult<_>>()?;
-    if all.len() == names.len() {
-        Ok(all)
-    } else {
-        let rule = format!("be one encoder or {}", names.len());
-        Err(refuse(argument, &rule, &all.len().to_string()))
-    }
-}
-
-/// A number that may be left out.
-fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
-}
-
-fn triple(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let rows = Rows::read(argument, value, 3)?;
-    match (rows.is_single(), rows.triples()) {
-        (true, [row]) => Ok(*row),
-        _ => Err(refuse(argument, "have shape (3,)", "more rows than one")),
-    }
-}
-
-/// A covariance: three variances or a matrix.
-fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
-    let mut matrix = [[0.0; 3]; 3];
-    let Some(value) = value else {
-        return Ok(matrix);
-    };
-    let rows = Rows::read("covariance", value, 3)?;
-    match (rows.leading.as_slice(), rows.triples()) {
-        ([], [variances]) => {
-            for i in 0..3 {
-                matrix[i][i] = variances[i];
-            }
-        }
-        ([3], rows) => matrix.copy_from_slice(rows),
-        _ => {
-            let rule = "have shape (3,) or (3, 3)";
-            return Err(refuse("covariance", rule, "another shape"));
-        }
-    }
-    Ok(matrix)
-}
-
-/// None is what a rover says that does not steer.
-fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
-    if joints == 0 {
-        return Ok(None);
-    }
-    let rule = "hold the angles of the steered wheels";
-    Err(refuse("steering", rule, "None"))
-}
-
 impl Odometry {
-    /// The readings of one joint kind, a single row.
-    fn row<'py>(
-        argument: &str,
-        value: &Bound<'py, PyAny>,
-        width: usize,
-    ) -> PyResult<Option<Rows<'py>>> {
-        if value.is_none() && argument == "steering" {
-            return steering_left_out(width);
-        }
-        let rows = Rows::read(argument, value, width)?;
-        if rows.is_single() {
-            Ok(Some(rows))
-        } else {
-            Err(refuse(
-                argument,
-                &format!("have shape ({width},)"),
-                "more rows than one",
-            ))
-        }
-    }
-
     /// The state after the last sample, for the caller of `update`.
     #[inline]
     fn handed_out<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, OdometryState>> {
@@ -301,8 +188,8 @@ impl Odometry {
         yaw: Option<&Bound<'_, PyAny>>,
         yaw_rate: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<OdometryState> {
-        let steering = Self::row("steering", steering, self.joints())?;
-        let wheels = Self::row("wheel_angles", wheel_angles, self.wheels())?;
+        let steering = row("steering", steering, self.joints())?;
+        let wheels = row("wheel_angles", wheel_angles, self.wheels())?;
         let sample = Sample {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
@@ -483,7 +370,7 @@ impl Odometry {
         covariance: &Bound<'_, PyAny>,
     ) -> PyResult<OdometryState> {
         let (pose, stamp) = (triple("pose", pose)?, number("stamp", stamp)?);
-        let matrix = self::covariance(Some(covariance))?;
+        let matrix = input::covariance(Some(covariance))?;
         self.core
             .correct(pose.into(), stamp, matrix)
             .map_err(|error| raise(error, &[]))?;
@@ -504,7 +391,7 @@ impl Odometry {
         pose: &Bound<'_, PyAny>,
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let (pose, matrix) = (triple("pose", pose)?, self::covariance(covariance)?);
+        let (pose, matrix) = (triple("pose", pose)?, input::covariance(covariance)?);
         self.core
             .set_pose(pose.into(), matrix)
             .map_err(|error| raise(error, &[]))
@@ -525,7 +412,7 @@ impl Odometry {
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let pose = pose.map_or(Ok([0.0; 3]), |pose| triple("pose", pose))?;
-        let matrix = self::covariance(covariance)?;
+        let matrix = input::covariance(covariance)?;
         self.core
             .set_pose(pose.into(), matrix)
             .map_err(|error| raise(error, &[]))?;

@@ -1,0 +1,124 @@
+//! What `Odometry` is told: encoders, readings of one instant, poses and covariances.
+
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use six_wheel_core::odometry::Encoder as CoreEncoder;
+
+use super::values::Encoder;
+use crate::convert::{Rows, number, refuse};
+
+/// An encoder for all joints, one per joint, or some by name.
+pub fn encoders(
+    argument: &str,
+    given: Option<&Bound<'_, PyAny>>,
+    names: &[&str],
+) -> PyResult<Vec<CoreEncoder>> {
+    let Some(given) = given else {
+        return Ok(Vec::new());
+    };
+    let one = |item: &Bound<'_, PyAny>| {
+        item.cast::<Encoder>()
+            .map(|encoder| encoder.get().0)
+            .map_err(|_| {
+                let got = item.get_type().to_string();
+                refuse(
+                    argument,
+                    "be an Encoder, several of them or a dict of them by name",
+                    &got,
+                )
+            })
+    };
+    if let Ok(mapping) = given.cast::<PyMapping>() {
+        let mut all = vec![CoreEncoder::default(); names.len()];
+        for pair in mapping.items()?.iter() {
+            let (name, encoder): (String, Bound<'_, PyAny>) = pair.extract()?;
+            let Some(place) = names.iter().position(|known| *known == name) else {
+                let rule = format!("name some of {}", names.join(", "));
+                return Err(refuse(argument, &rule, &format!("'{name}'")));
+            };
+            all[place] = one(&encoder)?;
+        }
+        return Ok(all);
+    }
+    if given.is_instance_of::<Encoder>() {
+        return Ok(vec![one(given)?]);
+    }
+    let items = given.try_iter().map_err(|_| {
+        one(given)
+            .err()
+            .unwrap_or_else(|| refuse(argument, "be an Encoder", "something else"))
+    })?;
+    let all: Vec<CoreEncoder> = items.map(|item| one(&item?)).collect::<PyResult<_>>()?;
+    if all.len() == names.len() {
+        Ok(all)
+    } else {
+        let rule = format!("be one encoder or {}", names.len());
+        Err(refuse(argument, &rule, &all.len().to_string()))
+    }
+}
+
+/// A number that may be left out.
+pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    value.map(|value| number(argument, value)).transpose()
+}
+
+/// A row of three numbers.
+pub fn triple(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let rows = Rows::read(argument, value, 3)?;
+    match (rows.is_single(), rows.triples()) {
+        (true, [row]) => Ok(*row),
+        _ => Err(refuse(argument, "have shape (3,)", "more rows than one")),
+    }
+}
+
+/// A covariance: three variances or a matrix.
+pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
+    let mut matrix = [[0.0; 3]; 3];
+    let Some(value) = value else {
+        return Ok(matrix);
+    };
+    let rows = Rows::read("covariance", value, 3)?;
+    match (rows.leading.as_slice(), rows.triples()) {
+        ([], [variances]) => {
+            for i in 0..3 {
+                matrix[i][i] = variances[i];
+            }
+        }
+        ([3], rows) => matrix.copy_from_slice(rows),
+        _ => {
+            let rule = "have shape (3,) or (3, 3)";
+            return Err(refuse("covariance", rule, "another shape"));
+        }
+    }
+    Ok(matrix)
+}
+
+/// None is what a rover says that does not steer.
+pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
+    if joints == 0 {
+        return Ok(None);
+    }
+    let rule = "hold the angles of the steered wheels";
+    Err(refuse("steering", rule, "None"))
+}
+
+/// The readings of one joint kind, a single row.
+pub fn row<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    width: usize,
+) -> PyResult<Option<Rows<'py>>> {
+    if value.is_none() && argument == "steering" {
+        return steering_left_out(width);
+    }
+    let rows = Rows::read(argument, value, width)?;
+    if rows.is_single() {
+        Ok(Some(rows))
+    } else {
+        Err(refuse(
+            argument,
+            &format!("have shape ({width},)"),
+            "more rows than one",
+        ))
+    }
+}
