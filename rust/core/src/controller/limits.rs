@@ -5,40 +5,63 @@ use crate::error::{Error, number};
 /// Number of limits.
 pub const COUNT: usize = 14;
 
-/// Limits of a motion. Infinite where there is none.
-///
-/// Linear ones concern the velocity of the body's origin, angular ones the yaw rate. Speeding up and slowing
-/// down count along the motion, so that both are the same forwards and backwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+/// Declares the limits, their names, and the way from and to a row of values.
+macro_rules! limits {
+    ($($(#[$doc:meta])* $name:ident;)*) => {
+        /// Limits of a motion. Infinite where there is none.
+        ///
+        /// Linear ones concern the velocity of the body's origin, angular ones the yaw rate. Speeding up and slowing
+        /// down count along the motion, so that both are the same forwards and backwards.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Limits {
+            $($(#[$doc])* pub $name: f64,)*
+        }
+
+        impl Limits {
+            /// Names, in the order of [`Self::values`].
+            pub const NAMES: [&'static str; COUNT] = [$(stringify!($name)),*];
+
+            /// All limits, in the order of [`Self::NAMES`].
+            pub fn values(&self) -> [f64; COUNT] {
+                [$(self.$name),*]
+            }
+
+            fn of_values([$($name),*]: [f64; COUNT]) -> Self {
+                Self { $($name),* }
+            }
+        }
+    };
+}
+
+limits! {
     /// Speed of the body's origin [m/s].
-    pub speed: f64,
+    speed;
     /// Yaw rate [rad/s].
-    pub yaw_rate: f64,
+    yaw_rate;
     /// Change of velocity while speeding up [m/s²].
-    pub acceleration: f64,
+    acceleration;
     /// Change of velocity while slowing down [m/s²].
-    pub deceleration: f64,
+    deceleration;
     /// Change of the acceleration [m/s³].
-    pub jerk: f64,
+    jerk;
     /// Change of the yaw rate while speeding up [rad/s²].
-    pub angular_acceleration: f64,
+    angular_acceleration;
     /// Change of the yaw rate while slowing down [rad/s²].
-    pub angular_deceleration: f64,
+    angular_deceleration;
     /// Change of the angular acceleration [rad/s³].
-    pub angular_jerk: f64,
+    angular_jerk;
     /// Speed times yaw rate [m/s²].
-    pub lateral_acceleration: f64,
+    lateral_acceleration;
     /// Rotation rate of every wheel [rad/s].
-    pub wheel_speed: f64,
+    wheel_speed;
     /// Change of the rotation rate of every wheel [rad/s²].
-    pub wheel_acceleration: f64,
+    wheel_acceleration;
     /// Steering angle to either side [rad].
-    pub steering_limit: f64,
+    steering_limit;
     /// Rate of every steering angle [rad/s].
-    pub steering_rate: f64,
+    steering_rate;
     /// Change of the rate of every steering angle [rad/s²].
-    pub steering_acceleration: f64,
+    steering_acceleration;
 }
 
 impl Default for Limits {
@@ -49,79 +72,6 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Names, in the order of [`Self::values`].
-    pub const NAMES: [&'static str; COUNT] = [
-        "speed",
-        "yaw_rate",
-        "acceleration",
-        "deceleration",
-        "jerk",
-        "angular_acceleration",
-        "angular_deceleration",
-        "angular_jerk",
-        "lateral_acceleration",
-        "wheel_speed",
-        "wheel_acceleration",
-        "steering_limit",
-        "steering_rate",
-        "steering_acceleration",
-    ];
-
-    /// All limits, in the order of [`Self::NAMES`].
-    pub fn values(&self) -> [f64; COUNT] {
-        [
-            self.speed,
-            self.yaw_rate,
-            self.acceleration,
-            self.deceleration,
-            self.jerk,
-            self.angular_acceleration,
-            self.angular_deceleration,
-            self.angular_jerk,
-            self.lateral_acceleration,
-            self.wheel_speed,
-            self.wheel_acceleration,
-            self.steering_limit,
-            self.steering_rate,
-            self.steering_acceleration,
-        ]
-    }
-
-    fn of_values(values: [f64; COUNT]) -> Self {
-        let [
-            speed,
-            yaw_rate,
-            acceleration,
-            deceleration,
-            jerk,
-            angular_acceleration,
-            angular_deceleration,
-            angular_jerk,
-            lateral_acceleration,
-            wheel_speed,
-            wheel_acceleration,
-            steering_limit,
-            steering_rate,
-            steering_acceleration,
-        ] = values;
-        Self {
-            speed,
-            yaw_rate,
-            acceleration,
-            deceleration,
-            jerk,
-            angular_acceleration,
-            angular_deceleration,
-            angular_jerk,
-            lateral_acceleration,
-            wheel_speed,
-            wheel_acceleration,
-            steering_limit,
-            steering_rate,
-            steering_acceleration,
-        }
-    }
-
     /// Limits from values in the order of [`Self::NAMES`]; what is not given is unlimited, but slowing down
     /// is limited as speeding up is. Fails unless every one is positive; infinite is unlimited.
     pub fn new(given: [Option<f64>; COUNT]) -> Result<Self, Error> {
