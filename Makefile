@@ -6,7 +6,7 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
-SOAKED = batch rollout fast profiles transitions odometry odometry_sensors dead_reckon controller calibration
+SOAKED = batch rollout fast fast_memory profiles transitions odometry odometry_sensors dead_reckon controller calibration
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -39,7 +39,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	rm -rf $(SANITIZED)/python && mkdir -p $(SANITIZED)/python && cp -r python/six_wheel $(SANITIZED)/python
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
-	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py tests/test_fast_memory.py -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others

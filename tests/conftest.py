@@ -3,10 +3,16 @@
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from cli_runs import COMMANDS, ROVER, Run
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    from six_wheel.config import Finding, Parameters
+
+    Read = Callable[..., Parameters]
 
 # Runs are repeatable and judged by their answers, not by how busy the machine is.
 settings.register_profile("default", derandomize=True, deadline=None, print_blob=True)
@@ -44,3 +50,29 @@ def refused(run: Run) -> Callable[..., str]:
         return err.removeprefix("six-wheel: ").rstrip("\n")
 
     return refused
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> "Read":
+    """What a parameter file with this content says."""
+    from six_wheel.config import read_parameters
+
+    def read(content: str | bytes, **options: str) -> "Parameters":
+        path = tmp_path / "rover.yaml"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_parameters(path, **options)
+
+    return read
+
+
+@pytest.fixture
+def findings(read: "Read") -> Callable[..., tuple["Finding", ...]]:
+    """The mistakes of a parameter file with this content."""
+    from six_wheel.config import ParameterFileError
+
+    def findings(content: str | bytes, **options: str) -> tuple["Finding", ...]:
+        with pytest.raises(ParameterFileError) as caught:
+            read(content, **options)
+        return caught.value.findings
+
+    return findings

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import config
-from six_wheel.config import Finding, ParameterFileError, Parameters, read_parameters
+from six_wheel.config import ParameterFileError, read_parameters
 
 DATA = Path(__file__).parent / "data" / "config"
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
@@ -54,26 +54,6 @@ def ros(traction: object = None, steering: object = None, *, extra: str = "", **
     values |= {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15} | changes
     lines = [f"    {key}: {value}" for key, value in values.items() if value is not ...]
     return "\n".join(["rover:", "  ros__parameters:", *lines, extra])
-
-
-@pytest.fixture
-def read(tmp_path):
-    def read(text: str | bytes, **options: str) -> Parameters:
-        path = tmp_path / "rover.yaml"
-        path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return read_parameters(path, **options)
-
-    return read
-
-
-@pytest.fixture
-def findings(read):
-    def findings(text: str | bytes, **options: str) -> tuple[Finding, ...]:
-        with pytest.raises(ParameterFileError) as caught:
-            read(text, **options)
-        return caught.value.findings
-
-    return findings
 
 
 # Laws

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel._controllers import CONTROLLERS
-from six_wheel.config import Finding, ParameterFileError, Parameters, read_parameters
+from six_wheel.config import ParameterFileError, read_parameters
 
 DATA = Path(__file__).parent / "data" / "config"
 NAMES = [form.name for form in CONTROLLERS]
@@ -19,26 +19,6 @@ NAMES = [form.name for form in CONTROLLERS]
 
 def text_of(name: str) -> str:
     return (DATA / f"{name}.yaml").read_text()
-
-
-@pytest.fixture
-def read(tmp_path):
-    def read(text: str, **options: str) -> Parameters:
-        path = tmp_path / "rover.yaml"
-        path.write_text(text, encoding="utf-8")
-        return read_parameters(path, **options)
-
-    return read
-
-
-@pytest.fixture
-def findings(read):
-    def findings(text: str, **options: str) -> tuple[Finding, ...]:
-        with pytest.raises(ParameterFileError) as caught:
-            read(text, **options)
-        return caught.value.findings
-
-    return findings
 
 
 # The same rover as a constructor's

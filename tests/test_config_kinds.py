@@ -12,7 +12,7 @@ from six_wheel import config
 from six_wheel._forms import KEYS
 from six_wheel._kinds import KINDS
 from six_wheel._schema import NESTED
-from six_wheel.config import Finding, ParameterFileError, Parameters, read_parameters
+from six_wheel.config import ParameterFileError, read_parameters
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SQUARE = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
@@ -52,26 +52,6 @@ ROVERS = {
         ]
     ),
 }
-
-
-@pytest.fixture
-def read(tmp_path):
-    def read(text: str, **options: str) -> Parameters:
-        path = tmp_path / "rover.yaml"
-        path.write_text(text, encoding="utf-8")
-        return read_parameters(path, **options)
-
-    return read
-
-
-@pytest.fixture
-def findings(read):
-    def findings(text: str, **options: str) -> tuple[Finding, ...]:
-        with pytest.raises(ParameterFileError) as caught:
-            read(text, **options)
-        return caught.value.findings
-
-    return findings
 
 
 def in_node(text: str) -> str:

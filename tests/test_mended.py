@@ -14,7 +14,13 @@ from six_wheel._rebuild import with_wheels
 from six_wheel.config import ParameterFileError, parse_parameters, read_parameters
 
 ROOT = Path(__file__).parents[1]
-FILES = sorted([*(ROOT / "examples").glob("*.yaml"), *(ROOT / "tests" / "data" / "config").glob("*.yaml")])
+MISTAKEN = ("five_mistakes",)
+FILES = sorted(
+    path
+    for folder in (ROOT / "examples", ROOT / "tests" / "data" / "config")
+    for path in folder.glob("*.yaml")
+    if path.stem not in MISTAKEN
+)
 TWO = "kind: differential\n"
 HALVES = "half_wheelbase: 0.5\nhalf_track: 0.25\n"
 CHANGES = {
@@ -48,10 +54,7 @@ def write(tmp_path: Path, text: str) -> Path:
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_what_is_written_is_read_as_the_rover(path: Path, change: str) -> None:
-    try:
-        parameters = read_parameters(path)
-    except ParameterFileError:
-        pytest.skip("a file of mistakes")
+    parameters = read_parameters(path)
     rover = with_wheels(parameters.rover, map(CHANGES[change], parameters.rover.wheels))
     text = text_for(rover, parameters)
     again = parse_parameters(text, node=parameters.node)
