@@ -1,25 +1,9 @@
 //! Whole arrays at once: every row is checked before the first one is written.
 
-mod forward;
-mod integrate;
-mod inverse;
-mod lanes;
-mod level;
-mod logs;
-mod polynomials;
-mod poses;
-mod rollout_cost;
-mod rows;
-pub(crate) mod single;
-pub(crate) mod single_forward;
-pub(crate) mod single_step;
-mod steered;
-mod stream;
-mod table;
-mod tile;
-mod vector;
-mod weave;
-mod workers;
+mod calls;
+mod formulas;
+mod machine;
+pub(crate) mod one_row;
 
 use crate::admissible::Keep;
 use crate::error::{Error, ErrorKind};
@@ -28,14 +12,14 @@ use crate::estimate::{Fit, Measured, Method, Unseen};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
-pub use level::Level;
-pub use poses::integrate;
-pub use rollout_cost::{Costs, rollout_cost};
-pub use rows::{forward, inverse};
-pub use single::{check_one, inverse_one, project_one};
-pub use single_forward::forward_one;
-pub use table::{Beside, Durations, Log, Readings, Source, Table};
-pub use workers::Workers;
+pub use calls::poses::integrate;
+pub use calls::rows::{forward, inverse};
+pub use formulas::rollout_cost::{Costs, rollout_cost};
+pub use machine::level::Level;
+pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};
+pub use machine::workers::Workers;
+pub use one_row::forward::forward_one;
+pub use one_row::inverse::{check_one, inverse_one, project_one};
 
 impl<'a> Inputs<'a> {
     /// The inputs of one row of a batch.

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::super::forward::LARGEST_ROVER;
-use super::super::level::Level;
-use super::super::polynomials::LARGEST_ANGLE;
-use super::super::single::{Eight, GROUP, level, order};
+use crate::batch::formulas::forward::LARGEST_ROVER;
+use crate::batch::machine::level::Level;
+use crate::batch::machine::polynomials::LARGEST_ANGLE;
+use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
 use crate::odometry::Encoder;
 use crate::rover::{Mount, Rover};
 

@@ -7,13 +7,13 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use pulp::Simd;
 
-use super::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
-use super::lanes::{Lanes, Mask};
-use super::level::{Kernel, Level};
-use super::polynomials::{ROUND, angle};
-use super::steered::{DECIDED, NEAR_AN_END};
-use super::vector::Vector;
 use crate::admissible::{Keep, SLIP_TOLERANCE};
+use crate::batch::formulas::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
+use crate::batch::formulas::steered::{DECIDED, NEAR_AN_END};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{ROUND, angle};
+use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
@@ -69,7 +69,7 @@ fn try_one(
 }
 
 /// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
-pub(super) fn check_row(
+pub(in crate::batch) fn check_row(
     level: Level,
     rover: &Rover,
     twist: Twist,
@@ -83,7 +83,7 @@ pub(super) fn check_row(
 }
 
 /// A row that has been checked.
-pub(super) fn solve_row(
+pub(in crate::batch) fn solve_row(
     level: Level,
     rover: &Rover,
     twist: Twist,
