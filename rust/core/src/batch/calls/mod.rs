@@ -2,3 +2,8 @@
 
 pub(crate) mod poses;
 pub(crate) mod rows;
+pub(crate) mod singly;
+
+/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
+/// numbers stay in the second-level cache.
+const BLOCK_ROWS: usize = 2048;

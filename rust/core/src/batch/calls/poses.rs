@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::batch::BLOCK_ROWS;
+use super::BLOCK_ROWS;
 use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, sum_of_sizes};
 use crate::batch::formulas::logs::{self, Logs};
 use crate::batch::machine::level::Level;

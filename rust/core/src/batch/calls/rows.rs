@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::batch::BLOCK_ROWS;
+use super::BLOCK_ROWS;
 use crate::batch::formulas::{forward as estimate, inverse as command};
 use crate::batch::machine::level::Level;
 use crate::batch::machine::stream::is_large;
