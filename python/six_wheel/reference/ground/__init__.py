@@ -7,8 +7,8 @@ joints and wheels. World z up; a body stands at ``Rz(yaw) Ry(pitch) Rx(roll)``.
 
 from six_wheel.reference.ground.chain import Chain, Link, Posture, Wheel, rocker_bogie
 from six_wheel.reference.ground.motion import Contacts, forward, inverse, touch, traction
-from six_wheel.reference.ground.settle import Stand, gap, gaps, settle
+from six_wheel.reference.ground.settle import Stand, attitude, gap, gaps, settle
 from six_wheel.reference.ground.terrain import Terrain
 
-__all__ = ["Chain", "Contacts", "Link", "Posture", "Stand", "Terrain", "Wheel", "forward", "gap", "gaps"]
-__all__ += ["inverse", "rocker_bogie", "settle", "touch", "traction"]
+__all__ = ["Chain", "Contacts", "Link", "Posture", "Stand", "Terrain", "Wheel", "attitude", "forward", "gap"]
+__all__ += ["gaps", "inverse", "rocker_bogie", "settle", "touch", "traction"]

@@ -82,10 +82,10 @@ def gap(ground: Terrain, centre: Floats, forward: Floats, up: Floats, radius: fl
     low &= sampled < sampled.min() + NEAR
     step = angles[1] - angles[0]
     before, after = angles[low] - step, angles[low] + step
-    for _ in range(60):  # the slope changes its sign from below to above in between, smoothly or with a jump
-        middle = 0.5 * (before + after)
-        rising = rise(middle) > 0
-        before, after = np.where(rising, before, middle), np.where(rising, middle, after)
+    for _ in range(9):  # the slope changes its sign from below to above in between, smoothly or with a jump
+        tried = before + (after - before) * np.linspace(0, 1, 33)[:, None]
+        later = np.clip(np.argmax(rise(tried) > 0, axis=0), 1, 32)
+        before, after = (np.take_along_axis(tried, k[None], axis=0)[0] for k in (later - 1, later))
     found = np.concatenate([0.5 * (before + after), angles[low]])  # the samples: beside a jump downwards
     best = int(np.argmin(above(found)))
     angle = found[best : best + 1]
@@ -158,20 +158,23 @@ def place(
     touching = [k for k in range(len(chain.wheels)) if k not in hanging]
     loose = [k for k in range(width) if k - 3 not in held]
     spread = np.random.default_rng(7)
-    for attempt in range(30):
+    for attempt in range(30 if start is None else 1):
         free = np.zeros(width) if start is None else np.array(start, float)
         if start is None:
             free[0] = _height(ground, chain, pose)
         free[1:] += 0.05 * attempt**0.5 * spread.standard_normal(width - 1) * (attempt > 0)
         for joint, angle in held.items():
             free[3 + joint] = angle
-        for _ in range(60):
+        stalled = 0
+        while stalled < 8:
             found = gaps(ground, chain, pose, free, steering)
             values = np.array([at.value for at in found])[touching]
             if np.isnan(values).any():
                 break
             if np.abs(values).max() < TOLERANCE:
                 return free
+            if np.abs(free[1:]).max() > 2:
+                break  # far from any way a rover stands
             matrix = slopes(chain, pose, free, found)[np.ix_(touching, loose)]
             try:
                 step = np.linalg.solve(matrix, -values)
@@ -184,6 +187,8 @@ def place(
                 after = np.array([at.value for at in gaps(ground, chain, pose, trial, steering)])[touching]
                 if np.abs(after).max() < np.abs(values).max():
                     break
+            else:
+                stalled += 1  # across a crease the way down may first lead up
             free = trial
     return None
 
@@ -206,22 +211,26 @@ def stops(chain: Chain, free: Floats) -> list[int]:
 
 
 def candidates(
-    ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike | None = None
+    ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike | None, near: Floats
 ) -> Iterator[tuple[Floats, tuple[int, ...], tuple[int, ...]]]:
-    """Every way to stand with joints at their stops: ``z, roll, pitch, joints``, those joints, wheels that hang.
+    """Every way to stand with joints at their stops: ``z, roll, pitch, joints``, joints, hanging wheels.
 
     As many joints are stopped as wheels hang. No joint is past its stop, no wheel in the ground, and every
-    hanging wheel is one that a joint would lower if it could turn on.
+    hanging wheel is one that a joint would lower if it could turn on. `near` is where it
+    would stand without stops.
     """
     joints, wheels = range(len(chain.limits)), range(len(chain.wheels))
-    for count in range(1, len(chain.limits) + 1):
-        for stopped in itertools.combinations(joints, count):
-            for sides in itertools.product((0, 1), repeat=count):
+    for count in joints:
+        for stopped in itertools.combinations(joints, count + 1):
+            past = [int(near[3 + j] > chain.limits[j][1]) for j in stopped]  # the likely ones first
+            for sides in sorted(
+                itertools.product((0, 1), repeat=count + 1), key=lambda s, p=tuple(past): s != p
+            ):
                 held = {j: chain.limits[j][side] for j, side in zip(stopped, sides, strict=True)}
                 if not all(map(math.isfinite, held.values())):
                     continue
-                for hanging in itertools.combinations(wheels, count):
-                    free = place(ground, chain, pose, steering, held=held, hanging=hanging)
+                for hanging in itertools.combinations(wheels, count + 1):
+                    free = place(ground, chain, pose, steering, near, held=held, hanging=hanging)
                     if free is None or stops(chain, free):
                         continue
                     values = [at.value for at in gaps(ground, chain, pose, free, steering)]
@@ -243,10 +252,10 @@ def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike |
     found = tuple(gaps(ground, chain, pose, free, steering))
     if not stops(chain, free):
         return Stand("settled", pose, float(free[0]), float(free[1]), float(free[2]), free[3:], angles, found)
-    standing = list(candidates(ground, chain, pose, steering))
-    if not standing:
+    standing = next(candidates(ground, chain, pose, steering, free), None)
+    if standing is None:
         return Stand("not_converged", pose)
-    free, stopped, hanging = standing[0]
+    free, stopped, hanging = standing
     found = tuple(gaps(ground, chain, pose, free, steering))
     return Stand(
         "at_stop",
