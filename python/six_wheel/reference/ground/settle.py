@@ -222,10 +222,9 @@ def candidates(
     joints, wheels = range(len(chain.limits)), range(len(chain.wheels))
     for count in joints:
         for stopped in itertools.combinations(joints, count + 1):
-            past = [int(near[3 + j] > chain.limits[j][1]) for j in stopped]  # the likely ones first
-            for sides in sorted(
-                itertools.product((0, 1), repeat=count + 1), key=lambda s, p=tuple(past): s != p
-            ):
+            past = tuple(int(near[3 + j] > chain.limits[j][1]) for j in stopped)
+            ends = set(itertools.product((0, 1), repeat=count + 1)) - {past}
+            for sides in (past, *sorted(ends)):  # the likely ones first
                 held = {j: chain.limits[j][side] for j, side in zip(stopped, sides, strict=True)}
                 if not all(map(math.isfinite, held.values())):
                     continue
