@@ -20,11 +20,11 @@ from six_wheel import (
     profiles,
     reference,
 )
-from six_wheel._calibrating import before_and_after, calibrate_files
-from six_wheel._columns import TIME
-from six_wheel._log_files import example_run
-from six_wheel.drive import ControlledDrive, Loop
-from six_wheel.logs import Chunk
+from six_wheel.calibration.files import before_and_after, calibrate_files
+from six_wheel.logs.columns import TIME
+from six_wheel.logs.opening import example_run
+from six_wheel.drive.running import ControlledDrive, Loop
+from six_wheel.logs.tables import Chunk
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100

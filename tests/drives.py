@@ -3,7 +3,7 @@
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.recordings import Log, Truth
+from six_wheel.logs.recordings import Log, Truth
 
 DT = 0.05  # [s]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel._abilities import bound, rim, stop_from, time_to_full_lock
+from six_wheel.abilities import bound, rim, stop_from, time_to_full_lock
 from six_wheel.controller import Reason
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
@@ -73,7 +73,7 @@ def test_stopping_counts_deceleration_and_jerk():
 
 
 def test_the_picture_has_a_colour_for_every_limit_that_binds():
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plot.path")
     figure = plot.limits_figure(ROVER, LIMITS, title="rover")
     words = {text.get_text() for text in figure.axes[0].get_legend().get_texts()}
     found = rim(ROVER, LIMITS)
@@ -87,7 +87,7 @@ def test_the_picture_has_a_colour_for_every_limit_that_binds():
 
 
 def test_a_rover_of_any_kind_has_a_picture():
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plot.path")
     square = [(0.3, 0.3), (0.3, -0.3), (-0.3, 0.3), (-0.3, -0.3)]
     for rover in (
         sw.Rover.swerve(square, 0.05),

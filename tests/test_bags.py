@@ -22,10 +22,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from six_wheel import bags
-from six_wheel._columns import TableError
-from six_wheel.drive import drive
-from six_wheel.joint_logs import JointLog, read_truth
+from six_wheel.logs import bags
+from six_wheel.logs.columns import TableError
+from six_wheel.drive.running import drive
+from six_wheel.logs.joints import JointLog, read_truth
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
@@ -383,7 +383,7 @@ def test_without_rosbags_the_install_line_is_named(tmp_path: Path) -> None:
         "import sys; sys.modules['rosbags'] = None\n"
         "from six_wheel.__main__ import main\n"
         "import six_wheel as sw\n"
-        "from six_wheel.joint_logs import JointLog\n"
+        "from six_wheel.logs.joints import JointLog\n"
         "try: JointLog('log.mcap', sw.Rover.differential(0.5, 0.1))\n"
         "except ModuleNotFoundError as error: print(error)\n"
         "sys.exit(main(['drive', 'perseverance', 'c.csv', '-o', 'run.mcap']))\n"

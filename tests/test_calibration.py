@@ -10,14 +10,19 @@ from numpy.testing import assert_allclose
 from optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 
 import six_wheel as sw
-from six_wheel import evaluation, optiodom
-from six_wheel._rebuild import with_wheels
-from six_wheel.recordings import Log, Truth
+from six_wheel import evaluation
+from six_wheel.logs import optiodom
+from six_wheel.rebuild import with_wheels
+from six_wheel.logs.recordings import Log, Truth
 
 pytest.importorskip("scipy", reason="SciPy is not installed")
 
-from six_wheel import _drive_model, _drives, _parameters
-from six_wheel.calibration import calibrate, parameter_names
+from six_wheel.calibration import model as _drive_model
+
+from six_wheel.calibration import drives as _drives
+
+from six_wheel.calibration import parameters as _parameters
+from six_wheel.calibration.procedure import calibrate, parameter_names
 
 SOAK = int(os.environ.get("SOAK", "0"))
 TRIANGLE = np.array([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)])

@@ -19,7 +19,9 @@ pytest.importorskip("pyarrow")
 from cli_runs import ROVER, Run
 
 import six_wheel as sw
-from six_wheel import __main__, __version__, _cli_shared, cli
+from six_wheel import __main__, __version__
+from six_wheel.cli import shared as shared
+from six_wheel.cli import app as cli
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -304,8 +306,8 @@ def test_progress_is_shown_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPat
 
     screen = io.StringIO()
     console = Console(file=screen, force_terminal=True, width=100)
-    monkeypatch.setattr(_cli_shared, "new_console", lambda stderr=False: console)
-    monkeypatch.setattr(_cli_shared, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr(shared, "new_console", lambda stderr=False: console)
+    monkeypatch.setattr(shared, "PROGRESS_AFTER", 0.0)
     run("drive", "rover.yaml", "commands.csv", "--chunk-rows", "1")
     assert "driving commands.csv" in screen.getvalue()
     assert "100%" in screen.getvalue()
@@ -355,7 +357,7 @@ def test_show_draws_and_says_where(run: Run, refused: Callable[..., str]) -> Non
 
 def test_demo_is_given_its_folder(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
-    from six_wheel import demo
+    from six_wheel.demo import running as demo
 
     folders = []
     monkeypatch.setattr(demo, "run", lambda directory, *, console: folders.append(directory))

@@ -17,11 +17,11 @@ from cli_runs import Run
 from odometry_logs import drive
 
 import six_wheel as sw
-from six_wheel._calibrating import calibrate_files, interval
-from six_wheel._log_files import LogOptions, example_run
-from six_wheel.calibration import Estimate
-from six_wheel.config import read_parameters
-from six_wheel.optiodom import example
+from six_wheel.calibration.files import calibrate_files, interval
+from six_wheel.logs.opening import LogOptions, example_run
+from six_wheel.calibration.procedure import Estimate
+from six_wheel.parameters.file import read_parameters
+from six_wheel.logs.optiodom import example
 
 Refused = Callable[..., str]
 NOMINAL = """\

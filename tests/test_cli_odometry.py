@@ -18,9 +18,9 @@ from odometry_logs import drive
 from optiodom_data import FOLDER, REQUIRED, RUNS
 
 import six_wheel as sw
-from six_wheel._log_files import LogOptions
-from six_wheel._reckoning import reckon
-from six_wheel._slip_sum import SlipSum
+from six_wheel.logs.opening import LogOptions
+from six_wheel.reckoning.running import reckon
+from six_wheel.reckoning.slip import SlipSum
 
 Refused = Callable[..., str]
 CART = "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n"

@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel import config
-from six_wheel.config import ParameterFileError, read_parameters
+from six_wheel import parameters as config
+from six_wheel.parameters.file import ParameterFileError, read_parameters
 
 DATA = Path(__file__).parent / "data" / "config"
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel._controllers import CONTROLLERS
-from six_wheel.config import ParameterFileError, read_parameters
+from six_wheel.parameters.controllers import CONTROLLERS
+from six_wheel.parameters.file import ParameterFileError, read_parameters
 
 DATA = Path(__file__).parent / "data" / "config"
 NAMES = [form.name for form in CONTROLLERS]

@@ -8,11 +8,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel import config
-from six_wheel._forms import KEYS
-from six_wheel._kinds import KINDS
-from six_wheel._schema import NESTED
-from six_wheel.config import ParameterFileError, read_parameters
+from six_wheel import parameters as config
+from six_wheel.parameters.forms import KEYS
+from six_wheel.parameters.kinds import KINDS
+from six_wheel.parameters.schema import NESTED
+from six_wheel.parameters.file import ParameterFileError, read_parameters
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SQUARE = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from odometry_logs import VEHICLES, drive
 
 import six_wheel as sw
-from six_wheel.odometry import Health, dead_reckon_chunks, table_columns
+from six_wheel.odometry.tracks import Health, dead_reckon_chunks, table_columns
 
 SOAK = "SOAK" in os.environ
 SIX = drive(VEHICLES["six_wheel"], n=60)

@@ -6,7 +6,9 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from six_wheel import Rover, Wheel, demo, integrate
+from six_wheel import Rover, Wheel, integrate
+
+from six_wheel.demo import running as demo
 
 TIMES, POSES = demo.load_path()
 STEP = 0.05  # [s]
@@ -193,8 +195,8 @@ def test_run_reports_and_writes(tmp_path):
 
 def test_report_needs_no_rich(monkeypatch):
     pytest.importorskip("matplotlib")
-    from six_wheel import _demo_report
+    from six_wheel.demo import showing as showing
 
     monkeypatch.setitem(sys.modules, "rich", None)
-    words = _demo_report.table("Time", ["", "one"], [["inverse", "35 ns"]])
+    words = showing.table("Time", ["", "one"], [["inverse", "35 ns"]])
     assert words == "Time\n  one\ninverse  35 ns"

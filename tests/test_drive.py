@@ -16,8 +16,8 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel import logs  # noqa: E402
-from six_wheel.drive import TRACE_ROWS, Drive, Trace, drive, replacing  # noqa: E402
+from six_wheel.logs import tables as logs  # noqa: E402
+from six_wheel.drive.running import TRACE_ROWS, Drive, Trace, drive, replacing  # noqa: E402
 
 ROUNDING = 1e-12  # [m, rad] of a few hundred steps of about a metre
 
@@ -329,7 +329,7 @@ PEAK_MEMORY = """
 import re, sys
 import six_wheel as sw
 from pathlib import Path
-from six_wheel.drive import drive
+from six_wheel.drive.running import drive
 commands, ending = Path(sys.argv[1]), sys.argv[2]
 rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
 summary = drive(rover, commands, commands.with_name("run" + ending), chunk_rows=20_000)

@@ -14,10 +14,10 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel import _controlled  # noqa: E402
-from six_wheel._columns import TableError  # noqa: E402
-from six_wheel._course import BINS, Course  # noqa: E402
-from six_wheel.drive import Loop, drive  # noqa: E402
+from six_wheel.drive import controlled  # noqa: E402
+from six_wheel.logs.columns import TableError  # noqa: E402
+from six_wheel.drive.course import BINS, Course  # noqa: E402
+from six_wheel.drive.running import Loop, drive  # noqa: E402
 
 ROUNDING = 1e-9  # relative: a difference of values with 1e-16 over a step of 1/200 s, and room
 RATE = 50.0
@@ -320,7 +320,7 @@ def test_a_gap_longer_than_integers_count_names_its_row(tmp_path: Path) -> None:
 
 
 def test_a_stop_that_takes_for_ever_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_controlled, "MOST_STEPS", 1000)
+    monkeypatch.setattr(controlled, "MOST_STEPS", 1000)
     slow = sw.Limits(acceleration=1.0, deceleration=1e-6)
     commands = write(tmp_path / "c.csv", [0.0, 1.0], [[0.4, 0, 0]] * 2)
     with pytest.raises(TableError, match=r"row 2 \(line 3\): the rover must stop within 1,000 steps"):

@@ -11,7 +11,7 @@ from optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 
 import six_wheel as sw
 from six_wheel import evaluation
-from six_wheel.recordings import Truth
+from six_wheel.logs.recordings import Truth
 
 POSES = st.tuples(*[st.floats(-5.0, 5.0)] * 2, st.floats(-3.0, 3.0))
 

@@ -17,13 +17,13 @@ parquet = pytest.importorskip("pyarrow.parquet")
 
 import optiodom_data  # noqa: E402
 
-from six_wheel import optiodom  # noqa: E402
-from six_wheel._columns import TableError  # noqa: E402
+from six_wheel.logs import optiodom  # noqa: E402
+from six_wheel.logs.columns import TableError  # noqa: E402
 from six_wheel._core import Encoder  # noqa: E402
-from six_wheel._joint_columns import joint_columns  # noqa: E402
-from six_wheel._joint_tables import MOST_FINDINGS  # noqa: E402
-from six_wheel.drive import drive  # noqa: E402
-from six_wheel.joint_logs import JointLog, JointRows, read_truth  # noqa: E402
+from six_wheel.logs.joint_columns import joint_columns  # noqa: E402
+from six_wheel.logs.tolerant import MOST_FINDINGS  # noqa: E402
+from six_wheel.drive.running import drive  # noqa: E402
+from six_wheel.logs.joints import JointLog, JointRows, read_truth  # noqa: E402
 
 CART = sw.Rover.differential(0.5, 0.1)
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
@@ -440,7 +440,7 @@ PEAK_MEMORY = """
 import re, sys
 from pathlib import Path
 import six_wheel as sw
-from six_wheel.joint_logs import JointLog
+from six_wheel.logs.joints import JointLog
 with JointLog(sys.argv[1], sw.Rover.differential(0.5, 0.1)) as log:
     rows = sum(len(part.rows) for part in log.chunks(10_000))
 print(rows, log.findings.rows, re.search("VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1])

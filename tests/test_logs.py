@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel._columns import QUANTITIES, TableError, find_columns  # noqa: E402
-from six_wheel.logs import Chunk, CommandTable, RowError, table_format  # noqa: E402
+from six_wheel.logs.columns import QUANTITIES, TableError, find_columns  # noqa: E402
+from six_wheel.logs.tables import Chunk, CommandTable, RowError, table_format  # noqa: E402
 
 
 def write(path: Path, text: str | bytes) -> Path:

@@ -9,9 +9,9 @@ pytest.importorskip("yaml")
 pytest.importorskip("pydantic")
 
 import six_wheel as sw
-from six_wheel._mended import text_for
-from six_wheel._rebuild import with_wheels
-from six_wheel.config import ParameterFileError, parse_parameters, read_parameters
+from six_wheel.parameters.mending import text_for
+from six_wheel.rebuild import with_wheels
+from six_wheel.parameters.file import ParameterFileError, parse_parameters, read_parameters
 
 ROOT = Path(__file__).parents[1]
 MISTAKEN = ("five_mistakes",)

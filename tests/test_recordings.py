@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from six_wheel import optiodom
-from six_wheel.recordings import Log, Truth
+from six_wheel.logs import optiodom
+from six_wheel.logs.recordings import Log, Truth
 
 METADATA = "type,diff,\nngear,43.7,\nencRes,64,\nLi,0.2,\nDi,0.084,0.084\n"
 

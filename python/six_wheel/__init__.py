@@ -48,11 +48,11 @@ from six_wheel.geometry import Pose, Twist
 from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
-    from six_wheel.calibration import calibrate
+    from six_wheel.calibration.procedure import calibrate
     from six_wheel.four_axle import FourAxleState, FourAxleStep
-    from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
-    from six_wheel.recordings import Log, Truth
-    from six_wheel.square_test import umbmark
+    from six_wheel.odometry.tracks import Health, SlipReport, Track, dead_reckon
+    from six_wheel.logs.recordings import Log, Truth
+    from six_wheel.evaluation.square import umbmark
 
 __all__ = [
     "ArgumentTypeError",
@@ -122,13 +122,13 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
 
     Raises
     ------
-    six_wheel.config.ParameterFileError
+    six_wheel.parameters.ParameterFileError
         A `ValueError` that lists every mistake in the file with its line, the rule and a remedy.
     ModuleNotFoundError
         If what reads parameter files is not installed; the message has the install line.
     """
     try:
-        from six_wheel import config
+        from six_wheel.parameters import file as config
     except ModuleNotFoundError as error:
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None

@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{PROGRAM} {__version__}")
         return 0
     try:
-        from six_wheel.cli import run
+        from six_wheel.cli.app import run
 
         return run(arguments)
     except KeyboardInterrupt:  # while the libraries were being loaded
