@@ -1,30 +1,35 @@
 """Names that a package has at once and loads when they are first used."""
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 
+Lookup = tuple[Callable[[str], object], Callable[[], list[str]]]
 
-def attach(package: str, modules: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """`__getattr__` and `__dir__` of a package, from its public names to the modules that hold them.
+
+def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
+    """`__getattr__` and `__dir__` of a package.
 
     Parameters
     ----------
     package : str
         Its full name.
-    modules : mapping of str to str
-        Public name to the full name of the module it is in; a name that maps to ``""`` is a module itself.
+    modules : mapping of str to sequence of str
+        Its modules, and of each the names that the package shows as its own.
     """
+    places = {name: module for module, names in modules.items() for name in names}
 
     def get(name: str) -> object:
-        if name not in modules:
+        if name in places:
+            value = getattr(import_module(f"{package}.{places[name]}"), name)
+        elif name in modules:
+            value = import_module(f"{package}.{name}")
+        else:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module = modules[name]
-        value = getattr(import_module(module), name) if module else import_module(f"{package}.{name}")
-        setattr(sys.modules[package], name, value)  # the next use is a plain one
+        setattr(sys.modules[package], name, value)  # from now on without a detour
         return value
 
     def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *modules})
+        return sorted({*vars(sys.modules[package]), *modules, *places})
 
     return get, names

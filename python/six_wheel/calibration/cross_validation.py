@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from six_wheel.calibration.result import RunErrors
 from six_wheel._core import Rover
-from six_wheel.calibration.model import Model
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import Loss, Problem, refit, solve
+from six_wheel.calibration.model import Model
 from six_wheel.calibration.parameters import Catalogue
-from six_wheel.poses import Floats
+from six_wheel.calibration.values import RunErrors
 from six_wheel.logs.recordings import Log, Truth
+from six_wheel.poses import Floats
 
 # A set of parameters must predict better than a smaller one by this share to be worth its numbers.
 WORTH = 0.05

@@ -1,33 +1,29 @@
-"""Calibration of a rover from logs on disk: read them, fit, and write the rover, a picture and a report."""
+"""Calibration of a rover from logs on disk: read them, fit, and write the rover."""
 
 import contextlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from six_wheel import __version__
+from six_wheel._core import Rover, __version__
+from six_wheel.calibration.procedure import calibrate
+from six_wheel.calibration.result import Calibration
+from six_wheel.calibration.values import Estimate
 from six_wheel.logs.columns import TableError
-from six_wheel._core import Rover
 from six_wheel.logs.opening import AnyLog, LogOptions, read_log
-from six_wheel.parameters.mending import text_for
-from six_wheel.report.pages import Pages, picture, reporting
-from six_wheel.poses import Floats, joined
-from six_wheel.calibration.procedure import Calibration, Estimate, calibrate
-from six_wheel.parameters.file import Parameters, parse_parameters
-from six_wheel.drive.running import replacing
-from six_wheel.odometry.tracks import dead_reckon
 from six_wheel.logs.recordings import Log
+from six_wheel.logs.writing import replacing
+from six_wheel.odometry.dead_reckoning import dead_reckon
+from six_wheel.parameters.file import Parameters, parse_parameters
+from six_wheel.parameters.mending import text_for
+from six_wheel.poses import Floats, joined
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+__all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
-__all__ = ["Calibrated", "before_and_after", "calibrate_files", "half_width", "interval"]
-
-ENDINGS = ("", "_windows")  # of the pictures of a report
 YAML = (".yaml", ".yml")
 
 
@@ -53,11 +49,9 @@ def calibrate_files(
     *,
     parameters: Parameters | None = None,
     truths: Sequence[Path] = (),
-    plot: Path | None = None,
-    report: Path | None = None,
+    finish: Callable[[Calibrated], None] | None = None,
     log_options: LogOptions | None = None,
     options: dict[str, Any] | None = None,
-    title: str = "rover",
     progress: Callable[..., None] | None = None,
 ) -> Calibrated:
     """Calibrate a rover and write what comes of it. Outputs are replaced only if all went well.
@@ -74,12 +68,10 @@ def calibrate_files(
         The file the rover comes from, whose keys and comments the output keeps where they can say it.
     truths : sequence of Path
         One for every log, or one that holds the times of all; none if the logs say it themselves.
-    plot, report : Path, optional
-        A picture of a run before and after; a written report, .md, with its pictures beside it.
+    finish : callable, optional
+        Called with what came of it before the output is replaced: what it raises leaves all as it was.
     log_options, options
         How to read the logs, and arguments of `calibrate`.
-    title : str
-        What to call the rover.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
 
@@ -97,7 +89,6 @@ def calibrate_files(
     sources = [*paths, *truths, *([parameters.path] if parameters else [])]
     reading = log_options or LogOptions()
     with contextlib.ExitStack() as stack:
-        pages = stack.enter_context(reporting(plot, report, sources, ENDINGS))
         target = stack.enter_context(replacing(output, sources)) if output else None
         logs, warnings = [], []
         for number, path in enumerate(paths):
@@ -114,8 +105,8 @@ def calibrate_files(
         parse_parameters(text, node=parameters.node if parameters else None)
         if target is not None:
             target.write_text(text, encoding="utf-8")
-        if pages is not None:
-            _write_pages(pages, done, title, output)
+        if finish is not None:
+            finish(done)
     return done
 
 
@@ -189,9 +180,6 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-# --- pictures and report ---------------------------------------------------------------------------------
-
-
 def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
     """A run as dead-reckoned before and after, and the truth at the same times."""
     result, log = done.result, done.logs[number]
@@ -217,46 +205,3 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
     truth = log.truth.at(log.stamps + result.time_offset)
     there = np.isfinite(truth).all(axis=1)
     return {"nominal": tracks[0][there], "calibrated": tracks[1][there]}, truth[there]
-
-
-def before_and_after(done: Calibrated, title: str) -> "Figure":
-    """Picture of one run as dead-reckoned before and after, with the truth."""
-    from six_wheel.plot.path import track_figure
-
-    tracks, truth = paths_of(done, done.shown)
-    return track_figure(tracks, truth, title=f"{title}, {done.logs[done.shown].name}")
-
-
-def _write_pages(pages: Pages, done: Calibrated, title: str, output: Path | None) -> None:
-    from six_wheel.plot.path import residual_figure
-
-    windows = done.result.windows
-    figures = [
-        (ENDINGS[0], before_and_after(done, title)),
-        (ENDINGS[1], residual_figure(windows.before, windows.after)),
-    ]
-    pages.write(figures, lambda names: _report(done, title, names, output))
-
-
-def _report(done: Calibrated, title: str, names: Sequence[str], output: Path | None) -> str:
-    """The report of the calibration with its pictures below the title."""
-    head, _, rest = done.result.to_markdown(title=f"Calibration of {title}").partition("\n")
-    run = done.logs[done.shown].name
-    parts = [
-        head,
-        picture(f"{run} before and after", names[0]),
-        picture("errors of the motion over windows", names[1]),
-        rest.strip(),
-    ]
-    if np.any(done.result.sensor) or done.result.time_offset:
-        x, y, yaw = done.result.sensor
-        ahead = done.result.time_offset
-        where = f"({x:.4f}, {y:.4f}) m, turned by {math.degrees(yaw):.3f}°"
-        parts.append(
-            f"What the truth follows sits at {where}; its clock is {ahead:.4f} s ahead of the log's."
-        )
-    if output is not None:
-        parts.append(f"The calibrated rover is in `{output}`: `six-wheel odometry {output} LOG`.")
-    if done.warnings:
-        parts += ["## Warnings", "\n".join(f"- {warning}" for warning in done.warnings)]
-    return "\n\n".join(parts) + "\n"

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.calibration.model import Model
 from six_wheel.calibration.drives import OVERLAP, STRETCHES, Drive
+from six_wheel.calibration.model import Model
 from six_wheel.poses import Floats
 
 try:

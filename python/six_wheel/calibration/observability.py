@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.calibration.model import Model
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import OPEN, Solution
+from six_wheel.calibration.model import Model
 from six_wheel.poses import Floats
 
 # Parts of a direction smaller than this are not worth a word, and parameters less open than that are known.

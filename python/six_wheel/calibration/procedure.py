@@ -14,29 +14,21 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.calibration import fitting
-from six_wheel.calibration.result import Calibration, Estimate, RunErrors, Windows
 from six_wheel._core import Rover
+from six_wheel.calibration import fitting
 from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.model import Model
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
 from six_wheel.calibration.fitting import Loss, Problem
+from six_wheel.calibration.model import Model
 from six_wheel.calibration.observability import describe
 from six_wheel.calibration.parameters import Catalogue
-from six_wheel.poses import Floats
+from six_wheel.calibration.result import Calibration
+from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.logs.recordings import Log, Truth
+from six_wheel.poses import Floats
 
-__all__ = [
-    "Calibration",
-    "CrossValidation",
-    "Estimate",
-    "Progress",
-    "RunErrors",
-    "Windows",
-    "calibrate",
-    "parameter_names",
-]
+__all__ = ["Progress", "calibrate", "parameter_names"]
 
 Progress = Callable[[int, int, str], object]
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from six_wheel.__main__ import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, draw_limits, wheels_table
 from six_wheel.cli.drive import drive
@@ -24,6 +23,7 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
+from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
     from six_wheel._core import Rover
@@ -46,9 +46,9 @@ def demo(
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
     ] = Path("six_wheel_demo"),
 ) -> None:
-    from six_wheel.demo import running as demo
+    from six_wheel.demo import run
 
-    demo.run(output, console=new_console())
+    run(output, console=new_console())
 
 
 @app.command(help=COMMANDS["check"])
@@ -96,8 +96,9 @@ def show(
     node: NodeOption = None,
 ) -> None:
     chosen = choose(rover, node)
-    from six_wheel.drive.running import picture_path, replacing
-    from six_wheel.plot.path import save, show_figure
+    from six_wheel.logs.writing import replacing
+    from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plot.twist import show_figure
 
     target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
     figure = show_figure(chosen.rover, twist or _left_turn(chosen.rover), title=chosen.name)

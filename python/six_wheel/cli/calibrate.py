@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from six_wheel.__main__ import PROGRAM
 from six_wheel.cli.log_options import (
     ColumnOption,
     ExampleOption,
@@ -25,6 +24,7 @@ from six_wheel.cli.log_options import (
     log_options,
 )
 from six_wheel.cli.shared import NodeOption, grid, new_console, progress_bar
+from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
     from six_wheel.calibration.files import Calibrated
@@ -91,6 +91,7 @@ def calibrate(
     chosen, paths = choose_with_logs(rover, list(logs or []), example, node)
     # After the file of the rover is known to be good: SciPy takes its time.
     from six_wheel.calibration.files import calibrate_files
+    from six_wheel.report.pages import CALIBRATION_PICTURES, reporting
 
     names: Any = [name.strip() for name in parameters.split(",") if name.strip()]
     options = {
@@ -101,18 +102,28 @@ def calibrate(
         "cross_validation": cross_validation,
         "max_time_offset": max_time_offset,
     }
-    with progress_bar("calibrating") as progress:
+    title = chosen.name.removesuffix("_metadata")
+    sources = [*paths, *(truth or []), *([chosen.path] if chosen.path else [])]
+    with (
+        progress_bar("calibrating") as progress,
+        reporting(plot, report, sources, CALIBRATION_PICTURES) as pages,
+    ):
+
+        def finish(done: "Calibrated") -> None:
+            if pages is not None:
+                from six_wheel.report.calibration import write_calibration
+
+                write_calibration(pages, done, title, output)
+
         done = calibrate_files(
             chosen.rover,
             paths,
             output,
             parameters=chosen.parameters,
             truths=truth or [],
-            plot=plot,
-            report=report,
+            finish=finish,
             log_options=log_options(chosen, given),
             options=options,
-            title=chosen.name.removesuffix("_metadata"),
             progress=progress,
         )
     for warning in done.warnings:

@@ -8,8 +8,8 @@ from six_wheel.cli.shared import Chosen
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from six_wheel.abilities import Bound
     from six_wheel._core import Limits, Rover, Wheel
+    from six_wheel.abilities import Bound
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
 
@@ -117,8 +117,9 @@ def _words(bound: "Bound") -> str:
 def draw_limits(chosen: Chosen, plot: "Path") -> None:
     """Write the picture of the limits."""
     from six_wheel._core import Limits
-    from six_wheel.drive.running import picture_path, replacing
-    from six_wheel.plot.path import limits_figure, save
+    from six_wheel.logs.writing import replacing
+    from six_wheel.plot.limits import limits_figure
+    from six_wheel.plot.saving import picture_path, save
 
     limits = chosen.parameters.limits if chosen.parameters else Limits()
     with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:

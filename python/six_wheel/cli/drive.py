@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from six_wheel.__main__ import PROGRAM
 from six_wheel.cli.shared import (
     Chosen,
     NodeOption,
@@ -18,10 +17,13 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
+from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits
-    from six_wheel.drive.running import Loop, Peak, Summary
+    from six_wheel.drive.controlled import ControlledDrive, Loop
+    from six_wheel.drive.direct import Drive
+    from six_wheel.drive.engine import Peak, Summary
 
 ROUNDING = 1e-9  # of a value that is a difference over a step: within it a limit is kept
 
@@ -73,17 +75,29 @@ def drive(
     loop = None if direct else _loop(chosen, rate)
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.drive.running import drive as drive_table
+    from six_wheel.report.pages import reporting
 
-    with progress_bar(f"driving {commands.name}") as progress:
+    sources = [chosen.path] if chosen.path else []
+    with (
+        progress_bar(f"driving {commands.name}") as progress,
+        reporting(plot, None, [commands, *sources]) as pages,
+    ):
+
+        def draw(engine: "Drive | ControlledDrive") -> None:
+            if pages is not None:
+                from six_wheel.plot.drive import engine_figure
+
+                pages.write([("", engine_figure(engine, title=commands.name))])
+
         summary = drive_table(
             chosen.rover,
             commands,
             output,
             loop=loop,
-            plot=plot,
+            finish=draw,
             keep=keep,
             chunk_rows=chunk_rows,
-            sources=[chosen.path] if chosen.path else [],
+            sources=sources,
             progress=progress,
         )
     for warning in summary.warnings:
@@ -103,7 +117,7 @@ def _loop(chosen: Chosen, rate: float | None) -> "Loop | None":
     control = chosen.parameters.control if chosen.parameters else {}
     if rate is None and limits == Limits() and not control:
         return None
-    from six_wheel.drive.running import Loop
+    from six_wheel.drive.controlled import Loop
 
     return Loop(limits, rate, control)
 

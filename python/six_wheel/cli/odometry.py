@@ -2,11 +2,10 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from six_wheel.__main__ import PROGRAM
 from six_wheel.cli.log_options import (
     ColumnOption,
     ExampleOption,
@@ -25,6 +24,10 @@ from six_wheel.cli.log_options import (
     log_options,
 )
 from six_wheel.cli.shared import Chosen, NodeOption, grid, new_console, progress_bar
+from six_wheel.cli.words import PROGRAM
+
+if TYPE_CHECKING:
+    from six_wheel.reckoning.running import Reckoned
 
 NOISE = {
     "speed_noise": "speed",
@@ -81,29 +84,41 @@ def odometry(
     chosen, (path,) = choose_with_logs(rover, [] if log is None else [log], example, node)
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.reckoning.running import reckon
-    from six_wheel.report.reckoning import facts, judged, slipped
+    from six_wheel.report.pages import reporting
+    from six_wheel.report.reckoning import facts, judged, slipped, written
 
-    with progress_bar(f"reckoning {path.name}") as progress:
+    sources = [chosen.path] if chosen.path else []
+    with (
+        progress_bar(f"reckoning {path.name}") as progress,
+        reporting(plot, report, [path, truth, *sources]) as pages,
+    ):
+
+        def finish(result: "Reckoned") -> None:
+            if pages is not None:
+                from six_wheel.plot.reckoning import reckoning_figure
+
+                figure = reckoning_figure(result, title=result.name)
+                pages.write([("", figure)], lambda names: written(result, names[0]))
+
         result = reckon(
             chosen.rover,
             path,
             output,
             truth=truth,
-            plot=plot,
-            report=report,
+            finish=finish,
             log_options=log_options(chosen, given),
             settings=_settings(chosen, given),
             length=length,
             chunk_rows=chunk_rows,
-            sources=[chosen.path] if chosen.path else [],
+            sources=sources,
             progress=progress,
         )
     for warning in result.warnings:
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
     rows = [*facts(result), *slipped(result), *judged(result.evaluation)]
-    written = [("results", output), ("picture", plot), ("report", report)]
+    files = [("results", output), ("picture", plot), ("report", report)]
     took = f"{result.elapsed:.3g} s, {result.rows / result.elapsed:,.0f} rows/s"
-    new_console().print(grid([*rows, *written, ("took", took)]))
+    new_console().print(grid([*rows, *files, ("took", took)]))
 
 
 def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:

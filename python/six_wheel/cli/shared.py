@@ -48,7 +48,7 @@ def choose(argument: str, node: str | None) -> Chosen:
 
         parameters = read_parameters(path, node=node)
         return Chosen(parameters.rover, path.stem, path, parameters)
-    from six_wheel import Rover
+    from six_wheel._core import Rover
 
     presets = list(Rover.presets())
     if argument in presets:

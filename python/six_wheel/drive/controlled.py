@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.columns import Unit
 from six_wheel._core import Controller, Limits, Rover
+from six_wheel.controller import Reason
 from six_wheel.drive.course import Course
 from six_wheel.drive.engine import Engine, Floats
-from six_wheel.controller import Reason
+from six_wheel.logs.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 
 RATE = 50.0  # [Hz] usual for rovers: what `Loop` steps at unless told otherwise

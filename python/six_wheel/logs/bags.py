@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel._core import Rover
 from six_wheel.logs.bag_files import files_of, one_line, rosbags_names, whole_part
 from six_wheel.logs.columns import TIME_UNITS, TableError
-from six_wheel._core import Rover
 from six_wheel.logs.joint_columns import Reading, did_you_mean
 from six_wheel.logs.tolerant import Batch, Findings
 

@@ -11,8 +11,18 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
-from six_wheel.logs.columns import BRACKETS, TIME, Column, Quantity, TableError, Unit, find_columns, unit, words
 from six_wheel._core import Rover
+from six_wheel.logs.columns import (
+    BRACKETS,
+    TIME,
+    Column,
+    Quantity,
+    TableError,
+    Unit,
+    find_columns,
+    unit,
+    words,
+)
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)

@@ -14,11 +14,11 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
 from six_wheel._core import Encoder, Rover
+from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
 from six_wheel.logs.joint_columns import Reading, joint_columns, truth_columns
-from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
 from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
 

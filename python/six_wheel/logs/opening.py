@@ -3,20 +3,21 @@
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, Self, TypeAlias, get_args
 
 import numpy as np
 
+from six_wheel._core import Encoder, Rover
 from six_wheel.logs import optiodom
 from six_wheel.logs.columns import TableError
-from six_wheel._core import Encoder, Rover
 from six_wheel.logs.joint_columns import Reading
+from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.tables import FORMATS
 from six_wheel.logs.tolerant import Findings
 from six_wheel.poses import Floats
-from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
-from six_wheel.logs.tables import FORMATS
-from six_wheel.logs.recordings import Log, Truth
 
 __all__ = [
     "AnyLog",
@@ -268,5 +269,5 @@ class OptiOdomLog:
 
 def example_run() -> Path:
     """The run that comes with this package; see data/README.md."""
-    (run,) = optiodom.runs(Path(__file__).parent / "data" / "optiodom")
+    (run,) = optiodom.runs(Path(str(resources.files("six_wheel") / "data" / "optiodom")))
     return run

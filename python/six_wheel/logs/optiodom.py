@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.logs.recordings import Log
 from six_wheel.poses import Floats
 from six_wheel.rebuild import with_wheels
-from six_wheel.logs.recordings import Log
 
 __all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
 

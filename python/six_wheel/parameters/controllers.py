@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from six_wheel._core import Rover, Wheel
 from six_wheel.parameters.controller_keys import (
     ALIGNING,
     DRIVES,
@@ -30,7 +31,6 @@ from six_wheel.parameters.controller_keys import (
     given,
     is_set,
 )
-from six_wheel._core import Rover, Wheel
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import GROUPS, Section
 from six_wheel.parameters.schema import Common, Form, Values, as_argument, keys_of, shown

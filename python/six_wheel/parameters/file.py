@@ -30,8 +30,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, NoReturn, TypeAlias
 
-from six_wheel.parameters import syntax
 from six_wheel._core import Controller, Limits, Rover, Wheel
+from six_wheel.parameters import syntax
 from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
 from six_wheel.parameters.joints import JointList, wheel_said_by, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest, section

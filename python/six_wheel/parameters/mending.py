@@ -14,16 +14,15 @@ from typing import Any
 import numpy as np
 import yaml
 
-from six_wheel.parameters import syntax
-
-from six_wheel.parameters import file as config
 from six_wheel._core import Rover
+from six_wheel.parameters import file as config
+from six_wheel.parameters import syntax
+from six_wheel.parameters.file import Parameters, dump, parse_parameters
 from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, form_of
 from six_wheel.parameters.nodes import PARAMETERS, Section, section
-from six_wheel.poses import Floats
 from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
 from six_wheel.parameters.syntax import Path, Tree
-from six_wheel.parameters.file import Parameters, dump, parse_parameters
+from six_wheel.poses import Floats
 
 __all__ = ["text_for"]
 

@@ -12,9 +12,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Limits, Rover
-from six_wheel.drive.course import Course
-from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, Floats, new_figure, tidy
 from six_wheel.controller import Reason
+from six_wheel.drive.controlled import ControlledDrive
+from six_wheel.drive.course import Course
+from six_wheel.drive.direct import Drive
+from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, Floats, new_figure, tidy
+from six_wheel.plot.path import draw_path, path_figure
 
 WHEELS = (AXLE, CENTRE, MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
 ASKED, DONE = CENTRE, INK
@@ -145,8 +148,6 @@ def drive_figure(
     -------
     matplotlib.figure.Figure
     """
-    from six_wheel.plot.path import draw_path
-
     figure = new_figure(14.0, 8.6 + 0.12 * len(shares))
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.5), wspace=0.04)
     left = grid[0].subgridspec(2, 1, height_ratios=(0.14, 1.0))
@@ -158,6 +159,15 @@ def drive_figure(
     if title is not None:
         figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
     return figure
+
+
+def engine_figure(engine: Drive | ControlledDrive, *, title: str) -> Figure:
+    """Picture of a drive at its end: its path, and what the controller did where one was driven through."""
+    path = engine.trace.path()
+    if not isinstance(engine, ControlledDrive):
+        return path_figure(engine.rover, *path, title=title)
+    shares = engine.summary.shares
+    return drive_figure(engine.rover, engine.course, *path, limits=engine.limits, shares=shares, title=title)
 
 
 def _line(begin: Floats, low: Floats, high: Floats, stride: int) -> tuple[Floats, Floats]:

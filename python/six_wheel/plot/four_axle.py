@@ -8,6 +8,7 @@ try:
 except ImportError as missing:
     raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
 
+from six_wheel.four_axle import FourAxleSimulation
 from six_wheel.plot.drawing import (
     CENTRE,
     FAINT,
@@ -23,7 +24,6 @@ from six_wheel.plot.drawing import (
     tidy,
     write_title,
 )
-from six_wheel.four_axle import FourAxleSimulation
 
 WIDTH, TIMELINE, STRIPS = 9.0, 1.9, 0.5  # [in]
 FREE = {"front": MOTION, "rear": CENTRE}

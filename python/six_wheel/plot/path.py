@@ -1,28 +1,13 @@
-"""Pictures of rovers: one twist seen from above, a whole path with the rover drawn along it, or a simulated
-drive on lockable pivots.
-
-Only matplotlib's object interface is used: no global state and no display, so the figures can be made in any
-thread and on any machine. `save` writes them as PNG, SVG or PDF.
-"""
-
-import math
-from pathlib import Path
+"""Pictures of a driven path with the rover drawn along it."""
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-
-try:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-except ImportError as missing:
-    raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
-
-from six_wheel.plot import twist
 from six_wheel.plot.drawing import (
     CENTRE,
-    FORWARD_UP,
     INK,
     SOFT,
     TRACK,
@@ -32,90 +17,11 @@ from six_wheel.plot.drawing import (
     draw_rover,
     in_world,
     new_figure,
-    page,
     tidy,
     write_title,
 )
-from six_wheel.plot.drive import drive_figure
-from six_wheel.plot.four_axle import four_axle_figure
-from six_wheel.plot.limits import limits_figure
-from six_wheel.plot.tracks import residual_figure, track_figure
 
-__all__ = [
-    "draw_path",
-    "draw_rover",
-    "drive_figure",
-    "four_axle_figure",
-    "limits_figure",
-    "path_figure",
-    "residual_figure",
-    "save",
-    "show_figure",
-    "track_figure",
-]
-
-ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
-
-
-def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> Figure:
-    """Picture of one twist from above, forward up: wheels at their angles, their axles meeting in the ICR.
-
-    Parameters
-    ----------
-    rover : Rover
-        Any layout of wheels.
-    twist : array_like, shape (3,)
-        vx, vy, omega in body axes [m/s, m/s, rad/s].
-    title : str, optional
-        Written above the picture, over the twist.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Steering ranges are light wedges. On the line of the unsteered wheels, where the ICR must lie, the
-        turns that the steering limits forbid are red.
-
-    Raises
-    ------
-    InfeasibleMotionError
-        If the rover cannot make this twist.
-    ValueError
-        If the twist is not three finite numbers.
-    """
-    asked = np.asarray(twist, dtype=np.float64)
-    if asked.shape != (3,):
-        raise ValueError(f"twist must have shape (3,), got {asked.shape}")
-    steering, speeds = rover.inverse(asked)
-    moving = bool(np.any(asked != 0.0))
-    icr = page(np.asarray(rover.icr(asked)))
-    low, high, size = bounds(rover)
-    shown = bool(np.max(np.abs(icr - (low + high) / 2)) <= ICR_REACH * size)  # False also for inf and NaN
-
-    left, right, bottom, top = twist.view(low, high, size, icr, shown)
-    width = 8.0
-    figure = new_figure(width, width * (top - bottom) / (right - left) + 0.9)
-    axes = figure.add_subplot()
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, top)
-    axes.set_aspect("equal")
-    axes.xaxis.set_major_formatter(lambda value, _: f"{-value + 0.0:g}")  # left of the page is +y
-    tidy(axes, "y, left [m]", "x, forward [m]")
-
-    twist.draw_steering_ranges(axes, rover)
-    twist.draw_icr_line(axes, rover)
-    if moving:
-        twist.draw_turning_circles(axes, contacts(rover, steering), asked, icr, size, shown)
-        twist.draw_axles(axes, rover, steering, icr, size)
-    draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering)
-    twist.draw_velocity(axes, asked, size)
-    if shown:
-        twist.draw_icr(axes, icr, low, high)
-    elif moving:
-        twist.point_at(axes, icr)
-    beside = bool(np.isfinite(icr[0])) and not low[0] < icr[0] < high[0]
-    twist.draw_labels(axes, rover, steering, speeds, -math.copysign(1.0, icr[0]) if beside else 0.0)
-    write_title(axes, title, twist.describe(asked))
-    return figure
+__all__ = ["draw_path", "path_figure"]
 
 
 def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: str | None = None) -> Figure:
@@ -231,16 +137,3 @@ def _stations(track: Floats, along: Floats, apart: float, count: int) -> list[in
         if far[row] and gaps.min() >= apart and way - along[rows[-1]] >= spacing:
             rows.append(row)
     return rows if last == 0 else [*rows, last]
-
-
-def save(figure: Figure, path: str | Path) -> None:
-    """Write a figure; the ending of the name says as what (png, svg, pdf).
-
-    Raises
-    ------
-    ValueError
-        If matplotlib knows no such ending.
-    OSError
-        If the file cannot be written.
-    """
-    figure.savefig(path, dpi=160)

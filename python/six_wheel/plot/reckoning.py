@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
+from six_wheel.evaluation.paths import absolute_error, align, path_distance
 from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats
 from six_wheel.reckoning.running import ROUNDING, Reckoned
-from six_wheel.evaluation.paths import absolute_error, align, path_distance
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from six_wheel.evaluation.paths import Alignment, absolute_error, align, error_growth, path_distance
 from six_wheel.plot.drawing import AXLE, CENTRE, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats, as_poses
-from six_wheel.evaluation.paths import Alignment, absolute_error, align, error_growth, path_distance
 
 # The last one drawn is the one that matters: it is green, what came before is red, then quieter.
 COLOURS = (MOTION, CENTRE, AXLE, SOFT)

@@ -1,4 +1,4 @@
-"""The parts of the picture of one twist: ranges, forbidden turns, turning circles, axles, velocity and words.
+"""Picture of one twist from above: ranges, forbidden turns, turning circles, axles, velocity and words.
 
 Everything is drawn on the page, forward up: the body's (x, y) stands at (-y, x).
 """
@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Wedge
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
+from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, exp
 from six_wheel.plot.drawing import (
@@ -22,13 +24,21 @@ from six_wheel.plot.drawing import (
     MOTION,
     SOFT,
     Floats,
+    bounds,
     contacts,
+    draw_rover,
     headings,
     in_world,
+    new_figure,
     page,
+    tidy,
+    write_title,
 )
 
+__all__ = ["show_figure"]
+
 NAMES, UNITS = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s")
+ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
 HALO = [withStroke(linewidth=3, foreground="white")]  # keeps words readable on lines
 
 
@@ -244,3 +254,64 @@ def describe(twist: Floats) -> str:
     else:
         parts.append(f"radius {speed / abs(omega):.3g} m" if omega else "no turn")
     return "   ".join(parts)
+
+
+def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> Figure:
+    """Picture of one twist from above, forward up: wheels at their angles, their axles meeting in the ICR.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any layout of wheels.
+    twist : array_like, shape (3,)
+        vx, vy, omega in body axes [m/s, m/s, rad/s].
+    title : str, optional
+        Written above the picture, over the
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Steering ranges are light wedges. On the line of the unsteered wheels, where the ICR must lie, the
+        turns that the steering limits forbid are red.
+
+    Raises
+    ------
+    InfeasibleMotionError
+        If the rover cannot make this
+    ValueError
+        If the twist is not three finite numbers.
+    """
+    asked = np.asarray(twist, dtype=np.float64)
+    if asked.shape != (3,):
+        raise ValueError(f"twist must have shape (3,), got {asked.shape}")
+    steering, speeds = rover.inverse(asked)
+    moving = bool(np.any(asked != 0.0))
+    icr = page(np.asarray(rover.icr(asked)))
+    low, high, size = bounds(rover)
+    shown = bool(np.max(np.abs(icr - (low + high) / 2)) <= ICR_REACH * size)  # False also for inf and NaN
+
+    left, right, bottom, top = view(low, high, size, icr, shown)
+    width = 8.0
+    figure = new_figure(width, width * (top - bottom) / (right - left) + 0.9)
+    axes = figure.add_subplot()
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    axes.set_aspect("equal")
+    axes.xaxis.set_major_formatter(lambda value, _: f"{-value + 0.0:g}")  # left of the page is +y
+    tidy(axes, "y, left [m]", "x, forward [m]")
+
+    draw_steering_ranges(axes, rover)
+    draw_icr_line(axes, rover)
+    if moving:
+        draw_turning_circles(axes, contacts(rover, steering), asked, icr, size, shown)
+        draw_axles(axes, rover, steering, icr, size)
+    draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering)
+    draw_velocity(axes, asked, size)
+    if shown:
+        draw_icr(axes, icr, low, high)
+    elif moving:
+        point_at(axes, icr)
+    beside = bool(np.isfinite(icr[0])) and not low[0] < icr[0] < high[0]
+    draw_labels(axes, rover, steering, speeds, -math.copysign(1.0, icr[0]) if beside else 0.0)
+    write_title(axes, title, describe(asked))
+    return figure

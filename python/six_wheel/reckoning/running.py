@@ -13,18 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.columns import TableError
 from six_wheel._core import Noise, Odometry, Rover
+from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.joints import JointRows, read_truth
 from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
-from six_wheel.report.pages import reporting
+from six_wheel.logs.recordings import Truth
+from six_wheel.logs.tables import table_format
+from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.odometry.trace import Trace
+from six_wheel.odometry.tracks import Health, SlipReport, Track
 from six_wheel.poses import Floats
 from six_wheel.reckoning.slip import SlipSum
-from six_wheel.drive.running import TableWriter, Trace, replacing
-from six_wheel.evaluation.paths import Evaluation, evaluate
-from six_wheel.logs.joints import JointRows, read_truth
-from six_wheel.logs.tables import table_format
-from six_wheel.odometry.tracks import Health, SlipReport, Track
-from six_wheel.logs.recordings import Truth
 
 __all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 
@@ -237,8 +237,7 @@ def reckon(
     output: Path | None = None,
     *,
     truth: Path | None = None,
-    plot: Path | None = None,
-    report: Path | None = None,
+    finish: Callable[[Reckoned], None] | None = None,
     log_options: LogOptions | None = None,
     settings: Settings | None = None,
     length: float = 0.5,
@@ -258,10 +257,8 @@ def reckon(
         Times, poses, twists, covariances, residuals and health, .csv or .parquet.
     truth : Path, optional
         Where the rover was, if the log does not say.
-    plot : Path, optional
-        A picture of the path, the errors and how the wheels slid.
-    report : Path, optional
-        A written report, .md; the picture goes beside it, under the same name.
+    finish : callable, optional
+        Called with the result before the output is replaced: what it raises leaves all as it was.
     log_options, settings
         How to read the log, and how to reckon.
     length : float
@@ -287,7 +284,6 @@ def reckon(
         log: AnyLog = open_log(path, rover, options)
         stack.callback(log.close)
         run = _Run(log, settings or Settings(), options.encoders)
-        pages = stack.enter_context(reporting(plot, report, [path, truth, *sources]))
         taken = [each for each in (path, truth, *sources) if each is not None]
         target = stack.enter_context(replacing(output, taken)) if output else None
         writer: TableWriter | None = None
@@ -303,13 +299,8 @@ def reckon(
             if progress is not None:
                 progress(log.position, log.size)
         result = run.finish(length, known)
-        if pages is not None:
-            from six_wheel.plot.reckoning import reckoning_figure
-            from six_wheel.report.reckoning import written
-
-            pages.write(
-                [("", reckoning_figure(result, title=result.name))], lambda names: written(result, names[0])
-            )
+        if finish is not None:
+            finish(result)
     result.elapsed = time.perf_counter() - begin
     return result
 

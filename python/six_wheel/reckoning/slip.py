@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.poses import Floats
 from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
+from six_wheel.poses import Floats
 
 GAP = 0.5  # [s], below which two stretches of slip are one
 

@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from six_wheel.logs.columns import TableError
-from six_wheel.drive.running import picture_path, replacing
+from six_wheel.logs.writing import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ENDINGS = (".md", ".markdown")
+CALIBRATION_PICTURES = ("", "_windows")  # endings of their names
 
 
 class Pages:
@@ -23,21 +24,23 @@ class Pages:
     def __init__(self, plot: Path | None, report: Path | None, targets: dict[Path, Path]) -> None:
         self._plot, self._report, self._targets = plot, report, targets
 
-    def write(self, figures: Sequence[tuple[str, "Figure"]], words: Callable[[list[str]], str]) -> None:
+    def write(
+        self, figures: Sequence[tuple[str, "Figure"]], words: Callable[[list[str]], str] | None = None
+    ) -> None:
         """Write figures and report.
 
         Parameters
         ----------
         figures : sequence of (str, Figure)
             Endings of names for the report, and figures; the first one is the picture.
-        words : callable
+        words : callable, optional
             From the names of the pictures to the text of the report.
         """
-        from six_wheel.plot.path import save
+        from six_wheel.plot.saving import save
 
         if self._plot is not None:
             save(figures[0][1], self._targets[self._plot])
-        if self._report is not None:
+        if self._report is not None and words is not None:
             pictures = [beside(self._report, ending) for ending, _ in figures]
             for path, (_, figure) in zip(pictures, figures, strict=True):
                 save(figure, self._targets[path])
@@ -66,7 +69,7 @@ def reporting(
     if plot is None and report is None:
         yield None
         return
-    import six_wheel.plot.path  # noqa: F401
+    from six_wheel.plot.saving import picture_path
 
     wanted = [] if plot is None else [picture_path(plot)]
     if report is not None:

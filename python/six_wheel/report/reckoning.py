@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from six_wheel.report.pages import picture, table
-from six_wheel.reckoning.running import REMARKS, ROUNDING, Reckoned
 from six_wheel.evaluation.paths import Evaluation
+from six_wheel.reckoning.running import REMARKS, ROUNDING, Reckoned
+from six_wheel.report.pages import picture, table
 
 __all__ = ["facts", "judged", "slipped", "written"]
 
