@@ -40,8 +40,8 @@ def test_slip_that_was_put_in_is_found():
         low, high = found.interval
         assert low < wanted < high
     assert measured.slip.interval[1] < 0.04  # across, these drives tell less
-    # Never below what was most likely: wide rather than narrow.
-    assert result.noise.slip >= 0.99 * measured.slip.value
+    # The size is what most runs ask for, about what is most likely for all of them.
+    assert 0.7 * measured.slip.value < result.noise.slip < 1.6 * measured.slip.value
     assert "12 ends of runs, each run left out" in measured.basis
 
 

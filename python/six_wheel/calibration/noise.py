@@ -106,38 +106,61 @@ def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> 
     return found
 
 
-def measure(found: Sequence[End], confidence: float, basis: str) -> MeasuredNoise | None:
-    """Slip that makes these errors most likely, widened until enough ends lie within what it says."""
+def measure(
+    groups: Sequence[Sequence[End]], fitted: Sequence[End], confidence: float, basis: str
+) -> MeasuredNoise | None:
+    """Slip that makes errors most likely, sized by what most groups ask for; None without an end.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of End
+        Errors of what was left out together. All tell how slip along and across compare. Of the size that
+        each group asks for the median is taken, of two the larger: a fit without one of a few sessions may go
+        wrong altogether, which says little of the fit to all.
+    fitted : sequence of End
+        Errors under the fit to all: the size is widened until 95 % of them lie within what it says.
+    """
+    found = [end for group in groups for end in group]
     if not found:
         return None
-    errors = np.array([end.error for end in found])
-    along = np.array([end.along for end in found])
-    across = np.array([end.across for end in found])
+    errors, along, across = _stacked(found)
     sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
 
-    def nees(logs: Floats) -> tuple[Floats, Floats]:
-        spread = math.exp(2.0 * logs[0]) * along + np.diag(TRUTH**2)
-        if sides:
-            spread = spread + math.exp(2.0 * logs[1]) * across
-        solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
-        return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
-
     def cost(logs: Floats) -> float:
-        squares, sizes = nees(np.clip(logs, math.log(LEAST), math.log(MOST)))
+        logs = np.clip(logs, math.log(LEAST), math.log(MOST))
+        squares, sizes = _nees(logs, errors, along, across)
         return 0.5 * float((squares + sizes).sum())
 
     begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
     best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
     logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-    widening = max(float(np.quantile(nees(logs)[0], COVERED)) / _bound(), 1.0)
-    wide = logs + 0.5 * math.log(widening)
+    # As multiples of the median of what chance would have of so many ends.
+    sums = [(_nees(logs, *_stacked(group))[0].sum(), 3 * len(group)) for group in groups if group]
+    asked = np.sort([total / float(chdtri(degrees, 0.5)) for total, degrees in sums])
+    sized = logs + 0.5 * math.log(max(float(asked[len(asked) // 2]), 1e-6))
+    at_once = _nees(sized, *_stacked(fitted))[0]
+    wide = sized + 0.5 * math.log(max(float(np.quantile(at_once, COVERED)) / _bound(), 1.0))
     along_wheels = _estimate("slip", logs, 0, cost, confidence)
     across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
     if sides:
         across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
     slip, side_slip = (_digits(float(np.exp(one))) for one in wide)
     noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
-    return MeasuredNoise(noise, along_wheels, across_wheels, len(found), basis, nees(wide)[0])
+    return MeasuredNoise(
+        noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]
+    )
+
+
+def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:
+    errors, along, across = ([getattr(end, name) for end in found] for name in ("error", "along", "across"))
+    return np.array(errors), np.array(along), np.array(across)
+
+
+def _nees(logs: Floats, errors: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
+    """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
+    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + np.diag(TRUTH**2)
+    solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
+    return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
 
 
 def _digits(value: float) -> float:

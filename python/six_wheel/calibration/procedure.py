@@ -211,19 +211,27 @@ def _noise(
     keys = list(range(len(drives))) if alone else [sessions.index(session) for session in sessions]
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values)
-    found: list[noise.End] = []
-    for key in dict.fromkeys(keys):
-        values = solution.values
-        if len(set(keys)) > 1 and len(values):
-            values = fitting.refit(linear.only([other != key for other in keys]), solution)
+
+    def ends_of(chosen: Sequence[Log], values: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
         offset = model.value(values, "time_offset", 0.0)
-        for record, own in zip(records, keys, strict=True):
-            if own == key:
-                found += noise.ends(rover, model.corrected(record, values), sensor, offset, pieces)
+        logs = (model.corrected(record, values) for record in chosen)
+        return [end for log in logs for end in noise.ends(rover, log, sensor, offset, pieces)]
+
+    fitted = ends_of(records, solution.values)
+    groups = [fitted]
+    if len(set(keys)) > 1:
+        groups = []
+        for key in dict.fromkeys(keys):
+            values = solution.values
+            if len(values):
+                values = fitting.refit(linear.only([other != key for other in keys]), solution)
+            own = [record for record, other in zip(records, keys, strict=True) if other == key]
+            groups.append(ends_of(own, values))
+    count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    return noise.measure(found, confidence, f"{len(found)} {what}, {left}")
+    return noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
 
 
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
