@@ -274,8 +274,8 @@ impl Rover {
     /// Returns
     /// -------
     /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], each in the order of `steering_joints` and
-    ///     `traction_joints`: for a rover from a parameter file, the order of the file.
+    ///     Steering joints [rad], then traction joints [rad/s], in the order of `command_joints`: for a rover
+    ///     from a parameter file, the order of the file.
     ///
     /// Raises
     /// ------
@@ -290,17 +290,29 @@ impl Rover {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (steering, speeds) =
             self.inverse(py, twist, previous, None, None, None, None, None, None)?;
+        self.named_values(py, &steering, &speeds)
+    }
+}
+
+impl Rover {
+    /// Joint name to value, in the order of `command_joints`; whole arrays for batches.
+    pub fn named_values<'py>(
+        &self,
+        py: Python<'py>,
+        steering: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let commands = PyDict::new(py);
         let steered = self.core.steered();
         let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();
         let angles = self
             .steering
             .iter()
-            .map(|(joint, wheel)| (joint, &steering, place(*wheel)));
+            .map(|(joint, wheel)| (joint, steering, place(*wheel)));
         let rotations = self
             .traction
             .iter()
-            .map(|(joint, wheel)| (joint, &speeds, *wheel));
+            .map(|(joint, wheel)| (joint, speeds, *wheel));
         for (joint, array, column) in angles.chain(rotations) {
             let values = array.get_item((PyEllipsis::get(py), column))?;
             let single = values.getattr("ndim")?.extract::<usize>()? == 0;

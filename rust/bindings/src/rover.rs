@@ -97,6 +97,13 @@ fn read_joints(
     Ok(joints)
 }
 
+/// The same joints in the order in which arrays have their values.
+fn in_order_of_wheels(joints: &Joints) -> Joints {
+    let mut joints = joints.clone();
+    joints.sort_by_key(|(_, wheel)| *wheel);
+    joints
+}
+
 /// Indices of the wheels with a motor.
 fn driven(core: &Core) -> Vec<usize> {
     (0..core.wheels().len())
@@ -213,16 +220,28 @@ impl Rover {
         PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
-    /// Joint name to wheel name of the wheel drives, in the order of `commands`.
+    /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
     #[getter]
     fn traction_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &self.traction)
+        self.joint_dict(py, &in_order_of_wheels(&self.traction))
     }
 
-    /// Joint name to wheel name of the steering, in the order of `commands`.
+    /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
     #[getter]
     fn steering_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &self.steering)
+        self.joint_dict(py, &in_order_of_wheels(&self.steering))
+    }
+
+    /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
+    /// `commands`, and for a rover from a parameter file that of the file.
+    #[getter]
+    fn command_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = self
+            .steering
+            .iter()
+            .chain(&self.traction)
+            .map(|(name, _)| name);
+        PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
     /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.

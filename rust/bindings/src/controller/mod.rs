@@ -169,7 +169,8 @@ impl Controller {
     /// Returns
     /// -------
     /// ControllerOutput
-    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`.
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     the wheels.
     ///
     /// Raises
     /// ------
@@ -182,12 +183,12 @@ impl Controller {
         now: &Bound<'_, PyAny>,
         measured: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<ControllerOutput> {
-        let now = number("now", now)?;
+        let (py, now) = (now.py(), number("now", now)?);
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.lock();
         core.step(now, measured.as_ref().map(Rows::flat))
             .map_err(|error| raise(error, &[]))?;
-        Ok(ControllerOutput::of(&core))
+        Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 
     /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.

@@ -59,7 +59,7 @@ impl Quick<2> for Step {
         let output = {
             let mut core = controller.lock();
             core.step(now, measured).ok()?;
-            ControllerOutput::of(&core)
+            ControllerOutput::of(&core, controller.rover.clone_ref(py))
         };
         Some(Bound::new(py, output).ok()?.into_any())
     }
