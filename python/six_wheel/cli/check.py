@@ -36,6 +36,8 @@ def _turning(wheel: "Wheel") -> str:
         "swivels freely": wheel.castor,
         turns: not wheel.castor,
         f"heading {math.degrees(wheel.heading):.4g}°": wheel.heading != 0.0,
+        f"trail {wheel.trail:.4g} m": wheel.trail != 0.0,
+        f"scrub radius {wheel.scrub:.4g} m": wheel.scrub != 0.0,
         f"rollers at {math.degrees(wheel.roller_angle or 0.0):.4g}°": wheel.roller_angle is not None,
         "no motor": not wheel.driven and not wheel.castor,
     }
@@ -66,15 +68,18 @@ def _written(value: Any) -> str:
 
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:
     """What a rover can do, as rows for `grid`."""
+    from six_wheel.rebuild import joints_as_given
+
     rover, parameters = chosen.rover, chosen.parameters
+    steering, traction = joints_as_given(rover)
     least, most = rover.min_radius, rover.spin_radius
     turns = "none: every radius is possible" if least == 0.0 else f"{least:.4g} m"
     spin = "not possible" if most == 0.0 else f"possible, with the centre up to {most:.4g} m from the middle"
     rows: list[tuple[str, object]] = [
         ("minimum radius", "cannot turn" if math.isinf(least) else turns),
         ("spin in place", "possible" if math.isinf(most) else spin),
-        ("steering joints", _joints(rover.steering_joints) or "none"),
-        ("traction joints", _joints(rover.traction_joints) or "none"),
+        ("steering joints", _joints(steering) or "none"),
+        ("traction joints", _joints(traction) or "none"),
     ]
     if parameters:
         rows[2:2] = within(chosen.rover, parameters.limits)

@@ -172,7 +172,7 @@ class ControlledDrive(Engine):
         if self._timeout is not None and self._longest > self._timeout + self._snap:
             self.summary.warnings.append(
                 f"commands are up to {self._longest:g} s apart, longer than the timeout of "
-                f"{self._timeout:g} s: meanwhile the rover stops"
+                f"{self._timeout:g} s: meanwhile the rover stops; a longer control.timeout lets it go on"
             )
         last = self._first_step(float(self._stamps[-1]))
         yield from self._go(last + 1)

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
-use crate::error::{Error, ErrorKind, finite, number, numbers};
+use crate::error::{Error, ErrorKind, finite, numbers, radians, short};
 use crate::geometry::Twist;
 use crate::jacobi::Jacobi;
 use crate::rover::{Mount, Rover};
@@ -78,7 +78,7 @@ impl Rover {
                     "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
                      project() finds a twist that does not)",
                     names.join(", "),
-                    number(slip)
+                    short(slip)
                 );
                 return Err(infeasible(rule, twist));
             }
@@ -172,11 +172,11 @@ impl Rover {
             return Ok(());
         }
         let rule = format!(
-            "let wheel {:?} steer within {range} rad (at {} rad it would slide at {} m/s; \
+            "let wheel {:?} steer within {range} (at {} it would slide at {} m/s; \
              project() finds a twist that does not)",
             wheel.name,
-            number(angle),
-            number(slip)
+            radians(angle),
+            short(slip)
         );
         Err(infeasible(rule, twist))
     }
