@@ -28,6 +28,7 @@ from six_wheel._core import (
     RockerBogie,
     Rover,
     Sensitivity,
+    Stand,
     SteeringCommand,
     Suspension,
     Terrain,
@@ -49,6 +50,7 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
@@ -82,7 +84,9 @@ __all__ = [
     "RolloutCost",
     "Rover",
     "Sensitivity",
+    "SettleStatus",
     "SlipReport",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
