@@ -38,6 +38,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     odometry::install(module.py())?;
     module.add_class::<odometry::state::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::gyroscope::Gyroscope>()?;
+    module.add_class::<odometry::preintegrated::Preintegrated>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
     module.add_class::<profiles::BodyTransition>()?;
