@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from six_wheel.reference import ground as reference
 
 import six_wheel as sw
+from six_wheel.reference import ground as reference
 
 from .grounds import LEVEL, ROVERS, dense_gaps, hills, numbers_of, random_poses, rocks, scaled
 
