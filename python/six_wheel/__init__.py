@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.simulation import simulate
 
 __all__ = [
     "ArgumentTypeError",
@@ -113,6 +114,7 @@ __all__ = [
     "profiles",
     "rollout",
     "set_default_threads",
+    "simulate",
     "umbmark",
     "wrap_angle",
 ]
@@ -165,5 +167,6 @@ __getattr__, __dir__ = attach(
         "reckoning": (),
         "reference": (),
         "report": (),
+        "simulation": ("simulate",),
     },
 )
