@@ -153,7 +153,6 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),

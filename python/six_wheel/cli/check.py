@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from six_wheel._core import Limits, Rover, Wheel
-    from six_wheel.abilities import Bound
+    from six_wheel.drive.abilities import Bound
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
 
@@ -97,7 +97,7 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     """What a rover can do within limits, as rows for `grid`; nothing without any."""
-    from six_wheel.abilities import bound, stop_from, time_to_full_lock
+    from six_wheel.drive.abilities import bound, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
     ahead, about = bound(rover, limits, (1.0, 0.0, 0.0)), bound(rover, limits, (0.0, 0.0, 1.0))
