@@ -48,7 +48,7 @@ def demo(
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
     ] = Path("six_wheel_demo"),
 ) -> None:
-    from six_wheel.demo import run
+    from six_wheel.demo.running import run
 
     run(output, console=new_console())
 
