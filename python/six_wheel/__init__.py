@@ -127,6 +127,10 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
     ModuleNotFoundError
         If what reads parameter files is not installed; the message has the install line.
     """
+    if str(path).endswith((".urdf", ".xacro")):
+        from six_wheel.urdf import read_urdf
+
+        return read_urdf(path).rover
     try:
         from six_wheel import config
     except ModuleNotFoundError as error:

@@ -15,7 +15,13 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
         If a wheel may not have such a value.
     """
     wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
-    return Rover(wheels, traction_joints=rover.traction_joints, steering_joints=rover.steering_joints)
+    return Rover(
+        wheels,
+        traction_joints=rover.traction_joints,
+        steering_joints=rover.steering_joints,
+        reversed_joints=rover.reversed_joints,
+        suspension=rover.suspension,
+    )
 
 
 def _with(wheel: Wheel, **changes: Any) -> Wheel:

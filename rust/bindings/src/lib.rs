@@ -8,6 +8,7 @@ mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
+mod joints;
 mod kinematics;
 mod layouts;
 mod mobility;
