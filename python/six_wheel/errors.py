@@ -1,9 +1,5 @@
 """What this package raises beyond the built-in exceptions."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Literal
-
 
 class InfeasibleMotionError(ValueError):
     """A motion the rover cannot make: a wheel would slide sideways or steer past its range."""
@@ -15,32 +11,3 @@ class UnderdeterminedError(ValueError):
 
 class ArgumentTypeError(ValueError, TypeError):
     """An argument of the wrong type. Bad input like any other here, and a `TypeError` by Python's custom."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing to put right in a file that describes a rover; ``str()`` is one line such as a compiler prints."""
-
-    line: int | None
-    key: str
-    message: str
-    remedy: str | None = None
-    severity: Literal["error", "warning"] = "error"
-    path: str = ""
-
-    def __str__(self) -> str:
-        place = self.path if self.line is None else f"{self.path}:{self.line}"
-        warning = "warning: " if self.severity == "warning" else ""
-        remedy = f" ({self.remedy})" if self.remedy else ""
-        return " ".join(f"{place}: {warning}{self.message}{remedy}".splitlines())
-
-
-class ParameterFileError(ValueError):
-    """A file that does not describe a rover; ``str()`` has one line for each finding."""
-
-    def __init__(self, findings: Iterable[Finding]) -> None:
-        self.findings: tuple[Finding, ...] = tuple(findings)
-        super().__init__(self.findings)
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.findings))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.errors import ParameterFileError
+from six_wheel.findings import ParameterFileError
 from six_wheel.urdf import read_urdf
 from six_wheel.urdf.read import parse_urdf
 
@@ -114,7 +114,9 @@ def test_a_reversed_axis_is_a_sign_of_the_joint() -> None:
 
 
 def test_a_wheel_mounted_by_rotations_is_the_same_wheel() -> None:
-    turned = joint("w", "continuous", "base_link", "0 0.2 0.1", "0 0 1", rpy="-1.5707963267948966 0 0", radius=0.1)
+    turned = joint(
+        "w", "continuous", "base_link", "0 0.2 0.1", "0 0 1", rpy="-1.5707963267948966 0 0", radius=0.1
+    )
     plain = parse_urdf(robot(PAIR)).wheels["left"]
     other = parse_urdf(robot(turned, wheel("right_wheel", "0 -0.2 0.1"))).wheels["left"]
     assert not other.reversed
@@ -193,12 +195,16 @@ def test_a_swivel_that_nothing_commands_is_a_castor() -> None:
     assert castor.trail == 0.05
     assert not castor.driven
     command = '<ros2_control><joint name="swivel"><command_interface name="position"/></joint></ros2_control>'
-    (steered,) = [each for each in parse_urdf(robot(PAIR, swivel, rolling, command)).rover.wheels if each.steered]
+    (steered,) = [
+        each for each in parse_urdf(robot(PAIR, swivel, rolling, command)).rover.wheels if each.steered
+    ]
     assert steered.trail == 0.05
 
 
 def test_ros2_control_says_which_wheels_have_motors() -> None:
-    text = '<ros2_control><joint name="left_wheel"><command_interface name="velocity"/></joint></ros2_control>'
+    text = (
+        '<ros2_control><joint name="left_wheel"><command_interface name="velocity"/></joint></ros2_control>'
+    )
     found = parse_urdf(robot(PAIR, text)).rover
     assert [each.driven for each in found.wheels] == [True, False]
     assert list(found.traction_joints) == ["left_wheel"]
@@ -209,7 +215,8 @@ def test_three_wheels_in_three_directions_are_omni_wheels() -> None:
     for k in range(3):
         angle = math.tau * k / 3
         x, y = 0.2 * math.cos(angle), 0.2 * math.sin(angle)
-        parts.append(wheel(f"w{k}", f"{x} {y} 0.1", f"{math.cos(angle)} {math.sin(angle)} 0"))
+        yaw = f"0 0 {angle - math.pi / 2}"
+        parts.append(joint(f"w{k}", "continuous", "base_link", f"{x} {y} 0.1", rpy=yaw, radius=0.1))
     found = parse_urdf(robot(*parts))
     assert [each.roller_angle for each in found.rover.wheels] == [math.pi / 2] * 3
     assert found.rover.mobility().degree == 3
@@ -229,16 +236,28 @@ def test_wheels_that_slip_are_said_to() -> None:
 
 
 def test_the_radius_is_of_a_shape_a_mesh_or_an_option(tmp_path: Path) -> None:
-    bare = robot(joint("l", "continuous", "base_link", "0 0.2 0"), joint("r", "continuous", "base_link", "0 -0.2 0"))
-    with pytest.raises(ParameterFileError, match=r"nothing tells the radius of l, r: no round shape \(give wheel_"):
+    bare = robot(
+        joint("l", "continuous", "base_link", "0 0.2 0"), joint("r", "continuous", "base_link", "0 -0.2 0")
+    )
+    with pytest.raises(
+        ParameterFileError, match=r"nothing tells the radius of l, r: no round shape \(give wheel_"
+    ):
         parse_urdf(bare)
     assert parse_urdf(bare, wheel_radius=0.07).rover.wheels[0].radius == 0.07
     with pytest.raises(ValueError, match="radius must be finite and positive, got -1"):
         parse_urdf(bare, wheel_radius=-1.0)
     plugin = '<gazebo><plugin filename="drive"><wheel_diameter>0.3</wheel_diameter></plugin></gazebo>'
-    assert parse_urdf(robot(bare[len('<robot name="test"><link name="base_link"/>') : -len("</robot>")], plugin)).rover.wheels[0].radius == 0.15
+    assert (
+        parse_urdf(robot(bare[len('<robot name="test"><link name="base_link"/>') : -len("</robot>")], plugin))
+        .rover.wheels[0]
+        .radius
+        == 0.15
+    )
     box = wheel("l", "0 0.2 0.1").replace("0.1", "0.1")
-    assert parse_urdf(robot(box, joint("r", "continuous", "base_link", "0 -0.2 0.1"))).rover.wheels[1].radius == 0.1
+    assert (
+        parse_urdf(robot(box, joint("r", "continuous", "base_link", "0 -0.2 0.1"))).rover.wheels[1].radius
+        == 0.1
+    )
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.cylinder(radius=0.11, height=0.04, sections=64).export(tmp_path / "tyre.stl")
     shape = (
@@ -260,7 +279,9 @@ def test_a_xacro_is_expanded(tmp_path: Path) -> None:
     path.write_text(text.replace("<robot ", '<robot xmlns:xacro="http://wiki.ros.org/xacro" '))
     assert read_urdf(path).rover.wheels[0].radius == 0.2
     assert read_urdf(path, arguments={"r": "0.2"}).rover.wheels[0].radius == 0.4
-    path.write_text(text.replace("<robot ", '<robot xmlns:xacro="http://wiki.ros.org/xacro" ').replace("2*r", "no"))
+    path.write_text(
+        text.replace("<robot ", '<robot xmlns:xacro="http://wiki.ros.org/xacro" ').replace("2*r", "no")
+    )
     with pytest.raises(ParameterFileError, match="the xacro cannot be expanded: "):
         read_urdf(path)
 

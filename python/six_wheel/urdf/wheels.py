@@ -165,8 +165,12 @@ def _up(tree: Tree, wheels: Sequence[Joint], notes: Notes) -> float:
     centres = [tree.pose(joint)[1] for joint in wheels]
     height = float(np.mean([centre[2] for centre in centres]))
     spread = float(np.ptp([centre[:2] for centre in centres], axis=0).max())
-    holders = {each.name: each for joint in wheels for each in tree.chain(joint)[:-1] if each.type != "fixed"}
-    above = [tree.pose(joint)[1][2] - height for joint in holders.values()]
+    above = [
+        tree.pose(each)[1][2] - centre[2]
+        for joint, centre in zip(wheels, centres, strict=True)
+        for each in tree.chain(joint)[:-1]
+        if each.type != "fixed"
+    ]
     lift, why = (float(np.mean(above)) if above else 0.0), "the joints that hold the wheels are below them"
     if abs(lift) < FLAT * spread and any(word in tree.root for word in ON_GROUND):
         lift, why = height, f"the wheels are below {tree.root}"
