@@ -11,7 +11,7 @@ Severity: TypeAlias = Literal["error", "warning"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing to put right in a file that describes a rover; ``str()`` is one line such as a compiler prints."""
+    """One thing to put right in a file that describes a rover; ``str()`` is a line as a compiler prints."""
 
     line: int | None
     key: str

@@ -5,12 +5,13 @@ refused.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
 from six_wheel.parameters.controller_keys import (
     ALIGNING,
+    COMMAND_TIMEOUTS,
     DRIVES,
     FRONT_RADIUS,
     FRONT_TRACK,
@@ -36,7 +37,7 @@ from six_wheel.parameters.nodes import GROUPS, Section
 from six_wheel.parameters.schema import Common, Form, Values, as_argument, keys_of, shown
 from six_wheel.parameters.syntax import Report
 
-__all__ = ["CONTROLLERS"]
+__all__ = ["CONTROLLERS", "check_limits", "is_number", "reversed_by_sign", "with_limits"]
 
 _SUM = "kinematics.sum_of_robot_center_projection_on_X_Y_axis"
 _OFFSET = tuple(f"kinematics.base_frame_offset.{part}" for part in ("x", "y", "theta"))
@@ -48,7 +49,7 @@ _CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 def _diff_drive(values: Values) -> Rover:
     track = values["wheel_separation"] * values.get("wheel_separation_multiplier", 1.0)
     left, right = (
-        values["wheel_radius"] * values.get(f"{side}_wheel_radius_multiplier", 1.0)
+        values["wheel_radius"] * abs(values.get(f"{side}_wheel_radius_multiplier", 1.0))
         for side in ("left", "right")
     )
     count = len(values["left_wheel_names"])
@@ -57,9 +58,10 @@ def _diff_drive(values: Values) -> Rover:
 
 
 def _mecanum(values: Values) -> Rover:
-    total = values[_SUM]
+    total = values[_SUM] * values.get("wheel_separation_multiplier", 1.0)
     ahead = values.get("half_wheelbase", total / 2)
-    at_middle = Rover.mecanum(ahead, total - ahead, values["kinematics.wheels_radius"])
+    radius = values["kinematics.wheels_radius"] * abs(values.get("wheel_radius_multiplier", 1.0))
+    at_middle = Rover.mecanum(ahead, total - ahead, radius)
     x, y, theta = (values.get(key, 0.0) for key in _OFFSET)
     if x == y == theta == 0.0:
         return at_middle
@@ -189,7 +191,7 @@ def _around(values: Values, rover: Rover) -> list[JointList]:
 # What keys say together, and what they say beyond our model.
 
 
-def _limits(section: Section, values: Values, second: float = 1.0) -> Values:
+def with_limits(section: Section, values: Values, second: float = 1.0) -> Values:
     """With the limits and the ways of a controller that are such here too."""
     data = section.data
     limits = {
@@ -199,12 +201,70 @@ def _limits(section: Section, values: Values, second: float = 1.0) -> Values:
     }
     control: Values = {}
     for key in TIMEOUTS:
-        if _is_number(data.get(key)) and 0 < data[key] < math.inf:
+        if is_number(data.get(key)) and 0 < data[key] < math.inf:
             control["timeout"] = data[key] / second
+        elif key in COMMAND_TIMEOUTS and is_number(data.get(key)) and data[key] == 0:
+            control["timeout"] = "never"
     if isinstance(data.get(ALIGNING), bool):
         control["align"] = "cosine" if data[ALIGNING] else "none"
     both = {"limits": limits, "control": control}
     return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
+
+
+def reversed_by_sign(
+    factors: Mapping[str, Sequence[str]], complete: Callable[..., Values] = with_limits
+) -> Callable[[Section, Values], Values]:
+    """A `Form.complete` by which negative factors reverse the joints of some keys."""
+
+    def completed(section: Section, values: Values) -> Values:
+        turned = [
+            joint
+            for factor, keys in factors.items()
+            if is_number(values.get(factor)) and values[factor] < 0
+            for key in keys
+            for joint in _listed(values.get(key, ()))
+        ]
+        # Two factors that are negative reverse a joint twice.
+        once = [joint for joint in dict.fromkeys(turned) if turned.count(joint) % 2]
+        more = {"reversed_joints": once} if once and "reversed_joints" not in values else {}
+        return complete(section, values | more)
+
+    return completed
+
+
+def _listed(value: Any) -> Sequence[str]:
+    return [value] if isinstance(value, str) else list(value)
+
+
+def _own_joint(name: str) -> str:
+    """The joint behind a chained controller: ``pid_controller/left_joint`` commands ``left_joint``."""
+    return name.rpartition("/")[2] or name
+
+
+def with_states(
+    keys: Mapping[str, str], complete: Callable[..., Values]
+) -> Callable[[Section, Values], Values]:
+    """A `Form.complete` by which joints go by the names under which their states come, as bags have them.
+
+    `keys` has the key of the states for each of those of the commands.
+    """
+
+    def completed(section: Section, values: Values) -> Values:
+        named: Values = {}
+        for key, states in keys.items():
+            given, said = values.get(key), section.data.get(states)
+            if isinstance(given, str):
+                named[key] = said if isinstance(said, str) and said else _own_joint(given)
+            elif isinstance(given, list):
+                same = (
+                    isinstance(said, list)
+                    and len(said) == len(given)
+                    and all(isinstance(n, str) for n in said)
+                )
+                named[key] = said if same else [_own_joint(name) for name in given]
+        return complete(section, values | named)
+
+    return completed
 
 
 def _has_its_sign(key: str, value: float) -> bool:
@@ -212,7 +272,7 @@ def _has_its_sign(key: str, value: float) -> bool:
     return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -222,14 +282,14 @@ def _in_force(data: Values, key: str) -> bool:
     stem, _, what = key.rpartition(".")
     quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")
     return (
-        _is_number(value)
+        is_number(value)
         and math.isfinite(value)
         and value != 0
-        and data.get(f"{stem}.has_{quantity}_limits") is not False
+        and data.get(f"{stem}.has_{quantity}with_limits") is not False
     )
 
 
-def _check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
+def check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
     data = section.data
 
     def is_read(key: str) -> bool:
@@ -251,7 +311,7 @@ def _check_limits(section: Section, values: Values, error: Report, warning: Repo
 
 
 def _check_diff_drive(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     at, count = ("left_wheel_names",), len(values.get("left_wheel_names", ()))
     if count > 1 and "wheelbase" not in section.data:
         message = f"the file does not say where the {count} wheels of a side are; they are put on a square"
@@ -267,7 +327,7 @@ def _check_diff_drive(section: Section, values: Values, error: Report, warning: 
 
 
 def _check_mecanum(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     if _SUM not in values:
         return
     if "half_wheelbase" not in section.data:
@@ -285,7 +345,7 @@ def _check_mecanum(section: Section, values: Values, error: Report, warning: Rep
 
 
 def _check_tricycle(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     if "track_width" not in section.data:
         message = (
             "the file does not say how far apart the rear wheels are; one wheel between them stands for both"
@@ -313,7 +373,7 @@ def _steering_range(values: Values) -> tuple[float, float] | None:
 def _with_steering_range(section: Section, values: Values) -> Values:
     limit = _steering_range(values)
     # The only one of them that counts its time-out in milliseconds.
-    return _limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
+    return with_limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
 
 
 def _check_steering(
@@ -322,7 +382,7 @@ def _check_steering(
     """The rules of the steering controllers, whose names changed between distributions."""
 
     def check(section: Section, values: Values, error: Report, warning: Report) -> None:
-        _check_limits(section, values, error, warning)
+        check_limits(section, values, error, warning)
         if values.get("front_steering") is False:
             at = ("front_steering",)
             message = "front_steering is false, and which way a rear axle steers is not in the file"
@@ -374,6 +434,9 @@ _OF_OTHERS = {
     "wheelbase",
     "wheel_radius",
     "wheels_per_side",
+    "robot_radius",
+    "wheel_separation_multiplier",
+    "wheel_radius_multiplier",
 }
 _STAND_IN = {
     "wheelbase": 1.0,
@@ -399,8 +462,16 @@ def _controller(
         telling=frozenset(keys - keys_of(Common).keys() - LIMITS.keys() - {*STEERING_RANGE} - _OF_OTHERS),
         stand_in={key: value for key, value in _STAND_IN.items() if key in keys},
         controller=f"{name}/{class_}",
-        **{"complete": _limits} | others,
+        **{"complete": with_limits} | others,
     )
+
+
+_STEERED_STATES = {
+    "traction_joints_names": "traction_joints_state_names",
+    "steering_joints_names": "steering_joints_state_names",
+    "rear_wheels_names": "rear_wheels_state_names",
+    "front_wheels_names": "front_wheels_state_names",
+}
 
 
 CONTROLLERS = (
@@ -411,6 +482,12 @@ CONTROLLERS = (
         _diff_drive,
         joint_lists=_by_side,
         check=_check_diff_drive,
+        complete=with_states(
+            dict.fromkeys(("left_wheel_names", "right_wheel_names"), ""),
+            reversed_by_sign(
+                {f"{side}_wheel_radius_multiplier": (f"{side}_wheel_names",) for side in ("left", "right")}
+            ),
+        ),
     ),
     _controller(
         "ackermann_steering_controller",
@@ -418,6 +495,7 @@ CONTROLLERS = (
         AckermannSteering,
         _ackermann_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, with_limits),
         check=_check_steering(RADIUS[:2], TRACK[:2], FRONT_TRACK),
     ),
     _controller(
@@ -426,6 +504,7 @@ CONTROLLERS = (
         TricycleSteering,
         _tricycle_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, with_limits),
         check=_check_steering(RADIUS[:2], TRICYCLE_TRACK),
     ),
     _controller(
@@ -443,6 +522,7 @@ CONTROLLERS = (
         BicycleSteering,
         _bicycle_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, with_limits),
         check=_check_steering(RADIUS[2:]),
     ),
     _controller(
@@ -452,6 +532,13 @@ CONTROLLERS = (
         _mecanum,
         joint_lists=_corner_by_corner,
         check=_check_mecanum,
+        complete=with_states(
+            {f"{wheel}_wheel_command_joint_name": f"{wheel}_wheel_state_joint_name" for wheel in _CORNERS},
+            reversed_by_sign(
+                {"wheel_radius_multiplier": [f"{wheel}_wheel_command_joint_name" for wheel in _CORNERS]}
+            ),
+        ),
+        more=("clearpath_mecanum_drive_controller/MecanumDriveController",),
     ),
-    _controller("omni_wheel_drive_controller", "omni", Omni, _omni, joint_lists=_around, check=_check_limits),
+    _controller("omni_wheel_drive_controller", "omni", Omni, _omni, joint_lists=_around, check=check_limits),
 )

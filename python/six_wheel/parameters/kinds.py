@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
 from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
-from six_wheel.parameters.joints import JointList, said_by
+from six_wheel.joint_names import said_by
+from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import (
     NESTED,
@@ -39,7 +40,18 @@ __all__ = ["DIMENSIONS", "KINDS", "OWN_KEYS", "PRESET", "TELLING"]
 DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
 # Keys by which a rover's node is told from others: these have wheel_radius and frames too.
 TELLING = frozenset(
-    {"kind", "preset", "traction_joints", "steering_joints", "wheel_of_joint", "d1", "d2", "d3", "d4"}
+    {
+        "kind",
+        "preset",
+        "traction_joints",
+        "steering_joints",
+        "wheel_of_joint",
+        "reversed_joints",
+        "d1",
+        "d2",
+        "d3",
+        "d4",
+    }
 )
 MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 
@@ -367,8 +379,9 @@ _NO_ARGUMENTS = frozenset(keys_of(_Steering))
 
 
 def _on_flat_ground(**arguments: Any) -> Rover:
-    """The wheels of a rocker-bogie rover where its suspension puts them with all joints at zero."""
-    return RockerBogie(**arguments).planar(0.0, (0.0, 0.0))
+    """A rocker-bogie rover: its wheels where its suspension puts them with all joints at zero."""
+    arm = RockerBogie(**arguments)
+    return Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
 
 
 def _with_axles_locked(**arguments: Any) -> Rover:

@@ -18,8 +18,8 @@ from six_wheel._core import Rover
 from six_wheel.parameters import file as config
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import Parameters, dump, parse_parameters
-from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, form_of
-from six_wheel.parameters.nodes import PARAMETERS, Section, section
+from six_wheel.parameters.forms import form_of, section_of
+from six_wheel.parameters.nodes import PARAMETERS, Section
 from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
 from six_wheel.parameters.syntax import Path, Tree
 from six_wheel.poses import Floats
@@ -145,8 +145,8 @@ def _unheard(*_: Any) -> None:
 def _take_apart(parameters: Parameters) -> _File | None:
     text = parameters.path.read_text(encoding="utf-8-sig")
     tree = syntax.parse(text, _unheard)
-    found = section(tree, parameters.node, KEYS, TELLING, CONTROLLER_TYPES, _unheard)
-    form = None if found is None else form_of(found, _unheard)
+    found = section_of(tree, parameters.node, _unheard)
+    form = None if found is None else form_of(found, _unheard, _unheard, parameters.asked)
     if found is None or form is None:
         return None
     return _File(text, tree, found, form, check_values(found, form, _unheard))

@@ -132,15 +132,8 @@ def _front_and_rear(values: Values, rover: Rover) -> list[JointList]:
 def _form(
     name: str, kind: str, schema: type[Common], layout: Any, joints: Any, telling: set[str], **others: Any
 ) -> Form:
-    return Form(
-        name,
-        kind,
-        schema,
-        layout,
-        joints,
-        telling=frozenset(telling),
-        **{"check": check_limits, "complete": with_limits, "ros1": True} | others,
-    )
+    usual: dict[str, Any] = {"check": check_limits, "complete": with_limits, "ros1": True}
+    return Form(name, kind, schema, layout, joints, telling=frozenset(telling), **usual | others)
 
 
 DRIVES = (

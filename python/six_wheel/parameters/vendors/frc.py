@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.parameters.joints import JointList, said_by
+from six_wheel.joint_names import said_by
+from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Values, optional, required
 from six_wheel.parameters.syntax import Place, Report, Tree
@@ -73,7 +74,8 @@ def _no_joints(values: Values, rover: Rover) -> list[JointList]:
 class Yagsl(Common):
     places: Any = required("the module files, a list", "modules")
     diameter: Length = required(
-        "the wheels' diameter in inches, in modules/physicalproperties.json", "conversionFactors.drive.diameter"
+        "the wheels' diameter in inches, in modules/physicalproperties.json",
+        "conversionFactors.drive.diameter",
     )
 
 
@@ -132,26 +134,34 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
             what = "is not beside this file" if module is None else "has no location with front and left"
             at = ("modules", index)
             place = tree.places.get(at, Place(line, ""))
-            report(place.line, at, f"modules/{name} {what}", "give swervedrive.json in the folder it belongs to")
+            report(
+                place.line, at, f"modules/{name} {what}", "give swervedrive.json in the folder it belongs to"
+            )
             continue
-        said = said_by(Path(name).stem)
-        called = "_".join(said) if said and all(said) else Path(name).stem
+        axle, side = said_by(Path(name).stem) or (None, None)
+        called = f"{axle}_{side}" if axle and side else Path(name).stem
         location = module["location"]
         modules[called] = (float(location["front"]), float(location["left"]))
-    properties = _json(path.parent / "modules" / "physicalproperties.json") or {}
-    diameter = properties.get("wheelDiameter")
-    for key in ("conversionFactors", "drive", "diameter"):
-        properties = properties.get(key) if isinstance(properties, dict) else None
-    known = properties if properties is not None else diameter
+    properties = _json(path.parent / "modules" / "physicalproperties.json")
+    known = _number_in(properties, "conversionFactors", "drive", "diameter")
+    known = _number_in(properties, "wheelDiameter") if known is None else known
     gathered = {key: value for key, value in data.items() if key != "modules"} | {"modules": modules}
     if known is not None:
-        gathered["conversionFactors.drive.diameter"] = float(known)
+        gathered["conversionFactors.drive.diameter"] = known
     return Tree(gathered, tree.places)
 
 
 def _is_module(data: Any) -> bool:
     location = data.get("location") if isinstance(data, dict) else None
-    return isinstance(location, dict) and all(isinstance(location.get(key), int | float) for key in ("front", "left"))
+    return isinstance(location, dict) and all(
+        isinstance(location.get(key), int | float) for key in ("front", "left")
+    )
+
+
+def _number_in(data: Any, *keys: str) -> float | None:
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else None
+    return float(data) if isinstance(data, int | float) else None
 
 
 def _json(path: Path) -> Any:

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, Strict
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controllers import check_limits, is_number, with_limits
+from six_wheel.parameters.controllers import check_limits, with_limits
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Name, Values, optional, required
@@ -62,8 +62,15 @@ def _with_osr_joints(section: Section, values: Values) -> Values:
 
 def _say_osr(section: Section, values: Values, error: Report, warning: Report) -> None:
     at = ("rover_dimensions.d1",)
-    message = "the joints are named as the Open Source Rover's nodes name them (drive_left_front, corner_left_front)"
-    warning(section.line_of(at), at, message, "corner joints count clockwise there: see docs/parameter_files.md")
+    message = (
+        "the joints get the names that the rover's nodes give them (drive_left_front, corner_left_front)"
+    )
+    warning(
+        section.line_of(at),
+        at,
+        message,
+        "corner joints count clockwise there; state others with steering_joints",
+    )
 
 
 # Curio: the ackermann_drive_controller of srmainwaring/curio, six wheels of which four steer.
@@ -161,19 +168,25 @@ def _leo(values: Values) -> Rover:
 def _with_leo_joints(section: Section, values: Values) -> Values:
     said: Values = {"traction_joints": dict(_LEO_JOINTS)}
     milliseconds = values.get("controller.input_timeout")
-    if is_number(milliseconds):
-        said["control"] = {"timeout": milliseconds / 1000 if milliseconds else "never"} | values.get("control", {})
+    if milliseconds is not None:
+        said["control"] = {"timeout": milliseconds / 1000 if milliseconds else "never"} | values.get(
+            "control", {}
+        )
     return said | values | {key: said[key] for key in ("control",) if key in said}
 
 
 def _check_leo(section: Section, values: Values, error: Report, warning: Report) -> None:
     key = "controller.angular_velocity_multiplier"
     if values.get("mecanum_wheels") and values.get(key, 1.0) != 1.0:
-        warning(section.line_of((key,)), (key,), f"{key} is not read for mecanum wheels", "calibrate finds it")
+        warning(
+            section.line_of((key,)), (key,), f"{key} is not read for mecanum wheels", "calibrate finds it"
+        )
     elif not values.get("mecanum_wheels") and "controller.wheel_base" not in section.data:
         at = ("controller.wheel_separation",)
         message = "the file does not say where the 2 wheels of a side are; they are put on a square"
-        warning(section.line_of(at), at, message, "add controller.wheel_base; wheel speeds do not depend on it")
+        warning(
+            section.line_of(at), at, message, "add controller.wheel_base; wheel speeds do not depend on it"
+        )
 
 
 class TurtleBot3(Common):
@@ -229,7 +242,9 @@ ROVERS = (
         ros1=True,
         ignored=frozenset(
             {
-                "estimate_velocity_from_position", "allow_multiple_cmd_vel_publishers", "publish_wheel_joint_controller_state",
+                "estimate_velocity_from_position",
+                "allow_multiple_cmd_vel_publishers",
+                "publish_wheel_joint_controller_state",
                 "publish_cmd",
             }
         ),
