@@ -115,7 +115,7 @@ def test_one_command_calibrates_the_example(run: Run) -> None:
     said = re.search(r"ATE +(\S+) m", out)
     assert said
     assert float(said[1]) == pytest.approx(after, abs=1e-4)  # as printed
-    assert example()[0] == sw.optiodom.read_rover(example_run())
+    assert example()[0] == sw.logs.optiodom.read_rover(example_run())
 
 
 def test_a_straight_run_cannot_tell_the_track(run: Run, drives: None) -> None:
