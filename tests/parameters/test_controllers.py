@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.parameters import ParameterFileError, read_parameters
-from six_wheel.parameters.controllers import CONTROLLERS
+from six_wheel.parameters.controllers.ros2 import CONTROLLERS
 
 DATA = Path(__file__).parent / "data"
 NAMES = [form.name for form in CONTROLLERS]

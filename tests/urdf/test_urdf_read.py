@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.findings import ParameterFileError
+from six_wheel.descriptions.findings import ParameterFileError
 from six_wheel.urdf import read_urdf
 from six_wheel.urdf.read import parse_urdf
 

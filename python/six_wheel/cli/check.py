@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from six_wheel._core import Limits, Rover, Wheel
     from six_wheel.abilities import Bound
+    from six_wheel.urdf import Robot
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
 
@@ -25,6 +26,28 @@ def wheels_table(chosen: Chosen) -> Any:
     for wheel in rover.wheels:
         numbers = (f"{value:.4g}" for value in (wheel.x, wheel.y, wheel.radius))
         table.add_row(wheel.name, *numbers, _turning(wheel))
+    return table
+
+
+def derived_table(robot: "Robot") -> Any:
+    """What was derived from a robot description, and from where, a row for each wheel."""
+    from rich.table import Table
+
+    table = Table(title=f"derived from the {len(robot.wheels)} wheels of {robot.name}", title_justify="left")
+    for heading in ("wheel", "joint", "radius from", "steering joint", "pivot [m]", "scrub, trail [mm]"):
+        table.add_column(heading, overflow="fold")
+    for name, found in robot.wheels.items():
+        steering = found.steering
+        pivot = "" if steering is None else ", ".join(f"{value:.4g}" for value in found.pivot)
+        offsets = "" if steering is None else f"{1e3 * found.scrub:.4g}, {1e3 * found.trail:.4g}"
+        table.add_row(
+            name,
+            found.joint.name + (", reversed" if found.reversed else ""),
+            found.radius_from,
+            "" if steering is None else steering.name + (", reversed" if found.steering_reversed else ""),
+            pivot,
+            offsets,
+        )
     return table
 
 
@@ -76,6 +99,10 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         ("steering joints", _joints(rover.steering_joints) or "none"),
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
+    if rover.reversed_joints:
+        rows.append(("reversed joints", ", ".join(rover.reversed_joints)))
+    if chosen.robot is not None:
+        rows += _described(chosen.robot)
     if parameters:
         rows[2:2] = within(chosen.rover, parameters.limits)
         limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
@@ -88,6 +115,15 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
+
+
+def _described(robot: "Robot") -> list[tuple[str, object]]:
+    """What a robot description says beside the wheels, as rows for `grid`."""
+    found = robot.suspension
+    joints = "" if found is None else ", ".join(f"{what} {joint}" for what, joint in found.joints.items())
+    model = "none" if found is None else f"rocker-bogie: {joints}"
+    limits = str(robot.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
+    return [("base frame", robot.base_frame_id), ("suspension", model), ("rates of joints", limits or None)]
 
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:

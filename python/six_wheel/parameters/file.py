@@ -31,14 +31,14 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Limits, Rover, Wheel
-from six_wheel.findings import Finding, ParameterFileError, Severity
-from six_wheel.joint_names import wheel_said_by
+from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
+from six_wheel.descriptions.joint_names import wheel_said_by
 from six_wheel.parameters import syntax
+from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
-from six_wheel.parameters.vendors.frc import gather_modules
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -263,8 +263,9 @@ class _Log:
         self.error(line, (), message, remedy)
         raise self.failure()
 
-    def failure(self) -> ParameterFileError:
-        return ParameterFileError(self.in_order())
+    def failure(self, *, warnings: bool = True) -> ParameterFileError:
+        found = self.in_order()
+        return ParameterFileError(each for each in found if warnings or each.severity == "error")
 
     def in_order(self) -> tuple[Finding, ...]:
         return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
@@ -288,7 +289,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     found = section_of(_tree(text, path, log), node, log.error)
     form = None if found is None else form_of(found, log.error, log.warning, kind)
     if found is None or form is None:
-        raise log.failure()
+        raise log.failure(warnings=False)  # there is nothing that they would be about
     check_keys(found, form, log.error, log.warning)
     values = check_values(found, form, log.error)
     form.check(found, values, log.error, log.warning)

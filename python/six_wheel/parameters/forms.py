@@ -3,15 +3,17 @@
 import re
 from typing import Any
 
-from six_wheel.parameters.controller_keys import DRIVES, STEERS, WELL_KNOWN
-from six_wheel.parameters.controllers import CONTROLLERS
+from six_wheel.parameters.controllers.drives import DRIVES as OTHER_DRIVES
+from six_wheel.parameters.controllers.frc import FRC
+from six_wheel.parameters.controllers.keys import DRIVES, STEERS, WELL_KNOWN
+from six_wheel.parameters.controllers.ros2 import CONTROLLERS
+from six_wheel.parameters.controllers.rovers import ROVERS
 from six_wheel.parameters.kinds import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel.parameters.kinds import TELLING as OWN_TELLING
 from six_wheel.parameters.nodes import GROUPS, Section, closest, drives, section
 from six_wheel.parameters.schema import GROUPS as MAPPINGS
 from six_wheel.parameters.schema import NESTED, Common, Form, describe, keys_of, shown
 from six_wheel.parameters.syntax import Path, Report, Tree, one_line, spell
-from six_wheel.parameters.vendors import VENDORS
 
 __all__ = [
     "FOREIGN",
@@ -25,7 +27,7 @@ __all__ = [
     "section_of",
 ]
 
-FOREIGN = (*CONTROLLERS, *VENDORS)
+FOREIGN = (*CONTROLLERS, *ROVERS, *OTHER_DRIVES, *FRC)
 """The forms in which files of others describe a rover."""
 TYPES = {type_: form for form in FOREIGN for type_ in (form.controller, *form.more) if type_}
 KEYS = OWN_KEYS.union(*(form.keys for form in FOREIGN))

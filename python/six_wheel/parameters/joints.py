@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-from six_wheel.joint_names import agree, said_by, wheel_said_by
+from six_wheel.descriptions.joint_names import agree, said_by, wheel_said_by
 from six_wheel.parameters.nodes import Section, closest
 from six_wheel.parameters.syntax import Path, Report, one_line
 

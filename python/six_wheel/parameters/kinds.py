@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
 from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
-from six_wheel.joint_names import said_by
+from six_wheel.descriptions.joint_names import said_by
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import (

@@ -296,7 +296,7 @@ def _report_none(
     tree: Tree, blocks: list[Path], names: dict[Path, str], node: str | None, report: Report
 ) -> None:
     """That no node is the rover's, and what to do about it."""
-    listed = ", ".join(one_line(names[path]) for path in blocks)
+    listed = ", ".join(one_line(names[path]) for path in blocks[:8]) + (", ..." if len(blocks) > 8 else "")
     asked = "has the parameters of a rover" if node is None else f"is named {one_line(node)}"
     guess = closest(node or "", names.values())
     parts = {part for name in names.values() for part in name.split("/")}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel
-from six_wheel.findings import Finding
+from six_wheel.descriptions.findings import Finding
 from six_wheel.urdf.suspension import Suspension, find_suspension
 from six_wheel.urdf.tree import MAX_BYTES, Notes, read_tree
 from six_wheel.urdf.wheels import FoundWheel, find_wheels, names_of

@@ -93,8 +93,8 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     if len(limits) == 1 and (limit := limits.pop()) is not None:
         arguments["steering_limit"] = limit
     try:
-        model = RockerBogie(**{k: v for k, v in arguments.items() if "limit" not in k})
-    except (TypeError, ValueError) as error:
+        model = RockerBogie(**arguments)
+    except ValueError as error:
         notes.warn(f"the tree is no rocker-bogie: {error}")
         return None
     joints = {

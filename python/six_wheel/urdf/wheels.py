@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from six_wheel.joint_names import said_by
+from six_wheel.descriptions.joint_names import said_by
 from six_wheel.urdf.shapes import Radius, mass_centre, plugin_radius, radius_of
 from six_wheel.urdf.tree import Floats, Joint, Notes, Tree
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field, Strict
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controllers import check_limits, with_limits
+from six_wheel.parameters.controllers.limits import check_limits, with_limits
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Name, Values, optional, required
@@ -166,13 +166,12 @@ def _leo(values: Values) -> Rover:
 
 
 def _with_leo_joints(section: Section, values: Values) -> Values:
-    said: Values = {"traction_joints": dict(_LEO_JOINTS)}
-    milliseconds = values.get("controller.input_timeout")
+    said: Values = {"traction_joints": dict(_LEO_JOINTS)} | values
+    milliseconds: float | None = values.get("controller.input_timeout")
     if milliseconds is not None:
-        said["control"] = {"timeout": milliseconds / 1000 if milliseconds else "never"} | values.get(
-            "control", {}
-        )
-    return said | values | {key: said[key] for key in ("control",) if key in said}
+        timeout = milliseconds / 1000 if milliseconds else "never"
+        said["control"] = {"timeout": timeout} | values.get("control", {})
+    return said
 
 
 def _check_leo(section: Section, values: Values, error: Report, warning: Report) -> None:
@@ -260,7 +259,7 @@ ROVERS = (
         check=_check_leo,
         complete=_with_leo_joints,
         ros1=True,
-        ignored=frozenset({"battery_min_voltage"}),
+        ignored=frozenset({"battery_min_voltage", "wheels"}),
     ),
     Form(
         "turtlebot3_node",

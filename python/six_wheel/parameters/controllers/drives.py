@@ -5,7 +5,8 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import BeforeValidator, Field
 
 from six_wheel._core import Rover
-from six_wheel.parameters.controllers import check_limits, reversed_by_sign, with_limits
+from six_wheel.parameters.controllers.limits import check_limits, with_limits
+from six_wheel.parameters.controllers.names import reversed_by_sign
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Factor, Form, Length, Name, Values, optional, required

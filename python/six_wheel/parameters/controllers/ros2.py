@@ -5,22 +5,19 @@ refused.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controller_keys import (
-    ALIGNING,
-    COMMAND_TIMEOUTS,
+from six_wheel.descriptions.joint_names import said_by
+from six_wheel.parameters.controllers.keys import (
     DRIVES,
     FRONT_RADIUS,
     FRONT_TRACK,
     LIMITS,
     RADIUS,
-    SLOWING,
     STEERING_RANGE,
     STEERS,
-    TIMEOUTS,
     TRACK,
     AckermannSteering,
     BicycleSteering,
@@ -32,12 +29,14 @@ from six_wheel.parameters.controller_keys import (
     given,
     is_set,
 )
+from six_wheel.parameters.controllers.limits import check_limits, with_limits
+from six_wheel.parameters.controllers.names import reversed_by_sign, with_states
 from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import GROUPS, Section
+from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Form, Values, as_argument, keys_of, shown
 from six_wheel.parameters.syntax import Report
 
-__all__ = ["CONTROLLERS", "check_limits", "is_number", "reversed_by_sign", "with_limits"]
+__all__ = ["CONTROLLERS"]
 
 _SUM = "kinematics.sum_of_robot_center_projection_on_X_Y_axis"
 _OFFSET = tuple(f"kinematics.base_frame_offset.{part}" for part in ("x", "y", "theta"))
@@ -92,7 +91,45 @@ def _omni(values: Values) -> Rover:
 
 def _ackermann_steering(values: Values) -> Rover:
     track = given(values, *TRACK) or 1.0
-    return _car(values, given(values, *FRONT_TRACK) or track, track)
+    steered = given(values, *FRONT_TRACK) or track
+    return _behind(_car(values, steered, track)) if _steers_behind(values) else _car(values, steered, track)
+
+
+def _steers_behind(values: Values) -> bool:
+    """Whether the names of all joints say that the front wheels drive and the rear ones steer."""
+
+    def said(keys: tuple[str, ...]) -> set[str | None]:
+        return {(said_by(name) or (None, None))[0] for name in given(values, *keys) or ()}
+
+    return said(DRIVES) == {"front"} and said(STEERS) == {"rear"}
+
+
+def _behind(car: Rover) -> Rover:
+    """A car with its steered axle as far behind the origin as it was ahead of it, and named so."""
+    other = {"front": "rear", "rear": "front"}
+    wheels = []
+    for wheel in sorted(car.wheels, key=lambda wheel: wheel.steered):
+        axle, _, side = wheel.name.partition("_")
+        wheels.append(
+            Wheel(
+                "_".join(filter(None, (other[axle], side))),
+                0.0 - wheel.x,
+                wheel.y,
+                radius=wheel.radius,
+                steered=wheel.steered,
+                steering_limit=wheel.steering_limit,
+                driven=wheel.driven,
+            )
+        )
+    return Rover(wheels)
+
+
+def _with_axle_behind(section: Section, values: Values) -> Values:
+    """The controller steers as if the axle were ahead: behind, its joints count the other way."""
+    values = with_limits(section, values)
+    if _steers_behind(values) and "reversed_joints" not in values:
+        return values | {"reversed_joints": list(given(values, *STEERS))}
+    return values
 
 
 def _tricycle_steering(values: Values) -> Rover:
@@ -191,125 +228,6 @@ def _around(values: Values, rover: Rover) -> list[JointList]:
 # What keys say together, and what they say beyond our model.
 
 
-def with_limits(section: Section, values: Values, second: float = 1.0) -> Values:
-    """With the limits and the ways of a controller that are such here too."""
-    data = section.data
-    limits = {
-        name: abs(values[key])
-        for key, name in (SLOWING | LIMITS).items()
-        if key in values and _in_force(data, key) and _has_its_sign(key, values[key])
-    }
-    control: Values = {}
-    for key in TIMEOUTS:
-        if is_number(data.get(key)) and 0 < data[key] < math.inf:
-            control["timeout"] = data[key] / second
-        elif key in COMMAND_TIMEOUTS and is_number(data.get(key)) and data[key] == 0:
-            control["timeout"] = "never"
-    if isinstance(data.get(ALIGNING), bool):
-        control["align"] = "cosine" if data[ALIGNING] else "none"
-    both = {"limits": limits, "control": control}
-    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
-
-
-def reversed_by_sign(
-    factors: Mapping[str, Sequence[str]], complete: Callable[..., Values] = with_limits
-) -> Callable[[Section, Values], Values]:
-    """A `Form.complete` by which negative factors reverse the joints of some keys."""
-
-    def completed(section: Section, values: Values) -> Values:
-        turned = [
-            joint
-            for factor, keys in factors.items()
-            if is_number(values.get(factor)) and values[factor] < 0
-            for key in keys
-            for joint in _listed(values.get(key, ()))
-        ]
-        # Two factors that are negative reverse a joint twice.
-        once = [joint for joint in dict.fromkeys(turned) if turned.count(joint) % 2]
-        more = {"reversed_joints": once} if once and "reversed_joints" not in values else {}
-        return complete(section, values | more)
-
-    return completed
-
-
-def _listed(value: Any) -> Sequence[str]:
-    return [value] if isinstance(value, str) else list(value)
-
-
-def _own_joint(name: str) -> str:
-    """The joint behind a chained controller: ``pid_controller/left_joint`` commands ``left_joint``."""
-    return name.rpartition("/")[2] or name
-
-
-def with_states(
-    keys: Mapping[str, str], complete: Callable[..., Values]
-) -> Callable[[Section, Values], Values]:
-    """A `Form.complete` by which joints go by the names under which their states come, as bags have them.
-
-    `keys` has the key of the states for each of those of the commands.
-    """
-
-    def completed(section: Section, values: Values) -> Values:
-        named: Values = {}
-        for key, states in keys.items():
-            given, said = values.get(key), section.data.get(states)
-            if isinstance(given, str):
-                named[key] = said if isinstance(said, str) and said else _own_joint(given)
-            elif isinstance(given, list):
-                same = (
-                    isinstance(said, list)
-                    and len(said) == len(given)
-                    and all(isinstance(n, str) for n in said)
-                )
-                named[key] = said if same else [_own_joint(name) for name in given]
-        return complete(section, values | named)
-
-    return completed
-
-
-def _has_its_sign(key: str, value: float) -> bool:
-    """Decelerations are negative for ROS 2, in older files positive ones are found as well."""
-    return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
-
-
-def is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _in_force(data: Values, key: str) -> bool:
-    """Whether a parameter limits something: 0, NaN and infinity are no limits, and some have a switch."""
-    value = data[key]
-    stem, _, what = key.rpartition(".")
-    quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")
-    return (
-        is_number(value)
-        and math.isfinite(value)
-        and value != 0
-        and data.get(f"{stem}.has_{quantity}with_limits") is not False
-    )
-
-
-def check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
-    data = section.data
-
-    def is_read(key: str) -> bool:
-        forwards = key.removesuffix("_reverse")
-        same = forwards != key and data[key] == data.get(forwards)
-        mirrored = ".min_" in key and data[key] == -data.get(key.replace(".min_", ".max_"), math.nan)
-        limit = key in (LIMITS | SLOWING) and _has_its_sign(key, data[key])
-        return key in STEERING_RANGE or same or mirrored or limit
-
-    limits = [
-        key for key in data if key.partition(".")[0] in GROUPS - {"kinematics"} and _in_force(data, key)
-    ]
-    for group in GROUPS:
-        unread = [key for key in limits if key.startswith(f"{group}.") and not is_read(key)]
-        if unread:
-            message = f"{', '.join(unread)} {'is' if len(unread) == 1 else 'are'} not read"
-            remedy = "limits here are positive and hold both ways: see the key limits"
-            warning(section.line_of((unread[0],)), (unread[0],), message, remedy)
-
-
 def _check_diff_drive(section: Section, values: Values, error: Report, warning: Report) -> None:
     check_limits(section, values, error, warning)
     at, count = ("left_wheel_names",), len(values.get("left_wheel_names", ()))
@@ -353,6 +271,9 @@ def _check_tricycle(section: Section, values: Values, error: Report, warning: Re
         remedy = "add track_width, the distance from left to right rear wheel; commands do not depend on it"
         warning(section.line_of(("wheelbase",)), ("wheelbase",), message, remedy)
     limit = _steering_range(values)
+    if limit is None and "steering_limit" not in section.data:
+        message = "the file has no range of the steering: 90 degrees to both sides are assumed"
+        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
     if limit is not None:
         at = (next(key for key in STEERING_RANGE[::-1] if is_set(values.get(key))),)
         try:
@@ -388,6 +309,16 @@ def _check_steering(
             message = "front_steering is false, and which way a rear axle steers is not in the file"
             remedy = "describe the vehicle with kind: custom, its steering angles counter-clockwise"
             error(section.line_of(at), at, message, remedy)
+        if front and _steers_behind(values):
+            key = next(key for key in STEERS if is_set(values.get(key)))
+            message = "the names say that the front wheels drive and the rear ones steer: so they are placed"
+            remedy = "the steering joints then count clockwise, as the controller commands them"
+            warning(section.line_of((key,)), (key,), message, remedy)
+        if "steering_limit" not in section.data:
+            message = "the file has no range of the steering: 90 degrees to both sides are assumed"
+            warning(
+                section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians"
+            )
         alone = tracks == TRICYCLE_TRACK and _drives_front(values)
         for keys, needed in (
             (DRIVES, True),
@@ -495,7 +426,7 @@ CONTROLLERS = (
         AckermannSteering,
         _ackermann_steering,
         joint_lists=_right_before_left,
-        complete=with_states(_STEERED_STATES, with_limits),
+        complete=with_states(_STEERED_STATES, _with_axle_behind),
         check=_check_steering(RADIUS[:2], TRACK[:2], FRONT_TRACK),
     ),
     _controller(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.joint_names import said_by
+from six_wheel.descriptions.joint_names import said_by
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Values, optional, required
@@ -132,12 +132,11 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
         module = _json(file)
         if not _is_module(module):
             what = "is not beside this file" if module is None else "has no location with front and left"
+            message = f"modules/{name} {what}"
             at = ("modules", index)
             place = tree.places.get(at, Place(line, ""))
-            report(
-                place.line, at, f"modules/{name} {what}", "give swervedrive.json in the folder it belongs to"
-            )
-            continue
+            report(place.line, at, message, "give swervedrive.json in the folder it belongs to")
+            return tree
         axle, side = said_by(Path(name).stem) or (None, None)
         called = f"{axle}_{side}" if axle and side else Path(name).stem
         location = module["location"]
