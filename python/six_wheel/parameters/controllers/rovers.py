@@ -167,8 +167,8 @@ def _leo(values: Values) -> Rover:
 
 def _with_leo_joints(section: Section, values: Values) -> Values:
     said: Values = {"traction_joints": dict(_LEO_JOINTS)} | values
-    milliseconds: float | None = values.get("controller.input_timeout")
-    if milliseconds is not None:
+    if "controller.input_timeout" in values:
+        milliseconds: float = values["controller.input_timeout"]
         timeout = milliseconds / 1000 if milliseconds else "never"
         said["control"] = {"timeout": timeout} | values.get("control", {})
     return said
