@@ -164,6 +164,7 @@ __getattr__, __dir__ = attach(
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),
+        "descriptions": (),
         "drive": (),
         "evaluation": ("umbmark",),
         "four_axle": ("FourAxleState", "FourAxleStep"),

@@ -20,7 +20,8 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
         traction_joints=rover.traction_joints,
         steering_joints=rover.steering_joints,
         reversed_joints=rover.reversed_joints,
-        suspension=rover.suspension,
+        # Wheels that are elsewhere do not stand on what the file said.
+        suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
     )
 
 

@@ -219,7 +219,7 @@ def test_three_wheels_in_three_directions_are_omni_wheels() -> None:
         parts.append(joint(f"w{k}", "continuous", "base_link", f"{x} {y} 0.1", rpy=yaw, radius=0.1))
     found = parse_urdf(robot(*parts))
     assert [each.roller_angle for each in found.rover.wheels] == [math.pi / 2] * 3
-    assert found.rover.mobility().degree == 3
+    assert found.rover.mobility().degree_of_mobility == 3
     assert "taken as omni wheels" in str(found.warnings[0])
 
 

@@ -182,11 +182,11 @@ def dump(
     words = {"align": "none", "timeout": "never"}
     ways = {key: words[key] if value is None else value for key, value in (control or {}).items()}
     others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
-    for values in (_six_wheel_values(rover), _custom_values(rover)):
+    for values in (_six_wheel_values(rover), _suspended_values(rover), _custom_values(rover)):
         text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
         try:
-            if values and parse_parameters(text, node=node).rover == rover:
+            if values and _same_on_flat_ground(parse_parameters(text, node=node).rover, rover, values):
                 return text
         except ParameterFileError:
             continue
@@ -222,6 +222,42 @@ def _six_wheel_values(rover: Rover) -> Values:
     return {key: value for key, value in values.items() if value not in ({}, [])}
 
 
+def _suspended_values(rover: Rover) -> Values:
+    """The keys of a rocker-bogie, nothing for a rover without one."""
+    arm = rover.suspension
+    if arm is None:
+        return {}
+    said = {key: list(value) if isinstance(value, tuple) else value for key, value in arm.dimensions.items()}
+    return (
+        {"kind": "rocker_bogie"}
+        | {key: value for key, value in said.items() if value is not None}
+        | _joints_of(rover)
+    )
+
+
+def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
+    """Whether a rover came back; its suspension too, where the keys have room for one."""
+    if values.get("kind") == "custom":
+        rover = Rover(
+            rover.wheels,
+            traction_joints=rover.traction_joints,
+            steering_joints=rover.steering_joints,
+            reversed_joints=rover.reversed_joints,
+        )
+    return found == rover
+
+
+def _joints_of(rover: Rover) -> Values:
+    """Joints by wheel, as every kind takes them."""
+    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    named: Values = {
+        key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value
+    }
+    if rover.reversed_joints:
+        named["reversed_joints"] = list(rover.reversed_joints)
+    return named
+
+
 def _custom_values(rover: Rover) -> Values:
     """The keys of every wheel, as far as they are not as usual."""
     usual = Wheel("usual", 0.0, 0.0, radius=1.0)
@@ -236,13 +272,7 @@ def _custom_values(rover: Rover) -> Values:
         if not wheel.driven and not wheel.castor:
             keys["driven"] = False
         wheels[wheel.name] = keys
-    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
-    named: Values = {
-        key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value
-    }
-    if rover.reversed_joints:
-        named["reversed_joints"] = list(rover.reversed_joints)
-    return {"kind": "custom", "wheels": wheels} | named
+    return {"kind": "custom", "wheels": wheels} | _joints_of(rover)
 
 
 class _Log:

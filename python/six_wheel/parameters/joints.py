@@ -152,7 +152,8 @@ def _by_elimination(entries: list[_Entry], wheels: tuple[str, ...]) -> list[_Ent
         free = [wheel for wheel in wheels if wheel not in {entry.wheel for entry in entries}]
         for index, entry in enumerate(entries):
             said = said_by(entry.joint)
-            fitting = [wheel for wheel in free if said is not None and agree(said_by(wheel), said)]
+            told = [wheel for wheel in free if said_by(wheel) is not None]
+            fitting = [wheel for wheel in told if said is not None and agree(said_by(wheel), said)]
             if entry.wheel is None and entry.statement is None and len(fitting) == 1:
                 entries[index] = entry._replace(wheel=fitting[0])
                 break

@@ -178,7 +178,8 @@ def _say_of_slip(wheels: Mapping[str, FoundWheel], notes: Notes) -> None:
         found.centre[0] * math.cos(found.heading) + found.centre[1] * math.sin(found.heading)
         for found in fixed
     ]
-    if len(fixed) > 2 and max(along) - min(along) > 0.1 * max(found.radius for found in fixed):
+    steers = any(found.steering is not None for found in wheels.values())
+    if not steers and len(fixed) > 2 and max(along) - min(along) > 0.1 * max(found.radius for found in fixed):
         message = f"{len(fixed)} wheels on several axles do not steer, and slip when they turn"
         remedy = "their effective track is not in a URDF; six-wheel calibrate finds it from a log"
         notes.warn(message, remedy)

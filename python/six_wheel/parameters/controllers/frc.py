@@ -72,7 +72,7 @@ def _no_joints(values: Values, rover: Rover) -> list[JointList]:
 
 
 class Yagsl(Common):
-    places: Any = required("the module files, a list", "modules")
+    places: dict[str, tuple[float, float]] = required("the module files, a list", "modules")
     diameter: Length = required(
         "the wheels' diameter in inches, in modules/physicalproperties.json",
         "conversionFactors.drive.diameter",
@@ -93,7 +93,8 @@ FRC = (
         _pathplanner,
         _no_joints,
         telling=frozenset({*_PLACES, "holonomicMode", "driveWheelRadius"}),
-        stand_in={"driveWheelRadius": 1.0, "robotTrackwidth": 1.0},
+        stand_in={"driveWheelRadius": 1.0, "robotTrackwidth": 1.0}
+        | {key: float(index) for index, key in enumerate(_PLACES)},
         check=_check_pathplanner,
         complete=_with_wheel_speed,
         ignored=frozenset(_SETTINGS.split()),

@@ -56,7 +56,7 @@ def _in_force(data: Values, key: str) -> bool:
         is_number(value)
         and math.isfinite(value)
         and value != 0
-        and data.get(f"{stem}.has_{quantity}with_limits") is not False
+        and data.get(f"{stem}.has_{quantity}_limits") is not False
     )
 
 

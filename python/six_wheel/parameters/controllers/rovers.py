@@ -158,7 +158,8 @@ _LEO_JOINTS = {
 
 def _leo(values: Values) -> Rover:
     radius, track = values["controller.wheel_radius"], values["controller.wheel_separation"]
-    base = values.get("controller.wheel_base", track)
+    key = "controller.wheel_base"
+    base: float = values.get(key) or track
     if values.get("mecanum_wheels", False):
         return Rover.mecanum(base / 2, track / 2, radius)
     factor = values.get("controller.angular_velocity_multiplier", 1.0)
