@@ -78,14 +78,14 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     radii = {wheel.radius for wheel in wheels.values()}
     arguments["wheel_radius"] = radii.pop() if len(radii) == 1 else float(np.mean([*radii]))
     steered = {name for name, wheel in wheels.items() if wheel.steering is not None}
-    ways = {"corners": ("front", "rear"), "front": ("front",)}
+    ways = {"corners": ("front", "rear"), "front": ("front",), "all": PLACES}
     way = next(
         (way for way, axles in ways.items() if steered == {f"{a}_{s}" for a in axles for s in SIDES}), None
     )
     if way is None:
         listed = ", ".join(sorted(steered)) or "none"
         notes.warn(
-            f"a rocker-bogie steers its front wheels or all corners, this steers {listed}: no model of it"
+            f"a rocker-bogie steers its front wheels, its corners or all, this steers {listed}: no model of it"
         )
         return None
     arguments["steered"] = way
