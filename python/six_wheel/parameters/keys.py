@@ -1,4 +1,4 @@
-"""Which keys of whose files are read, ignored or refused, as a page: from the tables by which they are read."""
+"""Which keys of whose files are read, ignored or refused, as a page, from the tables that read them."""
 
 from collections.abc import Iterable
 
@@ -17,8 +17,8 @@ tables by which files are read, and a test keeps the two equal.
 - *Read*: changes the rover, its limits or its joints; with a wrong value it is an error.
 - *Ignored*: known, and no matter of kinematics; nothing is said.
 - *Any other key* is ignored with a warning that names it, or refused with a guess where it is like one that
-  is missing. Limits that are not read (`min_velocity` that differs from `-max_velocity`, limits of `linear.y`)
-  are warned about one by one.
+  is missing. Limits that are not read (`min_velocity` unlike `-max_velocity`, those of `linear.y`) are
+  warned about one by one.
 - Beside these, every file may have this package's own keys for every kind: {own}.
 """
 

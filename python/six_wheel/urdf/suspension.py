@@ -84,9 +84,7 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     )
     if way is None:
         listed = ", ".join(sorted(steered)) or "none"
-        notes.warn(
-            f"a rocker-bogie steers its front wheels, its corners or all, this steers {listed}: no model of it"
-        )
+        notes.warn(f"a rocker-bogie steers its front wheels, its corners or all; here it is {listed}")
         return None
     arguments["steered"] = way
     limits = {wheels[name].steering_limit for name in steered}
