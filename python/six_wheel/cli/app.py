@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.calibrate import calibrate
-from six_wheel.cli.check import abilities, derived_table, draw_limits, wheels_table
+from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.odometry import odometry
 from six_wheel.cli.shared import (
@@ -78,6 +78,7 @@ def check(
         print(*chosen.warnings, sep="\n", file=sys.stderr)
     if plot is not None:
         draw_limits(chosen, plot)
+    console.print(plan(chosen.rover))
     console.print(wheels_table(chosen))
     if chosen.robot is not None:
         console.print(derived_table(chosen.robot))

@@ -51,6 +51,38 @@ def derived_table(robot: "Robot") -> Any:
     return table
 
 
+PLAN = 17  # lines of the picture in the terminal
+SIDEWAYS = 2.1  # characters are about so much higher than wide
+
+
+def plan(rover: "Rover") -> str:
+    """The rover from above, forward up, in characters: steered wheels, fixed ones, castors, the origin."""
+    places = [(wheel.x, wheel.y) for wheel in rover.wheels]
+    xs, ys = [x for x, _ in places] + [0.0], [y for _, y in places] + [0.0]
+    middle = ((max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2)
+    reach = max(max(xs) - min(xs), max(ys) - min(ys), 2 * max(wheel.radius for wheel in rover.wheels)) / 2
+    half = PLAN // 2
+    wide = round(half * SIDEWAYS)
+    cells = [[" "] * (2 * wide + 1) for _ in range(PLAN)]
+
+    def put(x: float, y: float, sign: str) -> None:
+        row, column = round(half * (1 - (x - middle[0]) / reach)), round(wide * (1 - (y - middle[1]) / reach))
+        if 0 <= row < PLAN and 0 <= column <= 2 * wide:
+            cells[row][column] = sign
+
+    put(0.0, 0.0, "+")
+    for wheel, (x, y) in zip(rover.wheels, places, strict=True):
+        put(x, y, "o" if wheel.castor else "X" if wheel.roller_angle else "S" if wheel.steered else "#")
+    rows = ["".join(row).rstrip() for row in cells]
+    while rows and not rows[0]:
+        rows.pop(0)
+    while rows and not rows[-1]:
+        rows.pop()
+    marks = {"S": "steered", "#": "fixed", "X": "with rollers", "o": "castor", "+": "origin"}
+    drawn = [f"{mark} {what}" for mark, what in marks.items() if any(mark in row for row in rows)]
+    return "\n".join([*rows, f"forward is up, {2 * reach:.3g} m across: {', '.join(drawn)}"])
+
+
 def _turning(wheel: "Wheel") -> str:
     """How a wheel steers, and what else is not as usual about it."""
     ends = wheel.steering_range
