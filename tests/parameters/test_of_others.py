@@ -159,7 +159,8 @@ def test_keys_given_twice_octal_and_hexadecimal_numbers_are_read_as_ros_2_does(r
 
 
 def test_an_unknown_type_is_named(read) -> None:
-    manager = "controller_manager:\n  ros__parameters:\n    {name}:\n      type: my_controllers/CrabDriveController\n"
+    type_ = "my_controllers/CrabDriveController"
+    manager = f"controller_manager:\n  ros__parameters:\n    {{name}}:\n      type: {type_}\n"
     unknown = manager.format(name="base") + "base:\n  ros__parameters:\n    wheels_apart: 0.4\n"
     line = refusal(read, unknown)
     assert "base has the type my_controllers/CrabDriveController, which is not known (known are ack" in line
@@ -188,7 +189,8 @@ def test_a_command_that_never_becomes_too_old(read) -> None:
 
 
 def test_the_open_source_rover_has_the_joints_of_its_own_nodes(read) -> None:
-    text = "rover:\n  ros__parameters:\n    rover_dimensions: {d1: 0.2, d2: 0.3, d3: 0.25, d4: 0.26, wheel_radius: 0.075}\n"
+    dimensions = "{d1: 0.2, d2: 0.3, d3: 0.25, d4: 0.26, wheel_radius: 0.075}"
+    text = f"rover:\n  ros__parameters:\n    rover_dimensions: {dimensions}\n"
     rover = read(text).rover
     assert rover.wheels == sw.Rover.six_wheel(0.2, 0.3, 0.25, 0.26, 0.075).wheels
     assert rover.traction_joints["drive_left_back"] == "rear_left"
@@ -210,12 +212,17 @@ def test_leos_firmware(read) -> None:
     text = """
 wheels: {encoder_resolution: 878.4}
 mecanum_wheels: false
-controller: {wheel_radius: 0.0625, wheel_separation: 0.358, wheel_base: 0.3, angular_velocity_multiplier: 1.76, input_timeout: 0}
+controller:
+  wheel_radius: 0.0625
+  wheel_separation: 0.358
+  wheel_base: 0.3
+  angular_velocity_multiplier: 1.76
+  input_timeout: 0
 """
     found = read(text)
     assert found.rover.wheels[0].y == pytest.approx(0.358 * 1.76 / 2)
     assert found.control == {"timeout": None}
-    assert list(found.rover.traction_joints)[0] == "wheel_FL_joint"
+    assert next(iter(found.rover.traction_joints)) == "wheel_FL_joint"
     mecanum = read(text.replace("false", "true")).rover
     assert mecanum.wheels == sw.Rover.mecanum(0.15, 0.179, 0.0625).wheels
 
@@ -262,14 +269,20 @@ bogie_limit: [-0.5, 0.6]
     assert rover.suspension is not None
     assert rover.suspension.dimensions["bogie_limit"] == (-0.5, 0.6)
     assert read(dump(rover)).rover == rover
-    assert (
-        "bogie_to_front is missing" in refusal(read, text.replace("bogie_to_front", "bogie_to_frint_"))[:400]
-        or True
-    )
+    line = refusal(read, text.replace("bogie_to_front: [0.15, 0.0, -0.05]\n", ""))
+    assert "bogie_to_front is missing" in line
 
 
 def test_a_car_without_a_range_of_its_steering_says_what_is_assumed(read) -> None:
-    text = "c:\n  ros__parameters:\n    traction_joint_name: t\n    steering_joint_name: s\n    wheelbase: 1.0\n    wheel_radius: 0.1\n    track_width: 0.5\n"
+    text = """
+c:
+  ros__parameters:
+    traction_joint_name: t
+    steering_joint_name: s
+    wheelbase: 1.0
+    wheel_radius: 0.1
+    track_width: 0.5
+"""
     found = read(text)
     assert "90 degrees to both sides are assumed" in str(found.warnings[0])
     assert found.rover.wheels[0].steering_range == (-math.pi / 2, math.pi / 2)
