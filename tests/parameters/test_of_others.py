@@ -195,7 +195,8 @@ def test_the_open_source_rover_has_the_joints_of_its_own_nodes(read) -> None:
     assert rover.wheels == sw.Rover.six_wheel(0.2, 0.3, 0.25, 0.26, 0.075).wheels
     assert rover.traction_joints["drive_left_back"] == "rear_left"
     assert "corner_right_front" in rover.reversed_joints
-    assert "rover_dimensions.d2 is missing" in refusal(read, text.replace("d2: 0.3, ", ""))
+    with pytest.raises(ParameterFileError, match="rover_dimensions.d2 is missing"):
+        read(text.replace("d2: 0.3, ", ""))
 
 
 def test_controllers_of_ros_1_have_no_ros__parameters(read) -> None:
