@@ -16,7 +16,14 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
     """
     wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
     steering, traction = joints_as_given(rover)
-    return Rover(wheels, traction_joints=traction, steering_joints=steering)
+    return Rover(
+        wheels,
+        traction_joints=traction,
+        steering_joints=steering,
+        reversed_joints=rover.reversed_joints,
+        # Wheels that are elsewhere do not stand on what the file said.
+        suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
+    )
 
 
 def _with(wheel: Wheel, **changes: Any) -> Wheel:

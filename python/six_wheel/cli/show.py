@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from six_wheel.cli.shared import Chosen, NodeOption, RoverArgument, choose
+from six_wheel.cli.shared import AsOption, Chosen, NodeOption, RadiusOption, Reading, RoverArgument, choose
 from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
@@ -27,8 +27,10 @@ def show(
         typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
     ] = None,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
 ) -> None:
-    chosen = choose(rover, node)
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.twist import show_figure
