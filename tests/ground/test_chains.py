@@ -6,9 +6,9 @@ import pickle
 
 import numpy as np
 import pytest
-from six_wheel import Suspension  # noqa: F401  (the name that a repr refers to)
 
 import six_wheel as sw
+from six_wheel import Suspension  # noqa: F401  (the name that a repr refers to)
 
 from .grounds import hills, numbers_of, random_poses
 
