@@ -281,12 +281,12 @@ fn one<S: Vector>(
         up: [zero; 3],
     };
     let mut size = [zero; 3];
-    for k in 0..3 {
+    for (k, size) in size.iter_mut().enumerate() {
         rims.centre[k] = column(simd, circles, first, |circle| circle.centre[k]);
         rims.forward[k] = column(simd, circles, first, |circle| circle.forward[k]);
         rims.up[k] = column(simd, circles, first, |circle| circle.up[k]);
         let (h, u) = (rims.forward[k], rims.up[k]);
-        size[k] = (h * h + u * u).sqrt();
+        *size = (h * h + u * u).sqrt();
     }
     let lines = both!(k, {
         // Along a line of the grid there is none to cross.
@@ -417,10 +417,10 @@ fn one<S: Vector>(
         best = better.select(left.gap, best);
         best_sin = better.select(start.sin, best_sin);
         best_cos = better.select(start.cos, best_cos);
-        for k in 0..2 {
+        best_slope = both!(k, {
             let mix = share * slope[k] + (unit - share) * left.slope[k];
-            best_slope[k] = better.select(mix, best_slope[k]);
-        }
+            better.select(mix, best_slope[k])
+        });
         // The ends of the walk, where the upper half goes on.
         let begins = real & !was;
         doubt = begins.select(doubt.min(left.gap), doubt);
@@ -456,9 +456,7 @@ fn one<S: Vector>(
         best = better.select(jet.gap, best);
         best_sin = better.select(at.sin, best_sin);
         best_cos = better.select(at.cos, best_cos);
-        for k in 0..2 {
-            best_slope[k] = better.select(jet.slope[k], best_slope[k]);
-        }
+        best_slope = both!(k, better.select(jet.slope[k], best_slope[k]));
     }
     let sure = spread(
         (best + Lanes::splat(simd, TIE))

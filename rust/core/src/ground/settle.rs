@@ -145,11 +145,9 @@ impl<'a> Settler<'a> {
                 // Elsewhere than where the first attempt went.
                 let bend = bent(number);
                 start[0] += 0.1;
-                for k in 1..MAX_STATE {
-                    start[k] = 0.5 * start[k] + bend[k];
-                }
-                for k in self.chain.state_count()..MAX_STATE {
-                    start[k] = 0.0;
+                let free = start.iter_mut().zip(bend).take(self.chain.state_count());
+                for (value, bend) in free.skip(1) {
+                    *value = 0.5 * *value + bend;
                 }
             }
             let Some(attempt) = self.close(pose, steering, start, &Hold::NONE) else {
