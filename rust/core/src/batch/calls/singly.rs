@@ -1,11 +1,9 @@
 //! Calls that go through the plain core row by row.
 
-use crate::admissible::Keep;
 use crate::batch::machine::table::{Log, row_mut};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Method, Unseen};
-use crate::geometry::Twist;
 use crate::rover::Rover;
 
 /// [`Rover::fit`] of every row of a log.
@@ -24,30 +22,6 @@ pub fn fit(
         *fit = rover
             .fit(log.row(rover, k), method, unseen, residual, weights)
             .map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
-}
-
-/// Whether the rover can make each twist. Fails where one is not finite.
-pub fn admissible(rover: &Rover, twists: &[[f64; 3]]) -> Result<Vec<bool>, Error> {
-    let answer = |(k, twist): (usize, &[f64; 3])| match rover.check(Twist::from(*twist), None) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind == ErrorKind::Infeasible => Ok(false),
-        Err(error) => Err(error.at_row(k)),
-    };
-    twists.iter().enumerate().map(answer).collect()
-}
-
-/// [`Rover::project`] of every twist.
-pub fn project(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    keep: Keep,
-    projected: &mut [[f64; 3]],
-) -> Result<(), Error> {
-    for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
-        let found = rover.project(Twist::from(*twist), keep);
-        *projected = found.map_err(|error| error.at_row(k))?.into();
     }
     Ok(())
 }

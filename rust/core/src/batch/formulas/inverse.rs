@@ -3,6 +3,7 @@
 
 use pulp::Simd;
 
+use super::cone::dot;
 use super::steered::{Reach, Steer, Steered, absolute, load};
 use crate::admissible::SLIP_TOLERANCE;
 use crate::batch::machine::lanes::{Lanes, Mask};
@@ -44,10 +45,8 @@ pub(crate) struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// Nothing where a wheel is not one of those the kernel knows.
     pub fn new(rover: &'a Rover) -> Option<Self> {
-        let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
         let part = |(wheel, mount): (&Wheel, &Mount)| {
-            let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
-            if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
+            if !is_usual(wheel) {
                 return None;
             }
             let part = match *mount {
@@ -120,20 +119,10 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Whether a twist is surely finite, and its squares are too.
-    #[inline(always)]
-    pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let [vx, vy, omega] = absolute(twist);
-        let size = vx + vy + omega;
-        let fits = size.at_most(Lanes::splat(simd, LARGEST));
-        let zero = size.at_most(Lanes::splat(simd, 0.0));
-        fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
-    }
-
     /// Whether the plain core would surely let a twist pass.
     #[inline(always)]
     fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let mut passes = Self::usual(simd, twist);
+        let mut passes = usual(simd, twist);
         if !self.banks.is_empty() {
             let [vx, vy, omega] = twist;
             let mut fastest = Lanes::splat(simd, 0.0);
@@ -159,6 +148,24 @@ impl<'a> Plan<'a> {
     }
 }
 
+/// Whether a twist is surely finite, and its squares are too.
+#[inline(always)]
+pub(crate) fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    let [vx, vy, omega] = absolute(twist);
+    let size = vx + vy + omega;
+    let fits = size.at_most(Lanes::splat(simd, LARGEST));
+    let zero = size.at_most(Lanes::splat(simd, 0.0));
+    fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
+}
+
+/// Whether the squares of a wheel's sizes neither overflow nor lose digits.
+pub(crate) fn is_usual(wheel: &Wheel) -> bool {
+    let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
+    let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
+    let offsets = [wheel.scrub.abs(), wheel.trail.abs()];
+    lengths.into_iter().all(usual) && offsets.iter().all(|offset| offset < SIZES.end())
+}
+
 /// Two pivots far apart.
 pub(in crate::batch) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     let first = [wheels[0].x, wheels[0].y];
@@ -170,13 +177,6 @@ pub(in crate::batch) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
         }
     }
     [first, other]
-}
-
-/// A row times a twist, by the same operations as the plain core.
-#[inline(always)]
-pub(crate) fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
-    let [a, b, c] = [row[0], row[1], row[2]];
-    vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }
 
 struct Check<'a> {
@@ -268,7 +268,7 @@ fn solve_block<S: Simd>(
     let margins = S::as_mut_simd_f64s(&mut margins.0).0;
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
-        sure = sure & Plan::usual(simd, twist);
+        sure = sure & usual(simd, twist);
         let [vx, vy, omega] = absolute(twist);
         let summed = vx + vy + omega * Lanes::splat(simd, plan.arm);
         (summed * Lanes::splat(simd, 2.0 * REST)).store(margins, k);
@@ -320,7 +320,7 @@ fn hold_still<S: Simd>(
     let mut sure = zero.at_most(zero);
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
-        sure = sure & Plan::usual(simd, twist);
+        sure = sure & usual(simd, twist);
         let mut joint = 0;
         for ((part, _), speeds) in plan.parts.iter().zip(speeds.iter_mut()) {
             let Part::Steered(steered) = part else {
@@ -346,7 +346,7 @@ fn find_doubts<S: Simd>(simd: S, plan: &Plan<'_>, twists: &[Column; 3], doubts: 
     let doubts = S::as_mut_simd_f64s(&mut doubts.0).0;
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
-        let mut sure = Plan::usual(simd, twist);
+        let mut sure = usual(simd, twist);
         for (part, _) in &plan.parts {
             if let Part::Steered(steered) = part {
                 sure = sure & steered.decides(simd, twist);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::inverse::{Part, Plan, dot};
+use super::cone::dot;
+use super::inverse::{Part, Plan, usual};
 use super::logs::{Logs, Watch, side_by_side};
 use super::steered::Steered;
 use super::tile::{LANES, PerStep, STEPS, WIDTH};
@@ -247,7 +248,7 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
         let mut per_dts = *dts;
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0).quotient(*per_dt);
-            self.sure = self.sure & Plan::usual(simd, twist(simd, twists, t));
+            self.sure = self.sure & usual(simd, twist(simd, twists, t));
         }
         for row in &self.plan.banks {
             for t in 0..STEPS {

@@ -13,7 +13,8 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use pulp::Simd;
 
-use crate::admissible::{Keep, SLIP_TOLERANCE};
+use super::twist::is_sure;
+use crate::admissible::SLIP_TOLERANCE;
 use crate::batch::formulas::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
 use crate::batch::formulas::steered::{DECIDED, NEAR_AN_END};
 use crate::batch::machine::lanes::{Lanes, Mask};
@@ -83,7 +84,7 @@ pub(in crate::batch) fn check_row(
 ) -> Result<(), Error> {
     inputs.check()?;
     match inputs.steering_rates {
-        None if level != Level::Plain => check_one(rover, twist),
+        None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
         rates => rover.check(twist, rates),
     }
 }
@@ -100,27 +101,6 @@ pub(in crate::batch) fn solve_row(
     let solved = level != Level::Plain && try_one(rover, twist, inputs, steering, speeds);
     if !solved {
         rover.solve(twist, inputs, steering, speeds);
-    }
-}
-
-/// [`Rover::check`], by the kernel for one row where there is one.
-pub fn check_one(rover: &Rover, twist: Twist) -> Result<(), Error> {
-    if let Some(plan) = &rover.single
-        && plan.level.run(Check {
-            plan,
-            twist: twist.into(),
-        }) == Some(true)
-    {
-        return Ok(());
-    }
-    rover.check(twist, None)
-}
-
-/// [`Rover::project`], by the kernel for one row where the twist is admissible already.
-pub fn project_one(rover: &Rover, twist: Twist, keep: Keep) -> Result<Twist, Error> {
-    match check_one(rover, twist) {
-        Ok(()) => Ok(twist),
-        Err(_) => rover.project(twist, keep),
     }
 }
 
@@ -146,8 +126,6 @@ pub(crate) struct Plan {
     order: Vec<usize>,
     /// Whether a steered wheel's angle 0 is not straight ahead.
     turned: bool,
-    /// Whether there are motions for which a wheel cannot turn far enough.
-    limited: bool,
     banks: Vec<[f64; 3]>,
     pivots: [[f64; 2]; 2],
 }
@@ -240,16 +218,11 @@ impl Plan {
         for (k, &i) in order.iter().enumerate() {
             groups[k / GROUP].fill(k % GROUP, &rover.wheels()[i], rover.mounts[i])?;
         }
-        let limited = |&i: &usize| {
-            let range = rover.wheels()[i].steering();
-            range.is_some_and(|range| !range.is_full())
-        };
         let turned = |&i: &usize| rover.wheels()[i].heading != 0.0;
         Some(Self {
             level,
             groups,
             turned: rover.steered().iter().any(turned),
-            limited: rover.steered().iter().any(limited),
             order,
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
             pivots: pivots_apart(rover.wheels()),
@@ -268,35 +241,6 @@ impl Plan {
                 slip == 0.0
                     || slip <= SLIP_TOLERANCE * speed(self.pivots[0]).max(speed(self.pivots[1]))
             })
-    }
-}
-
-/// Whether there is no doubt that the rover can make a twist.
-struct Check<'a> {
-    plan: &'a Plan,
-    twist: [f64; 3],
-}
-
-impl Kernel for Check<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> bool {
-        let plan = self.plan;
-        if !plan.passes(self.twist) {
-            return false;
-        }
-        let zero = Lanes::splat(simd, 0.0);
-        let mut sure = zero.at_most(zero);
-        for group in plan.groups.iter().filter(|_| plan.limited) {
-            for k in 0..GROUP / S::F64_LANES {
-                if k * S::F64_LANES < group.steered {
-                    let wheels = Wheels { simd, group, k };
-                    sure = sure & wheels.steer(self.twist, plan.turned, None).sure;
-                }
-            }
-        }
-        !(!sure).any()
     }
 }
 
