@@ -6,7 +6,7 @@
 
 pub(crate) mod faces;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::str::FromStr;
 

@@ -159,6 +159,11 @@ impl Rover {
         &self.steered
     }
 
+    /// The admissible twists as registers judge them, where these say it all.
+    pub(crate) fn whole_cone(&self) -> Option<&Cone> {
+        self.cone.as_ref().filter(|cone| cone.is_whole)
+    }
+
     /// The faces of the admissible set.
     pub(crate) fn faces(&self) -> &Faces {
         self.faces.get_or_init(|| Faces::new(self))

@@ -10,7 +10,7 @@ use crate::geometry::Twist;
 use crate::jacobi::Jacobi;
 use crate::rover::Rover;
 use crate::steering::SteeringRange;
-use crate::wheels::Wheel;
+use crate::wheels::{Pivot, Wheel};
 
 /// A linear condition: the row times the twist is the value.
 type Condition = (Vector3<f64>, f64);
@@ -126,7 +126,7 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub fn chance(&mut self, share: f64) -> bool {
         self.next() < share
     }
 
@@ -165,6 +165,9 @@ impl Numbers {
                 }
             } else if self.chance(0.1) {
                 wheel.heading = self.between(-1.0, 1.0);
+            } else if self.chance(0.2) {
+                wheel.trail = self.between(-0.1, 0.1);
+                wheel.pivot = Pivot::Castor;
             }
             wheels.push(wheel);
         }

@@ -9,7 +9,7 @@ use crate::rover::Rover;
 
 /// Whether the rover can make each twist. Fails where one is not finite.
 pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool]) -> Result<(), Error> {
-    if let Some(cone) = &rover.cone
+    if let Some(cone) = rover.whole_cone()
         && let Some(done) = Level::best().run(Admissible {
             rover,
             cone,
@@ -66,7 +66,7 @@ fn project_rows(
     keep: Keep,
     projected: &mut [[f64; 3]],
 ) -> Result<(), Error> {
-    if let Some(cone) = &rover.cone
+    if let Some(cone) = rover.whole_cone()
         && let Some(done) = Level::best().run(Project {
             rover,
             cone,

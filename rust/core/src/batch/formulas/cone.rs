@@ -31,6 +31,8 @@ pub(crate) struct Cone {
     pub arm: f64,
     /// Root mean square distance of the pivots from their centre [m].
     size: f64,
+    /// Whether that is all: no steered wheel has trail, whose steering angle depends on more than its pivot's velocity.
+    pub is_whole: bool,
 }
 
 /// The twists for which one steered wheel is within its range.
@@ -52,10 +54,11 @@ pub(crate) struct Verdict<S: Simd> {
 }
 
 impl Cone {
-    /// Nothing where a wheel's steering angle depends on more than its pivot's velocity, or a size is extreme.
+    /// Nothing where a size is extreme.
     pub fn new(rover: &Rover) -> Option<Self> {
         let mut wedges = Vec::new();
         let mut arm: f64 = 0.0;
+        let mut is_whole = true;
         for (i, (wheel, mount)) in rover.wheels().iter().zip(&rover.mounts).enumerate() {
             if !is_usual(wheel) {
                 return None;
@@ -65,10 +68,8 @@ impl Cone {
             let Mount::Steered(range, _) = *mount else {
                 continue;
             };
-            if wheel.trail != 0.0 {
-                return None;
-            }
-            if range.is_full() {
+            is_whole &= wheel.trail == 0.0;
+            if range.is_full() || wheel.trail != 0.0 {
                 continue;
             }
             let middle = f64::midpoint(range.lower, range.upper);
@@ -87,6 +88,7 @@ impl Cone {
             pivots: pivots_apart(rover.wheels()),
             arm,
             size: rover.size,
+            is_whole,
         })
     }
 

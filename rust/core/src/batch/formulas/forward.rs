@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::inverse::all_within;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
@@ -124,18 +125,6 @@ impl<'a> Plan<'a> {
             steering_rates: None,
         }
     }
-}
-
-/// Whether all numbers are at most so large. False for NaN.
-#[inline(always)]
-fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
-    let bound = Lanes::splat(simd, largest);
-    let (registers, rest) = S::as_simd_f64s(values);
-    let mut within = bound.at_most(bound);
-    for k in 0..registers.len() {
-        within = within & Lanes::load(simd, registers, k).abs().at_most(bound);
-    }
-    !(!within).any() && rest.iter().all(|value| value.abs() <= largest)
 }
 
 struct Check<'a> {

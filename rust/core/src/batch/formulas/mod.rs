@@ -1,6 +1,7 @@
 //! What is computed, one file a job: kernels over whole registers of rows, the same for every level.
 
 pub(crate) mod admissible;
+pub(crate) mod choice;
 pub(crate) mod cone;
 pub(crate) mod forward;
 pub(crate) mod integrate;

@@ -15,8 +15,8 @@ use pulp::Simd;
 
 use super::twist::is_sure;
 use crate::admissible::SLIP_TOLERANCE;
-use crate::batch::formulas::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
-use crate::batch::formulas::steered::{DECIDED, NEAR_AN_END};
+use crate::batch::formulas::inverse::{LARGEST, SMALLEST, is_usual, pivots_apart};
+use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, Reach};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{ROUND, angle};
@@ -146,6 +146,8 @@ struct Group {
     /// knows the tolerances at an end, decides.
     range: [Eight; 2],
     inside: [Eight; 2],
+    /// How far beyond that an angle may be, and is at the end [rad]: where there is no other way of making the motion.
+    slack: Eight,
     /// Turn from the present angle up to which a wheel need not agree with the others on a way round [rad]; infinite where
     /// the range leaves one way only.
     decided: Eight,
@@ -159,9 +161,7 @@ struct Group {
 impl Group {
     /// Puts a wheel into a lane. Nothing if it is not one of those the kernel knows.
     fn fill(&mut self, lane: usize, wheel: &Wheel, mount: Mount) -> Option<()> {
-        let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
-        let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
-        if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
+        if !is_usual(wheel) {
             return None;
         }
         self.per_radius[lane] = 1.0 / wheel.radius;
@@ -196,8 +196,11 @@ impl Group {
     fn set_range(&mut self, lane: usize, range: SteeringRange) {
         self.range[0][lane] = range.lower;
         self.range[1][lane] = range.upper;
-        self.inside[0][lane] = range.lower + NEAR_AN_END;
-        self.inside[1][lane] = range.upper - NEAR_AN_END;
+        let inner = Reach::new(range).is_some_and(|reach| reach.inner);
+        let margin = if inner { 0.0 } else { NEAR_AN_END };
+        self.slack[lane] = if inner { AT_AN_END } else { 0.0 };
+        self.inside[0][lane] = range.lower + margin;
+        self.inside[1][lane] = range.upper - margin;
         self.decided[lane] = f64::INFINITY;
     }
 }
@@ -388,12 +391,13 @@ impl<S: Simd> Wheels<'_, S> {
         let back = shifted.has_bit(0).select(self.splat(-0.0), zero);
         let [lower, upper] = &group.inside;
         let decided = (angle - before).abs().at_most(self.load(&group.decided));
-        let inside = self.load(lower).below(angle) & angle.below(self.load(upper));
+        let held = angle.max(self.load(lower)).min(self.load(upper));
+        let inside = (angle - held).abs().at_most(self.load(&group.slack));
         let speed = x.mul_add(x, y * y).sqrt() * self.load(&group.per_radius);
         let speed = rests.select(zero, speed.flip(x.sign()).flip(back));
         let steers = zero.below(self.load(&group.steers));
         Solved {
-            angle: rests.select(before, angle),
+            angle: rests.select(before, held),
             speed: steers.select(speed, self.roll(twist)),
             sure: finite & (rests | (inside & decided)),
         }

@@ -9,7 +9,7 @@ use crate::rover::Rover;
 
 /// What the kernel says of a twist; nothing where the plain core has to decide.
 fn judge(rover: &Rover, twist: Twist) -> Option<bool> {
-    let cone = rover.cone.as_ref()?;
+    let cone = rover.whole_cone()?;
     level()?.run(JudgeOne { cone, twist })?
 }
 
@@ -29,7 +29,7 @@ pub fn admissible_one(rover: &Rover, twist: Twist) -> Result<bool, Error> {
 /// [`Rover::project`], by the kernel where there is one.
 pub fn project_one(rover: &Rover, twist: Twist, keep: Keep) -> Result<Twist, Error> {
     let kernel = || {
-        let cone = rover.cone.as_ref()?;
+        let cone = rover.whole_cone()?;
         let faces = rover.faces();
         level()?.run(ProjectOne {
             cone,
