@@ -15,7 +15,7 @@ use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
 /// Rows from which a batch is worth setting up a kernel for.
-const FEW: usize = 8;
+pub(super) const FEW: usize = 8;
 
 /// The rows in blocks of this size.
 fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {

@@ -1,5 +1,8 @@
 //! Calls that go through the plain core row by row.
 
+use super::rows::FEW;
+use crate::batch::formulas::fit::{Fits, Plan};
+use crate::batch::machine::level::Level;
 use crate::batch::machine::table::{Log, row_mut};
 use crate::error::Error;
 use crate::estimate::sensitivity::{Linearised, Quantity};
@@ -16,6 +19,19 @@ pub fn fit(
     residual: &mut [f64],
     weights: &mut [f64],
 ) -> Result<(), Error> {
+    if fits.len() >= FEW
+        && log.steering_rates.is_none()
+        && let Some(plan) = Plan::new(rover, method, unseen)
+    {
+        let rows = &mut Fits {
+            fits,
+            residual,
+            weights,
+        };
+        if let Some(done) = plan.fit(Level::best(), log, rows) {
+            return done;
+        }
+    }
     let wheels = rover.wheels().len();
     for (k, fit) in fits.iter_mut().enumerate() {
         let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));

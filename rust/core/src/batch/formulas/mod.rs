@@ -3,6 +3,7 @@
 pub(crate) mod admissible;
 pub(crate) mod choice;
 pub(crate) mod cone;
+pub(crate) mod fit;
 pub(crate) mod forward;
 pub(crate) mod integrate;
 pub(crate) mod inverse;

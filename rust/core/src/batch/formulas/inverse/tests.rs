@@ -74,8 +74,8 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
                     continue;
                 }
             };
-            for k in 0..count {
-                let largest = (&expected.1[k * wheels..(k + 1) * wheels])
+            for (k, twist) in twists.iter().enumerate() {
+                let largest = expected.1[k * wheels..(k + 1) * wheels]
                     .iter()
                     .fold(1e-3, |most: f64, speed| most.max(speed.abs()));
                 let angle = |at: usize| (found.0[at] - expected.0[at]).abs();
@@ -88,7 +88,7 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
                 assert!(
                     off <= 1e-13 && slow <= 1e-13,
                     "{level:?} {:?}: {off} {slow} {:?} {:?} {rover:?}",
-                    twists[k],
+                    twist,
                     &found.0[row(joints)],
                     &expected.0[row(joints)],
                 );
