@@ -2,6 +2,9 @@
 //! unsteered ones alone. Rank and smallest singular value are constants of the rover then, because a steered wheel without
 //! scrub and trail measures its pivot's whole velocity, whichever way it points.
 
+#[cfg(test)]
+mod tests;
+
 use super::forward;
 use super::inverse::all_within;
 use crate::batch::machine::lanes::Lanes;
