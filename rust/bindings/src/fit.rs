@@ -28,9 +28,10 @@ pub struct Fit {
     /// Say of each wheel, shape (..., wheels), 0 to 1.
     #[pyo3(get)]
     pub weights: Py<PyAny>,
-    /// Name of the wheel with the largest residual; nested lists of names for a batch.
-    #[pyo3(get)]
-    pub worst_wheel: Py<PyAny>,
+    rover: Py<Rover>,
+    /// Index of the wheel with the largest residual, row after row. Their names are made when somebody asks.
+    worst: Vec<u8>,
+    leading: Vec<usize>,
 }
 
 #[pymethods]
@@ -44,20 +45,27 @@ impl Fit {
             text(&self.rank)?,
             text(&self.sigma_min)?,
             text(&self.weights)?,
-            text(&self.worst_wheel)?,
+            self.worst_wheel(py)?.repr()?,
         ))
+    }
+
+    /// Name of the wheel with the largest residual; nested lists of names for a batch.
+    #[getter]
+    fn worst_wheel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let wheels = self.rover.get().core.wheels();
+        let names: Vec<_> = (wheels.iter())
+            .map(|wheel| PyString::new(py, &wheel.name).into_any())
+            .collect();
+        let worst = self.worst.iter().map(|&i| names[usize::from(i)].clone());
+        nested(py, worst.collect(), &self.leading)
     }
 }
 
-impl Rover {
-    fn wheel_name<'py>(&self, py: Python<'py>, residual: &[f64]) -> Bound<'py, PyAny> {
-        let worst = residual
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(b.1));
-        let name = worst.map_or("", |(i, _)| self.core.wheels()[i].name.as_str());
-        PyString::new(py, name).into_any()
-    }
+/// Index of the largest number.
+fn largest(numbers: &[f64]) -> u8 {
+    let numbers = numbers.iter().zip(0..);
+    let largest = numbers.max_by(|a, b| a.0.total_cmp(b.0));
+    largest.map_or(0, |(_, i)| i)
 }
 
 #[pymethods]
@@ -91,7 +99,7 @@ impl Rover {
     ///     If a value is not finite, a shape does not fit or the method is unknown.
     #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false))]
     fn fit<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
@@ -99,12 +107,13 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
     ) -> PyResult<Fit> {
+        let this = slf.get();
         let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
-        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let readings = this.read_log(steering, speeds, steering_rates)?;
         let leading = readings.speeds.leading.as_slice();
         let output = |width| Output::new(py, "out", None, &joined(leading, width), &[]);
-        let (mut twist, mut residual) = (output(3)?, output(self.count())?);
-        let mut weights = output(self.count())?;
+        let (mut twist, mut residual) = (output(3)?, output(this.count())?);
+        let mut weights = output(this.count())?;
         let none = CoreFit {
             twist: Twist::ZERO,
             rank: 0,
@@ -114,22 +123,21 @@ impl Rover {
         let unseen = unseen(allow_underdetermined);
         let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
         compute(py, fits.len(), || {
-            batch::fit(&self.core, log, method, unseen, &mut fits, slips, says)
+            batch::fit(&this.core, log, method, unseen, &mut fits, slips, says)
         })
         .map_err(|error| raise(error, leading))?;
         for (fit, target) in fits.iter().zip(twist.triples()) {
             *target = fit.twist.into();
         }
-        let worst: Vec<_> = slips
-            .chunks(self.count())
-            .map(|residual| self.wheel_name(py, residual))
-            .collect();
+        let worst = slips.chunks(this.count()).map(largest).collect();
         let ranks = fits.iter().map(|fit| fit.rank as i64);
         let sigmas = fits.iter().map(|fit| fit.sigma_min);
         Ok(Fit {
             rank: scalar_or_array(py, ranks.collect(), leading)?,
             sigma_min: scalar_or_array(py, sigmas.collect(), leading)?,
-            worst_wheel: nested(py, worst, leading)?.unbind(),
+            rover: slf.clone().unbind(),
+            worst,
+            leading: leading.to_vec(),
             twist: twist.finish()?.into_any().unbind(),
             residual: residual.finish()?.into_any().unbind(),
             weights: weights.finish()?.into_any().unbind(),

@@ -16,7 +16,7 @@ use crate::steering::{ANGLE_TOLERANCE, UNDECIDED};
 const CLOSE: f64 = 1e-9;
 
 /// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
-const LEFT: f64 = 0.1;
+const LEFT: f64 = 0.75;
 
 /// What a wheel is asked.
 #[derive(Clone, Copy)]
@@ -110,18 +110,15 @@ impl Steered {
         let angle = back.select(backwards.angle, forwards.angle);
         let overshoot = back.select(backwards.overshoot, forwards.overshoot);
         let rolled = rests.select(zero, along.flip(back.select(splat(-0.0), zero)));
+        let (rim_speed, kept) = self.scrubbed(simd, rolled, turning);
         Chosen {
             angle: rests.select(before, angle),
-            rim_speed: if self.scrub == 0.0 {
-                rolled
-            } else {
-                rolled - splat(self.scrub) * turning
-            },
+            rim_speed,
             backwards: back,
             undecided,
             lead,
             inside: still | (!rests & overshoot.at_most(zero)),
-            sure: rests | sure,
+            sure: rests | (sure & kept),
         }
     }
 
@@ -139,8 +136,26 @@ impl Steered {
         let along = if self.trail < 0.0 { -along } else { along };
         let rests = self.rests(simd, twist);
         let rolled = rests.select(zero, along);
-        let sure = rests | (splat(LEFT) * speed).below(along.abs());
-        (rolled - splat(self.scrub) * twist[2], sure)
+        let (rim_speed, kept) = self.scrubbed(simd, rolled, twist[2]);
+        let sure = rests | (kept & (splat(LEFT) * speed).below(along.abs()));
+        (rim_speed, sure)
+    }
+
+    /// What scrub leaves of a rim speed, and where that keeps its digits.
+    #[inline(always)]
+    fn scrubbed<S: Simd>(
+        &self,
+        simd: S,
+        rolled: Lanes<S>,
+        turning: Lanes<S>,
+    ) -> (Lanes<S>, Mask<S>) {
+        let zero = Lanes::splat(simd, 0.0);
+        if self.scrub == 0.0 {
+            return (rolled, zero.at_most(zero));
+        }
+        let left = rolled - Lanes::splat(simd, self.scrub) * turning;
+        let kept = rolled.abs().at_most(left.abs() + left.abs());
+        (left, kept)
     }
 
     /// `SteeringRange::nearest_turn`, and what the range leaves of it.

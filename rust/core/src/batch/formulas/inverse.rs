@@ -512,7 +512,7 @@ fn choose_block<S: Simd>(
                         | (!rolls & ((differ & shorter) | (!differ & agreed))),
                 );
                 let close = Lanes::splat(simd, 1e-9);
-                let tie = zero.below(lead.abs()) & lead.abs().below(close);
+                let tie = lead.abs().below(close); // also where it cancels: the plain core's sum may not
                 sure = sure & !(!rolls & differ & tie);
             }
         }
