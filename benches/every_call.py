@@ -137,19 +137,35 @@ def listed(rows=ROWS):
 
 
 def others(few):
-    """The other vehicles."""
+    """The other vehicles, the controller and the ground."""
     random = np.random.default_rng(2)
     table = []
 
-    def add(call, function, *arguments):
-        table.append(Row(call, "", function, arguments, {}, few))
+    def add(call, function, *arguments, rows=few):
+        table.append(Row(call, "", function, arguments, {}, rows))
 
-    bogie = sw.RockerBogie.preset("osr") if hasattr(sw.RockerBogie, "preset") else None
-    if bogie is not None:
-        rocker, bogies = random.uniform(-0.2, 0.2, few), random.uniform(-0.2, 0.2, (few, 2))
-        add("RockerBogie.frames", bogie.frames, rocker, bogies)
-        add("RockerBogie.icr_offset", bogie.icr_offset, rocker, bogies)
-        add("RockerBogie.jacobians", bogie.jacobians, rocker, bogies)
+    bogie = sw.RockerBogie.open_source_rover()
+    rocker, bogies = random.uniform(-0.2, 0.2, few), random.uniform(-0.2, 0.2, (few, 2))
+    add("RockerBogie.frames", bogie.frames, rocker, bogies)
+    add("RockerBogie.icr_offset", bogie.icr_offset, rocker, bogies)
+    add("RockerBogie.jacobians", bogie.jacobians, rocker, bogies)
+    speed, yaw_rate = np.full(few, 0.1), random.uniform(-0.05, 0.05, few)
+    add("RockerBogie.steer", bogie.steer, speed, yaw_rate, rocker, bogies)
+    axles = sw.FourAxle((0.3, 0.3), 0.4, 0.1)
+    centres = np.stack([np.zeros(few), random.uniform(2.0, 3.0, few)], axis=-1)
+    add("FourAxle.concurrent_angles", axles.concurrent_angles, centres)
+    add("FourAxle.inverse", axles.inverse, np.stack([0 * speed, 0 * speed, yaw_rate], axis=-1))
+    rover = rovers()["six-wheel"]
+    stamps = 0.02 * np.arange(few)
+    command = np.array([[0.3, 0.0, 0.1]])
+    add("Controller.run", lambda *log: sw.Controller(rover).run(*log), stamps[:1], command, stamps)
+    steering, speeds = rover.inverse(np.tile(command, (few, 1)))
+    totals = np.cumsum(0.02 * speeds, axis=0)
+    add("Preintegrated.add", lambda *log: sw.Preintegrated(rover).add(*log), steering, totals, stamps)
+    ground = sw.Terrain(random.uniform(0.0, 0.1, (32, 32)), 0.1)
+    points = random.uniform(0.2, 2.9, (few, 2))
+    for name in ("contains", "gradient", "height", "normal"):
+        add(f"Terrain.{name}", getattr(ground, name), points)
     return table
 
 
