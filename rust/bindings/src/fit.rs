@@ -3,10 +3,9 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use pyo3::types::PyString;
 use six_wheel_core::{Fit as CoreFit, Method, Twist, batch};
 
-use crate::convert::{Output, compute, joined, nested, raise, scalar_or_array};
+use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
 use crate::kinematics::unseen;
 use crate::rover::Rover;
 
@@ -29,8 +28,9 @@ pub struct Fit {
     #[pyo3(get)]
     pub weights: Py<PyAny>,
     rover: Py<Rover>,
-    /// Index of the wheel with the largest residual, row after row. Their names are made when somebody asks.
-    worst: Vec<u8>,
+    /// Index of the wheel with the largest residual, -1 where there is none, row after row. Their names are made when
+    /// somebody asks.
+    worst: Vec<i64>,
     leading: Vec<usize>,
 }
 
@@ -45,27 +45,48 @@ impl Fit {
             text(&self.rank)?,
             text(&self.sigma_min)?,
             text(&self.weights)?,
-            self.worst_wheel(py)?.repr()?,
+            text(&self.worst_wheel(py)?)?,
         ))
     }
 
-    /// Name of the wheel with the largest residual; nested lists of names for a batch.
+    /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     #[getter]
-    fn worst_wheel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let wheels = self.rover.get().core.wheels();
-        let names: Vec<_> = (wheels.iter())
-            .map(|wheel| PyString::new(py, &wheel.name).into_any())
-            .collect();
-        let worst = self.worst.iter().map(|&i| names[usize::from(i)].clone());
-        nested(py, worst.collect(), &self.leading)
+    fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.rover.get().names_of(
+            py,
+            memory::gathered(self.worst.iter().copied())?,
+            &self.leading,
+        )
     }
 }
 
-/// Index of the largest number.
-fn largest(numbers: &[f64]) -> u8 {
-    let numbers = numbers.iter().zip(0..);
-    let largest = numbers.max_by(|a, b| a.0.total_cmp(b.0));
-    largest.map_or(0, |(_, i)| i)
+/// The wheel that disagrees most, if any does: -1 if none.
+pub fn worst_wheel(residual: &[f64]) -> i64 {
+    let largest = residual.iter().copied().fold(0.0, f64::max);
+    let worst = residual
+        .iter()
+        .position(|slid| *slid == largest && largest > 0.0);
+    worst.map_or(-1, |wheel| wheel as i64)
+}
+
+impl Rover {
+    /// Names of wheels, None for -1, in nested lists of this shape.
+    fn names_of(&self, py: Python<'_>, wheels: Vec<i64>, shape: &[usize]) -> PyResult<Py<PyAny>> {
+        let names = self
+            .core
+            .wheels()
+            .iter()
+            .map(|wheel| Some(wheel.name.as_str()));
+        let names: Vec<Option<&str>> = names.chain([None]).collect();
+        if let ([], &[wheel]) = (shape, wheels.as_slice()) {
+            let name = usize::try_from(wheel).ok().and_then(|wheel| names[wheel]);
+            return Ok(name.into_pyobject(py)?.unbind());
+        }
+        let index = scalar_or_array(py, wheels, shape)?;
+        let numpy = py.import("numpy")?;
+        let names = numpy.call_method1("array", (names, "O"))?;
+        Ok(names.get_item(index)?.call_method0("tolist")?.unbind())
+    }
 }
 
 #[pymethods]
@@ -109,9 +130,9 @@ impl Rover {
     ) -> PyResult<Fit> {
         let this = slf.get();
         let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
-        let readings = this.read_log(steering, speeds, steering_rates)?;
+        let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
-        let output = |width| Output::new(py, "out", None, &joined(leading, width), &[]);
+        let output = |width| Output::fresh(py, &joined(leading, width));
         let (mut twist, mut residual) = (output(3)?, output(this.count())?);
         let mut weights = output(this.count())?;
         let none = CoreFit {
@@ -119,7 +140,7 @@ impl Rover {
             rank: 0,
             sigma_min: 0.0,
         };
-        let mut fits = vec![none; readings.speeds.count()];
+        let mut fits = memory::filled(none, readings.speeds.count())?;
         let unseen = unseen(allow_underdetermined);
         let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
         compute(py, fits.len(), || {
@@ -129,15 +150,15 @@ impl Rover {
         for (fit, target) in fits.iter().zip(twist.triples()) {
             *target = fit.twist.into();
         }
-        let worst = slips.chunks(this.count()).map(largest).collect();
+        let worst = slips.chunks_exact(this.count()).map(worst_wheel);
         let ranks = fits.iter().map(|fit| fit.rank as i64);
         let sigmas = fits.iter().map(|fit| fit.sigma_min);
         Ok(Fit {
-            rank: scalar_or_array(py, ranks.collect(), leading)?,
-            sigma_min: scalar_or_array(py, sigmas.collect(), leading)?,
+            worst: memory::gathered(worst)?,
             rover: slf.clone().unbind(),
-            worst,
             leading: leading.to_vec(),
+            rank: scalar_or_array(py, memory::gathered(ranks)?, leading)?,
+            sigma_min: scalar_or_array(py, memory::gathered(sigmas)?, leading)?,
             twist: twist.finish()?.into_any().unbind(),
             residual: residual.finish()?.into_any().unbind(),
             weights: weights.finish()?.into_any().unbind(),
