@@ -258,28 +258,25 @@ impl Maker<'_> {
         })
     }
 
+    /// Whether a plane holds all of a face, to rounding.
+    fn holds(&self, row: &Vector3<f64>, face: &Face) -> bool {
+        let scaled = self.scaled(row);
+        face.span.iter().all(|[direction, _]| {
+            let along = scaled.dot(&(self.size * Vector3::from(*direction)));
+            along.abs() <= 1e3 * f64::EPSILON
+        })
+    }
+
     /// With the joints that have to be looked at: those of a limited range that is not at an end all over the face.
     fn opened(&self, mut face: Face) -> Face {
         if face.span.len() < 2 {
             return face;
         }
         let planes = self.rover.limit_planes();
-        let at_an_end = |row: &Vector3<f64>| {
-            let scaled = self.scaled(row);
-            let along = |[direction, _]: &[[f64; 3]; 2]| {
-                scaled.dot(&(self.size * Vector3::from(*direction))).abs()
-            };
-            face.span
-                .iter()
-                .all(|part| along(part) <= 1e3 * f64::EPSILON)
-        };
-        let mut open: Vec<usize> = planes
+        let open = planes
             .iter()
-            .filter(|(_, rows)| !rows.iter().any(at_an_end))
-            .map(|(joint, _)| *joint)
-            .collect();
-        open.dedup();
-        face.open = open;
+            .filter(|(_, rows)| !rows.iter().any(|row| self.holds(row, &face)));
+        face.open = open.map(|(joint, _)| *joint).collect();
         face
     }
 
@@ -287,8 +284,12 @@ impl Maker<'_> {
     fn may_count(&self, face: &Face) -> bool {
         match face.span.as_slice() {
             [[direction, _]] => self.rover.is_possible(Vector3::from(*direction).into()),
-            // The whole space: the wanted twist itself, which has been tried.
-            parts => parts.len() < 3,
+            // The whole space is the wanted twist itself, which has been tried; and unsteered wheels that are not quite
+            // parallel have no plane in common.
+            parts => {
+                let mut banks = self.rover.banks.iter();
+                parts.len() < 3 && banks.all(|bank| self.holds(&bank.row, face))
+            }
         }
     }
 }

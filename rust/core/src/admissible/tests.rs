@@ -269,3 +269,16 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
     }
     Ok(())
 }
+
+#[test]
+fn wheels_that_are_nearly_parallel_have_no_plane_in_common() -> Result<(), Error> {
+    let (a, mut b) = (
+        Wheel::new("a", 0.0, 0.2, 0.1),
+        Wheel::new("b", 0.0, -0.2, 0.1),
+    );
+    b.heading = 5e-7;
+    let rover = Rover::new(vec![a, b])?;
+    let found = rover.project((Vector3::new(1.0, 0.3, 0.5)).into(), Keep::Nearest)?;
+    assert!(rover.check(found, None).is_ok(), "{found:?}");
+    Ok(())
+}
