@@ -1,7 +1,7 @@
 """What a row of every public batch call costs, as a multiple of a row of `Rover.inverse` in the same run.
 
-The calls are found by walking the package: whatever takes an array of any number of rows. A new one needs a row here, or
-a word why it has none; `tests/core/laws/test_every_call.py` fails until it has.
+The calls are found by walking the package: whatever takes an array of any number of rows. A new one needs a
+row here, or a word why it has none; `tests/core/laws/test_every_call.py` fails until it has.
 """
 
 import inspect
@@ -22,6 +22,7 @@ BATCH = re.compile(r"shape \((\.\.\.|n\b|m\b)")
 NO_BATCH = {
     "Rover.omni": "positions of wheels",
     "Rover.swerve": "positions of wheels",
+    "simulate": "one log, made sample by sample",
     "umbmark": "two runs of a square",
 }
 
@@ -57,15 +58,18 @@ def public_calls():
 
 
 def rovers():
+    """The vehicles that are asked."""
+    four = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
     return {
         "six-wheel": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=LIMIT),
-        "swerve": sw.Rover.swerve([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)], 0.1, steering_limit=LIMIT),
+        "swerve": sw.Rover.swerve(four, 0.1, steering_limit=LIMIT),
         "car": sw.Rover.ackermann(1.0, 0.6, 0.1, steering_limit=0.6),
-        "swerve, range 3": sw.Rover.swerve([(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4)], 0.1, steering_limit=3.0),
+        "swerve, range 3": sw.Rover.swerve(four[:3], 0.1, steering_limit=3.0),
         "scrub and trail": sw.Rover([
-            *(sw.Wheel(f"s{i}", 0.5, y, radius=0.1, steered=True, steering_limit=LIMIT, scrub=0.05, trail=0.02)
-              for i, y in enumerate((0.4, -0.4))),
-            *(sw.Wheel(f"f{i}", 0.0, y, radius=0.1) for i, y in enumerate((0.4, -0.4))),
+            sw.Wheel("a", 0.5, 0.4, radius=0.1, steered=True, steering_limit=LIMIT, scrub=0.05, trail=0.02),
+            sw.Wheel("b", 0.5, -0.4, radius=0.1, steered=True, steering_limit=LIMIT, scrub=-0.05, trail=0.02),
+            sw.Wheel("c", 0.0, 0.4, radius=0.1),
+            sw.Wheel("d", 0.0, -0.4, radius=0.1),
         ]),
     }  # fmt: skip
 
@@ -104,7 +108,9 @@ def listed(rows=ROWS):
     joints = vehicles["scrub and trail"].inverse(vehicles["scrub and trail"].project(beyond))
     twists = np.empty((rows, 3))
     add("Rover.forward", "six-wheel", rover.forward, steering, speeds, out=twists, goal=1.0)
-    add("Rover.forward", "scrub and trail", vehicles["scrub and trail"].forward, *joints, out=twists, goal=2.0)
+    add(
+        "Rover.forward", "scrub and trail", vehicles["scrub and trail"].forward, *joints, out=twists, goal=2.0
+    )
     add("Rover.commands", "six-wheel", rover.commands, inside)
     add("Rover.admissible", "few are", rover.admissible, beyond, goal=0.5)
     add("Rover.admissible", "all are", rover.admissible, inside, goal=0.5)
@@ -118,7 +124,9 @@ def listed(rows=ROWS):
     add("Rover.fit", "middle wheels", rover.fit, steering, speeds, method="middle_wheels", goal=2.0)
     noisy = speeds[:few] + random.normal(0.0, 0.05, speeds[:few].shape)
     add("Rover.fit", "robust", rover.fit, steering[:few], noisy, method="robust", rows=few, goal=15.0)
-    add("Rover.sensitivity", "six-wheel", rover.sensitivity, steering[:few], speeds[:few], rows=few, goal=10.0)
+    add(
+        "Rover.sensitivity", "six-wheel", rover.sensitivity, steering[:few], speeds[:few], rows=few, goal=10.0
+    )
     add("exp", "", sw.exp, inside, 0.1, goal=0.5)
     add("log", "", sw.log, inside, 0.1, goal=0.5)
     add("compose", "", sw.compose, inside, inside, goal=0.5)
@@ -132,7 +140,14 @@ def listed(rows=ROWS):
     add("Rover.rollout_cost", "six-wheel", rover.rollout_cost, controls, 0.02, rows=count)
     add("dead_reckon", "six-wheel", sw.dead_reckon, rover, steering, totals, stamps, goal=5.0)
     odometry = sw.Odometry(rover)
-    add("Odometry.run", "six-wheel", lambda *log: sw.Odometry(odometry.rover).run(*log), steering, totals, stamps)
+    add(
+        "Odometry.run",
+        "six-wheel",
+        lambda *log: sw.Odometry(odometry.rover).run(*log),
+        steering,
+        totals,
+        stamps,
+    )
     return table + others(few)
 
 
@@ -163,7 +178,8 @@ def others(few):
     totals = np.cumsum(0.02 * speeds, axis=0)
     add("Preintegrated.add", lambda *log: sw.Preintegrated(rover).add(*log), steering, totals, stamps)
     ground = sw.Terrain(random.uniform(0.0, 0.1, (32, 32)), 0.1)
-    points = random.uniform(0.2, 2.9, (few, 2))
+    points = random.uniform(1.2, 1.9, (few, 2))
+    add("Suspension.settle", bogie.settle, ground, np.concatenate([points, points[:, :1]], axis=1))
     for name in ("contains", "gradient", "height", "normal"):
         add(f"Terrain.{name}", getattr(ground, name), points)
     return table

@@ -1,6 +1,6 @@
 """The tables: the core and its peers in one run, in turn, with ratios and goals.
 
-python benches/run.py [--markdown] [--only calls batches every growth latency memory] [--rounds 30] [--most 1e7]
+python benches/run.py [--markdown] [--only calls batches every ...] [--rounds 30] [--most 1e7]
 """
 
 import argparse

@@ -71,7 +71,8 @@ impl Steered {
             .min(splat(self.range.upper));
         let rests = self.rests(simd, asked.twist);
         let turning = omega + asked.rate;
-        let speed = x.mul_add(x, y * y).sqrt();
+        let square = x.mul_add(x, y * y);
+        let speed = square.sqrt();
         let half = angle(simd, x.abs(), y.abs()).flip(y.sign()).flip(x.sign());
         let mut sure = zero.at_most(zero);
         let mut still = rests;
@@ -79,8 +80,7 @@ impl Steered {
         if self.trail != 0.0 {
             let across = splat(self.trail) * turning;
             let straight = across.abs().at_most(zero);
-            let rest = |sum: Lanes<S>| sum.max(zero).sqrt();
-            along = straight.select(speed, rest(speed - across) * rest(speed + across));
+            along = (-across).mul_add(across, square).max(zero).sqrt();
             still = rests & straight; // steering drags the contact of a resting pivot
             sure = (splat(LEFT) * speed).below(along);
             let lean = angle(simd, along, across.abs())
@@ -128,11 +128,10 @@ impl Steered {
         let splat = |number| Lanes::splat(simd, number);
         let zero = splat(0.0);
         let [x, y] = self.velocity(simd, twist);
-        let speed = x.mul_add(x, y * y).sqrt();
+        let square = x.mul_add(x, y * y);
+        let speed = square.sqrt();
         let across = splat(self.trail) * twist[2];
-        let rest = |sum: Lanes<S>| sum.max(zero).sqrt();
-        let straight = across.abs().at_most(zero);
-        let along = straight.select(speed, rest(speed - across) * rest(speed + across));
+        let along = (-across).mul_add(across, square).max(zero).sqrt();
         let along = if self.trail < 0.0 { -along } else { along };
         let rests = self.rests(simd, twist);
         let rolled = rests.select(zero, along);
