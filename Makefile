@@ -16,7 +16,7 @@ WATCHED = LD_PRELOAD=$$($(CC) -print-file-name=libasan.so) ASAN_OPTIONS=detect_l
 PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_tricks.as_strided(np.zeros(2), (4,), (8,)); \
 	sw.Rover.preset('perseverance').forward(angles, np.zeros(6))
 
-.PHONY: demo test test-rust test-python soak sanitize bench bench-suites lint format wheel clean
+.PHONY: demo test test-rust test-python soak sanitize bench bench-suites profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -48,6 +48,10 @@ bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios an
 bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
+
+profiling: $(VENV)/installed ## the installed module with names and lines for perf and valgrind; the next build takes them away
+	cargo build --profile profiling --locked --package six-wheel-py
+	cp target/profiling/lib_core.so $$($(BIN)/python -c "import six_wheel._core as core; print(core.__file__)")
 
 lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo fmt --all --check

@@ -1,19 +1,25 @@
 //! One row: the lanes of a register are the wheels.
 //!
 //! The formulas, and what is left to the plain core, are those of the kernels for whole batches. The steered
-//! wheels come first, then the others, eight to a group; what a wheel does not have, its numbers rule out.
+//! wheels come first, then the others, eight to a group.
+//!
+//! There are no branches by the kind of wheel; every lane goes through the same operations with numbers that make the
+//! foreign ones harmless. A lane that is not steered has `x = y = arm = 0` and a whole turn without ends, so its angle is
+//! never in doubt and thrown away, and its speed is its constant row times the twist. A steered lane has a row of zeros. A lane
+//! without a wheel has both, and its results are not copied out. Where half turns lead to no other angle of the range,
+//! `per_half_turn` is 0, so that the number of half turns comes out as 0.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use pulp::Simd;
 
-use super::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
-use super::lanes::{Lanes, Mask};
-use super::level::{Kernel, Level};
-use super::polynomials::{ROUND, angle};
-use super::steered::{DECIDED, NEAR_AN_END};
-use super::vector::Vector;
 use crate::admissible::{Keep, SLIP_TOLERANCE};
+use crate::batch::formulas::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
+use crate::batch::formulas::steered::{DECIDED, NEAR_AN_END};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{ROUND, angle};
+use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
@@ -69,7 +75,7 @@ fn try_one(
 }
 
 /// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
-pub(super) fn check_row(
+pub(in crate::batch) fn check_row(
     level: Level,
     rover: &Rover,
     twist: Twist,
@@ -83,7 +89,7 @@ pub(super) fn check_row(
 }
 
 /// A row that has been checked.
-pub(super) fn solve_row(
+pub(in crate::batch) fn solve_row(
     level: Level,
     rover: &Rover,
     twist: Twist,
@@ -158,10 +164,12 @@ struct Group {
     arm: Eight,
     sin: Eight,
     cos: Eight,
-    /// The range, and what lies so far inside it that there is no doubt.
+    /// Ends of the range [rad], and of what lies inside it by more than [`NEAR_AN_END`]: beyond that the plain core, which
+    /// knows the tolerances at an end, decides.
     range: [Eight; 2],
     inside: [Eight; 2],
-    /// How far a wheel may turn without asking the others.
+    /// Turn from the present angle up to which a wheel need not agree with the others on a way round [rad]; infinite where
+    /// the range leaves one way only.
     decided: Eight,
     /// `1 / pi` where half turns lead to other angles of the range, 0 elsewhere.
     per_half_turn: Eight,

@@ -3,24 +3,24 @@
 
 use pulp::Simd;
 
-use super::lanes::{Lanes, Mask};
-use super::level::{Kernel, Level};
 use super::steered::{Reach, Steer, Steered, absolute, load};
-use super::stream::{Output, fetch_ahead};
-use super::vector::Vector;
-use super::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::admissible::SLIP_TOLERANCE;
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::stream::{Output, fetch_ahead};
+use crate::batch::machine::vector::Vector;
+use crate::batch::machine::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Mount, Rover};
 use crate::wheels::{REST, Wheel};
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
-pub(super) const SMALLEST: f64 = 1e-100;
-pub(super) const LARGEST: f64 = 1e100;
+pub(in crate::batch) const SMALLEST: f64 = 1e-100;
+pub(in crate::batch) const LARGEST: f64 = 1e100;
 
 /// Sizes of rovers with which that holds at every pivot.
-pub(super) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
+pub(in crate::batch) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Part {
@@ -160,7 +160,7 @@ impl<'a> Plan<'a> {
 }
 
 /// Two pivots far apart.
-pub(super) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
+pub(in crate::batch) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     let first = [wheels[0].x, wheels[0].y];
     let mut other = first;
     let distance = |[x, y]: [f64; 2]| (x - first[0]).abs() + (y - first[1]).abs();

@@ -161,9 +161,9 @@ pub(crate) fn sinc_of_square<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
 mod tests {
     use super::*;
     use crate::batch::Level;
-    use crate::batch::lanes::Lanes;
-    use crate::batch::level::Kernel;
-    use crate::batch::vector::Vector;
+    use crate::batch::machine::lanes::Lanes;
+    use crate::batch::machine::level::Kernel;
+    use crate::batch::machine::vector::Vector;
 
     /// Applies a function of two numbers to every pair.
     struct Apply<'a> {

@@ -1,10 +1,10 @@
 //! Poses along many short logs, one in every lane: the rollouts of a sampling planner.
 
-use super::lanes::{Lanes, Mask};
-use super::level::{Kernel, Level};
-use super::polynomials::ROUND;
 use super::tile::{LANES, LARGEST_HEADING, PerStep, STEPS, Sums, Tile, WIDTH, durations};
-use super::vector::Vector;
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::ROUND;
+use crate::batch::machine::vector::Vector;
 use crate::geometry::{Steps, Sum, TAU_REST, Walk};
 
 /// Their starts, and one pose after every step.

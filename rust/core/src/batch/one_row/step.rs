@@ -6,11 +6,11 @@
 
 mod plan;
 
-use super::lanes::Lanes;
-use super::level::Kernel;
-use super::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
-use super::single::{Eight, GROUP, padded};
-use super::vector::Vector;
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::level::Kernel;
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
+use crate::batch::machine::vector::Vector;
+use crate::batch::one_row::inverse::{Eight, GROUP, padded};
 use crate::odometry::{
     Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, step_jacobian,
 };

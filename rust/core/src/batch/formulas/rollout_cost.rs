@@ -3,16 +3,16 @@
 use std::f64::consts::PI;
 
 use super::inverse::{Part, Plan, dot};
-use super::lanes::{Lanes, Lockstep, Mask};
-use super::level::Kernel;
 use super::logs::{Logs, Watch, side_by_side};
-use super::polynomials::angle;
-use super::poses::{Buffers, Journey};
 use super::steered::Steered;
-use super::table::{Durations, Table};
 use super::tile::{LANES, PerStep, STEPS, WIDTH};
-use super::vector::Vector;
-use super::workers::{self, Workers};
+use crate::batch::calls::poses::{Buffers, Journey};
+use crate::batch::machine::lanes::{Lanes, Lockstep, Mask};
+use crate::batch::machine::level::Kernel;
+use crate::batch::machine::polynomials::angle;
+use crate::batch::machine::table::{Durations, Table};
+use crate::batch::machine::vector::Vector;
+use crate::batch::machine::workers::{self, Workers};
 use crate::error::{Error, finite};
 use crate::geometry::{Steps, Twist};
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
@@ -60,7 +60,7 @@ impl Costs<'_> {
     }
 }
 
-/// Poses of rollouts of `count` steps each, as [`super::integrate`], and the worst that each asks of the wheels.
+/// Poses of rollouts of `count` steps each, as [`crate::batch::integrate`], and the worst that each asks of the wheels.
 ///
 /// The controls need not be possible: a steered wheel goes as near as its range lets it, and the scrub says by
 /// how much that misses. Every step's angles are chosen from those of the step before, the first from

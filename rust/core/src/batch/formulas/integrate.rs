@@ -1,10 +1,10 @@
 //! Poses along one log, cut into as many pieces as a register has lanes, tile by tile.
 
-use super::lanes::Lanes;
-use super::level::{Kernel, Level};
-use super::stream::{Output, fetch_ahead};
 use super::tile::{LANES, LARGEST_HEADING, PerStep, STEPS, Sums, Tile, WIDTH, columns, durations};
-use super::vector::Vector;
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::stream::{Output, fetch_ahead};
+use crate::batch::machine::vector::Vector;
 use crate::geometry::{Steps, Sum, Walk};
 
 /// Numbers up to here surely add up to something finite.

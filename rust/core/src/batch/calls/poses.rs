@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::BLOCK_ROWS;
-use super::integrate::{LARGEST_TOTAL, follow, sum_of_sizes};
-use super::level::Level;
-use super::logs::{self, Logs};
-use super::stream::is_large;
-use super::table::{Durations, Table};
-use super::workers::{self, Workers};
+use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, sum_of_sizes};
+use crate::batch::formulas::logs::{self, Logs};
+use crate::batch::machine::level::Level;
+use crate::batch::machine::stream::is_large;
+use crate::batch::machine::table::{Durations, Table};
+use crate::batch::machine::workers::{self, Workers};
 use crate::error::Error;
 use crate::geometry::{Bound, Steps, Twist, Walk};
 use crate::rover::Rover;

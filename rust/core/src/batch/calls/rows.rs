@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
-use super::level::Level;
-use super::stream::is_large;
-use super::table::{Beside, Log, Readings, Table};
-use super::workers::{self, Workers};
-use super::{BLOCK_ROWS, forward as estimate, inverse as command, single, single_forward};
+use super::BLOCK_ROWS;
+use crate::batch::formulas::{forward as estimate, inverse as command};
+use crate::batch::machine::level::Level;
+use crate::batch::machine::stream::is_large;
+use crate::batch::machine::table::{Beside, Log, Readings, Table};
+use crate::batch::machine::workers::{self, Workers};
+use crate::batch::one_row::{forward as single_forward, inverse as single};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
 use crate::geometry::Twist;

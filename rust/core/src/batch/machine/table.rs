@@ -4,8 +4,9 @@ use std::fmt;
 use std::ops::Range;
 
 use crate::error::Error;
+use crate::estimate::Measured;
 use crate::geometry::Steps;
-use crate::rover::Inputs;
+use crate::rover::{Inputs, Rover};
 
 /// Rows of numbers.
 #[derive(Clone, Copy)]
@@ -205,4 +206,36 @@ impl<'a> Durations<'a> {
         }
         Ok(longest)
     }
+}
+
+impl<'a> Inputs<'a> {
+    /// The inputs of one row of a batch.
+    pub(in crate::batch) fn row(&self, rover: &Rover, k: usize) -> Self {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
+        Self {
+            previous: at(self.previous, joints),
+            previous_speeds: at(self.previous_speeds, wheels),
+            steering_rates: at(self.steering_rates, joints),
+        }
+    }
+}
+
+impl<'a> Log<'a> {
+    pub(in crate::batch) fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        Measured {
+            steering: row(self.steering, joints, k),
+            speeds: row(self.speeds, wheels, k),
+            steering_rates: self.steering_rates.map(|rates| row(rates, joints, k)),
+        }
+    }
+}
+
+pub(in crate::batch) fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
+    &values[k * width..(k + 1) * width]
+}
+
+pub(in crate::batch) fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
+    &mut values[k * width..(k + 1) * width]
 }

@@ -4,9 +4,9 @@
 //! heading kept within half a turn. Rounding therefore grows with the length of a few steps, not with that of
 //! the log.
 
-use super::lanes::{Lanes, Lockstep, Mask};
-use super::polynomials::{direction, sinc_of_square};
-use super::vector::Vector;
+use crate::batch::machine::lanes::{Lanes, Lockstep, Mask};
+use crate::batch::machine::polynomials::{direction, sinc_of_square};
+use crate::batch::machine::vector::Vector;
 use crate::geometry::{Steps, Sum};
 
 /// Steps of a tile in one lane.

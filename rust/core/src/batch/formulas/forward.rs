@@ -2,23 +2,23 @@
 
 use std::ops::Range;
 
-use super::lanes::{Lanes, Mask};
-use super::level::{Kernel, Level};
-use super::polynomials::{LARGEST_ANGLE, sin_cos};
-use super::stream::{Output, fetch_ahead};
-use super::vector::Vector;
-use super::weave::{BLOCK, Column, unweave, weave, with_columns};
-use super::{Log, row};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
+use crate::batch::machine::stream::{Output, fetch_ahead};
+use crate::batch::machine::table::{Log, row};
+use crate::batch::machine::vector::Vector;
+use crate::batch::machine::weave::{BLOCK, Column, unweave, weave, with_columns};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
 use crate::rover::{Mount, Rover};
 use crate::wheels::Wheel;
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
-pub(super) const LARGEST_SPEED: f64 = 1e100;
+pub(in crate::batch) const LARGEST_SPEED: f64 = 1e100;
 
 /// Bound of what the rover multiplies readings by.
-pub(super) const LARGEST_ROVER: f64 = 1e100;
+pub(in crate::batch) const LARGEST_ROVER: f64 = 1e100;
 
 /// What one wheel adds to the right-hand side of the normal equations.
 #[derive(Clone, Copy, Debug)]

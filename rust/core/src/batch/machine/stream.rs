@@ -149,8 +149,9 @@ impl<S: Vector> Drop for Stream<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Level, Log, forward, integrate, inverse};
     use super::*;
+    use crate::batch::formulas::{forward, integrate, inverse};
+    use crate::batch::{Level, Log};
     use crate::error::Error;
     use crate::estimate::Unseen;
     use crate::geometry::{Steps, Walk};

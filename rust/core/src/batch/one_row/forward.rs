@@ -1,11 +1,11 @@
 //! The readings of one instant: the lanes of a register are the wheels.
 
-use super::forward::{LARGEST_ROVER, LARGEST_SPEED};
-use super::lanes::Lanes;
-use super::level::{Kernel, Level};
-use super::polynomials::{LARGEST_ANGLE, sin_cos};
-use super::single::{Eight, GROUP, level, order, padded};
-use super::vector::Vector;
+use crate::batch::formulas::forward::{LARGEST_ROVER, LARGEST_SPEED};
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
+use crate::batch::machine::vector::Vector;
+use crate::batch::one_row::inverse::{Eight, GROUP, level, order, padded};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
 use crate::geometry::Twist;
@@ -24,7 +24,7 @@ pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Res
 }
 
 /// A row of a log: at the plain level without the kernel.
-pub(super) fn solve_row(
+pub(in crate::batch) fn solve_row(
     level: Level,
     rover: &Rover,
     measured: Measured<'_>,

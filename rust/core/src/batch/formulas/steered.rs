@@ -2,17 +2,17 @@
 
 use pulp::Simd;
 
-use super::lanes::{Lanes, Mask};
-use super::polynomials::angle;
-use super::weave::{BLOCK, Column};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::polynomials::angle;
+use crate::batch::machine::weave::{BLOCK, Column};
 use crate::steering::SteeringRange;
 use crate::wheels::{Direction, REST};
 
 /// Angles this near to an end of the reach are left to the plain core, which knows the tolerances [rad].
-pub(super) const NEAR_AN_END: f64 = 1e-8;
+pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;
 
 /// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
-pub(super) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
+pub(in crate::batch) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
 
 /// The angles that need no thought, as two half planes `across * y < along * x` of the pivot's velocity.
 #[derive(Clone, Copy, Debug)]

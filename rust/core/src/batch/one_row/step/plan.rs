@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::super::forward::LARGEST_ROVER;
-use super::super::level::Level;
-use super::super::polynomials::LARGEST_ANGLE;
-use super::super::single::{Eight, GROUP, level, order};
+use crate::batch::formulas::forward::LARGEST_ROVER;
+use crate::batch::machine::level::Level;
+use crate::batch::machine::polynomials::LARGEST_ANGLE;
+use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
 use crate::odometry::Encoder;
 use crate::rover::{Mount, Rover};
 
@@ -13,44 +13,60 @@ use crate::rover::{Mount, Rover};
 pub(super) type Triple = [Eight; 3];
 
 /// What the kernel needs to know of a rover and its encoders, and its memory.
+///
+/// What holds: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
+/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so they
+/// roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a castor
+/// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
+/// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(super) level: Level,
     pub(super) groups: Vec<Group>,
+    /// One per group.
     pub(super) rooms: Vec<Room>,
 }
 
 /// Eight wheels.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Group {
-    /// Which they are; beyond the last one no index there is.
+    /// Index of each wheel in the rover; [`usize::MAX`] where there is none.
     pub(super) wheels: [usize; GROUP],
-    /// How many there are.
+    /// How many there are: lanes `0..count`.
     pub(super) count: usize,
-    /// How many of them are steered.
+    /// How many of them are steered: lanes `0..steered`.
     pub(super) steered: usize,
     /// 1 for a steered wheel, 0 for another.
     pub(super) steers: Eight,
+    /// Direction at steering angle 0 [rad].
     pub(super) heading: Eight,
     /// Angle of a wheel and of its joint per count of their encoders [rad].
     pub(super) per_count: [Eight; 2],
+    /// [m]
     pub(super) radius: Eight,
+    /// Place of the pivot in the body, x and y [m].
     pub(super) pivot: [Eight; 2],
-    /// The rows of a wheel that points ahead; to the left they are the second one and minus the first one.
+    /// Rolling and side-slip row. Those of a steered wheel are for the wheel pointing ahead: pointing by `a` to the left,
+    /// they are `cos a` times the one and `sin a` times the other, and `cos a` times the other less `sin a` times the one.
     pub(super) rows: [Triple; 2],
-    /// What a metre along either row is of the displacement.
+    /// Displacement [m, m, rad] that a metre measured along either row adds to the least-squares solution.
     pub(super) shares: [Triple; 2],
-    /// 1 for a wheel that has the row.
+    /// 1 where a wheel measures along the row, 0 where rollers or the lack of a wheel leave it out.
     pub(super) has: [Eight; 2],
 }
 
 /// What is kept of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Room {
+    /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
     pub(super) shares: [Triple; 2],
+    /// Way along the wheel's heading, for a steered one along the chord [m].
     pub(super) rolled: Eight,
+    /// The same in the axes of the rows [m].
     pub(super) way: [Eight; 2],
+    /// Length of what the fitted displacement and the wheel disagree by [m].
     pub(super) slid: Eight,
+    /// Variance of that [m²].
     pub(super) variance: Eight,
 }
 
