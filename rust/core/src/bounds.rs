@@ -1,0 +1,193 @@
+//! Bounds of how a rocker-bogie stands, without settling it: from the lowest and highest ground under each wheel.
+//!
+//! After ACE (K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
+//! articulated suspension systems, Journal of Field Robotics 37(5), 2020, arXiv 1808.00031), with the closed form
+//! of `side` in place of the published one. A wheel's centre is between the lowest and the highest ground under
+//! its box, plus `r cos(g)`: below neither its lowest point nor its contact is higher or lower. From the intervals
+//! of six heights follow those of the inclination `g`, by contraction of
+//! `tan(g) = (E_left - E_right) / (2 y)`, of both rockers and bogies, and of everything else.
+//!
+//! The boxes hold the wheels while the angles are [`Within`] a range. Where the bounds leave that range, where a
+//! corner of the heights has no solution or is not proved to be extreme, the answer is a [`Knowledge`] that says
+//! so, and no interval.
+
+mod boxes;
+mod kernel;
+mod pyramid;
+mod side;
+
+use crate::error::{Error, number, numbers};
+use crate::suspension::{Bogie, Differential, Dimensions};
+
+pub use boxes::Within;
+pub use kernel::{Margins, Ground, bounds};
+pub use pyramid::Pyramid;
+
+use boxes::Patch;
+use side::Side;
+
+/// What the bounds of a pose are worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Knowledge {
+    /// The rover, settled, is inside.
+    Bounded = 0,
+    /// A wheel or the belly may be outside the map.
+    OffMap = 1,
+    /// A height under them is not known.
+    UnknownCells = 2,
+    /// Some heights of the wheels have no solution, or more than one: not known, not impossible.
+    Unsolved = 3,
+    /// The angles may be larger than those for which the wheels are in their boxes.
+    Beyond = 4,
+    /// A joint may be at its stop, with a wheel in the air.
+    AtStop = 5,
+}
+
+/// The intervals of a pose, in the order in which [`bounds`] writes them.
+pub const QUANTITIES: [&str; 9] = [
+    "z", "roll", "pitch", "tilt", "clearance", "rocker", "bogie_left", "bogie_right", "wheel_drop",
+];
+
+/// The underside of the body: a level rectangle of its frame, as far to the left as to the right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belly {
+    /// Rear and front edge [m].
+    pub x: [f64; 2],
+    /// Half its width [m].
+    pub half_width: f64,
+    /// Its height in the frame of the body [m].
+    pub z: f64,
+}
+
+impl Belly {
+    /// Fails unless it is a rectangle.
+    pub fn new(x: [f64; 2], half_width: f64, z: f64) -> Result<Self, Error> {
+        let all = [x[0], x[1], half_width, z];
+        let is = all.iter().all(|value| value.is_finite()) && x[0] < x[1] && half_width > 0.0;
+        if is {
+            return Ok(Self { x, half_width, z });
+        }
+        let rule = "be rear and front edge in order, a positive half width and a height, all finite";
+        Err(Error::value("belly", rule, numbers(&all)))
+    }
+
+    /// Where no drawing of the body is at hand: between the rear and the front wheels, three quarters of the way
+    /// out to the rockers, a quarter of a wheel's radius below the lower of their axes and those of the bogies.
+    /// (Perseverance: 0.60 m above the ground, the clearance NASA gives.)
+    pub fn between_wheels(dimensions: &Dimensions) -> Self {
+        let pivot = dimensions.rocker_pivot;
+        let x = |pair: usize| {
+            let on_bogie = dimensions.bogie.carries(pair);
+            let joint = if on_bogie { dimensions.rocker_to_bogie[0] } else { 0.0 };
+            pivot[0] + joint + dimensions.to_wheel(pair)[0]
+        };
+        let r = dimensions.wheel_radius;
+        let (rear, front) = (x(2), x(0));
+        let middle = (rear + front) / 2.0;
+        let half = ((front - rear).abs() / 2.0 - r).max(r / 2.0);
+        Self {
+            x: [middle - half, middle + half],
+            half_width: 0.75 * pivot[1].abs().max(r),
+            z: pivot[2] + dimensions.rocker_to_bogie[2].min(0.0) - r / 4.0,
+        }
+    }
+}
+
+/// What the kernel needs to know of a rover.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    side: Side,
+    within: Within,
+    /// Boxes of the left wheels, front to rear.
+    wheels: [Patch; 3],
+    /// Box of the belly, and of its middle.
+    belly: Patch,
+    middle: Patch,
+    plate: Belly,
+    /// Axis of the rockers in the body [m].
+    pivot: [f64; 3],
+    radius: f64,
+    /// Smallest lateral distance of a wheel, and what those of each pair have more [m].
+    lateral: f64,
+    offsets: [f64; 3],
+    /// Which pairs are the rocker's, the bogie's ahead and the bogie's behind.
+    roles: [usize; 3],
+    /// From D to the rocker's wheel and to B; from B to its wheels ahead and behind.
+    vectors: [[f64; 3]; 4],
+    /// See [`boxes::sag`].
+    sag: [f64; 4],
+    /// How far the mean of the rockers' angles, as they are coupled, is from 0 at most [rad].
+    slack: f64,
+    rocker_limit: [f64; 2],
+    bogie_limit: [f64; 2],
+}
+
+impl Plan {
+    /// For a rover with this belly, its wheels in boxes for angles within a range.
+    pub fn new(dimensions: &Dimensions, plate: Belly, within: Within) -> Result<Self, Error> {
+        let largest = 40_f64.to_radians();
+        for (name, angle) in [
+            ("attitude", within.attitude),
+            ("rocker", within.rocker),
+            ("bogie", within.bogie),
+        ] {
+            if !(angle > 0.0 && angle <= largest) {
+                let rule = "be positive and at most 40 degrees";
+                return Err(Error::value(name, rule, number(angle)));
+            }
+        }
+        let pivot = dimensions.rocker_pivot;
+        let lateral: [f64; 3] = std::array::from_fn(|pair| {
+            let joint = if dimensions.bogie.carries(pair) { dimensions.rocker_to_bogie[1] } else { 0.0 };
+            pivot[1] + joint + dimensions.to_wheel(pair)[1]
+        });
+        let least = lateral.iter().fold(f64::INFINITY, |least, y| least.min(*y));
+        let [ahead, behind] = dimensions.bogie_to_wheels;
+        let vectors = [dimensions.rocker_to_wheel, dimensions.rocker_to_bogie, ahead, behind];
+        let swings = [within.rocker, within.rocker, within.rocker + within.bogie, within.rocker + within.bogie];
+        let middle = (plate.x[0] + plate.x[1]) / 2.0;
+        let Belly { x, half_width, z } = plate;
+        Ok(Self {
+            side: Side::new(dimensions)?,
+            within,
+            wheels: boxes::wheels(dimensions, within),
+            belly: boxes::plate(x, [-half_width, half_width], z, within),
+            middle: boxes::plate([middle; 2], [0.0; 2], z, within),
+            plate,
+            pivot,
+            radius: dimensions.wheel_radius,
+            lateral: least,
+            offsets: lateral.map(|y| y - least),
+            roles: match dimensions.bogie {
+                Bogie::Behind => [0, 1, 2],
+                Bogie::InFront => [2, 0, 1],
+            },
+            vectors,
+            sag: std::array::from_fn(|k| boxes::sag(vectors[k], swings[k])),
+            slack: slack(dimensions.differential, within.rocker)?,
+            rocker_limit: [dimensions.rocker_limit.lower, dimensions.rocker_limit.upper],
+            bogie_limit: [dimensions.bogie_limit.lower, dimensions.bogie_limit.upper],
+        })
+    }
+}
+
+/// Largest size of the rockers' mean angle for a left one up to `largest` to either side.
+fn slack(differential: Differential, largest: f64) -> Result<f64, Error> {
+    if differential == Differential::Gear {
+        return Ok(0.0);
+    }
+    const STEPS: i32 = 64;
+    let mut most = 0.0_f64;
+    for k in -STEPS..=STEPS {
+        // Beyond the range the right rocker may be, too.
+        let left = 1.5 * largest * f64::from(k) / f64::from(STEPS);
+        let Some([right, _]) = differential.right(left) else {
+            let rule = "reach as far as the rockers may turn";
+            return Err(Error::value("differential_bar", rule, number(left)));
+        };
+        most = most.max(((left + right) / 2.0).abs());
+    }
+    // Between two samples of a curve this smooth.
+    Ok(1.01 * most + 1e-6)
+}
