@@ -1,8 +1,9 @@
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import disjoint_base
 
 from six_wheel.controller import Reason
 from six_wheel.four_axle import (
@@ -38,6 +39,8 @@ __all__ = [
     "Rover",
     "Sensitivity",
     "SteeringCommand",
+    "Suspension",
+    "Terrain",
     "Wheel",
     "__version__",
     "compose",
@@ -56,7 +59,8 @@ __all__ = [
 _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
-_Steered: TypeAlias = Literal["corners", "front"]
+_Steered: TypeAlias = Literal["corners", "front", "all"]
+_Interpolation: TypeAlias = Literal["bilinear", "bicubic"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
 _Align: TypeAlias = Literal["cosine", "hold"]
@@ -651,18 +655,60 @@ class SteeringCommand:
     def scrub(self) -> _Floats: ...  # (..., unsteered wheels) [m/s]
 
 @final
-class RockerBogie:
+class Terrain:
+    def __new__(
+        cls,
+        heights: ArrayLike,
+        spacing: float | tuple[float, float],
+        origin: tuple[float, float] | None = None,
+        orientation: float | None = None,
+    ) -> Self: ...
+    @property
+    def heights(self) -> NDArray[np.float32] | _Floats: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    @property
+    def spacing(self) -> tuple[float, float]: ...
+    @property
+    def origin(self) -> tuple[float, float]: ...
+    @property
+    def orientation(self) -> float: ...
+    def height(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> float | _Floats: ...
+    def gradient(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> _Floats: ...
+    def normal(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> _Floats: ...
+    def contains(self, xy: ArrayLike) -> bool | NDArray[np.bool_]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@disjoint_base
+class Suspension:
+    @property
+    def wheel_names(self) -> tuple[str, ...]: ...
+    @property
+    def free_joints(self) -> tuple[str, ...]: ...
+
+@final
+class RockerBogie(Suspension):
     def __new__(
         cls,
         rocker_pivot: ArrayLike,
-        rocker_to_front: ArrayLike,
-        rocker_to_bogie: ArrayLike,
-        bogie_to_middle: ArrayLike,
-        bogie_to_rear: ArrayLike,
-        wheel_radius: float,
+        rocker_to_front: ArrayLike | None = None,
+        rocker_to_bogie: ArrayLike | None = None,
+        bogie_to_middle: ArrayLike | None = None,
+        bogie_to_rear: ArrayLike | None = None,
+        wheel_radius: float | None = None,
         steered: _Steered = "corners",
         steering_limit: float | tuple[float, float] | None = None,
+        *,
+        rocker_to_rear: ArrayLike | None = None,
+        bogie_to_front: ArrayLike | None = None,
+        rocker_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+        differential_bar: ArrayLike | None = None,
     ) -> RockerBogie: ...
+    @staticmethod
+    def open_source_rover() -> RockerBogie: ...
     @staticmethod
     def rocky7() -> RockerBogie: ...
     @staticmethod

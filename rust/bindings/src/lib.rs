@@ -17,6 +17,7 @@ mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;
+mod terrain;
 mod wheel;
 
 use pyo3::prelude::*;
@@ -41,6 +42,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<profiles::BodyTransition>()?;
     module.add_class::<profiles::ModuleTransition>()?;
     module.add_class::<profiles::IcrTransition>()?;
+    module.add_class::<terrain::Terrain>()?;
+    module.add_class::<suspension::Suspension>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
