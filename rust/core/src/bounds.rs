@@ -20,7 +20,7 @@ use crate::error::{Error, number, numbers};
 use crate::suspension::{Bogie, Differential, Dimensions};
 
 pub use boxes::Within;
-pub use kernel::{Margins, Ground, bounds};
+pub use kernel::{Ground, Margins, bounds};
 pub use pyramid::Pyramid;
 
 use boxes::Patch;
@@ -46,7 +46,15 @@ pub enum Knowledge {
 
 /// The intervals of a pose, in the order in which [`bounds`] writes them.
 pub const QUANTITIES: [&str; 9] = [
-    "z", "roll", "pitch", "tilt", "clearance", "rocker", "bogie_left", "bogie_right", "wheel_drop",
+    "z",
+    "roll",
+    "pitch",
+    "tilt",
+    "clearance",
+    "rocker",
+    "bogie_left",
+    "bogie_right",
+    "wheel_drop",
 ];
 
 /// The underside of the body: a level rectangle of its frame, as far to the left as to the right.
@@ -68,7 +76,8 @@ impl Belly {
         if is {
             return Ok(Self { x, half_width, z });
         }
-        let rule = "be rear and front edge in order, a positive half width and a height, all finite";
+        let rule =
+            "be rear and front edge in order, a positive half width and a height, all finite";
         Err(Error::value("belly", rule, numbers(&all)))
     }
 
@@ -79,7 +88,11 @@ impl Belly {
         let pivot = dimensions.rocker_pivot;
         let x = |pair: usize| {
             let on_bogie = dimensions.bogie.carries(pair);
-            let joint = if on_bogie { dimensions.rocker_to_bogie[0] } else { 0.0 };
+            let joint = if on_bogie {
+                dimensions.rocker_to_bogie[0]
+            } else {
+                0.0
+            };
             pivot[0] + joint + dimensions.to_wheel(pair)[0]
         };
         let r = dimensions.wheel_radius;
@@ -99,10 +112,10 @@ impl Belly {
 pub struct Plan {
     side: Side,
     within: Within,
-    /// Boxes of the left wheels, front to rear.
-    wheels: [Patch; 3],
-    /// Box of the belly, and of its middle.
-    belly: Patch,
+    /// Boxes of the left and the right wheels, front to rear, in parts.
+    wheels: [[[Patch; 3]; 3]; 2],
+    /// Box of the belly in parts, and of its middle.
+    belly: [Patch; 6],
     middle: Patch,
     plate: Belly,
     /// Axis of the rockers in the body [m].
@@ -139,20 +152,38 @@ impl Plan {
         }
         let pivot = dimensions.rocker_pivot;
         let lateral: [f64; 3] = std::array::from_fn(|pair| {
-            let joint = if dimensions.bogie.carries(pair) { dimensions.rocker_to_bogie[1] } else { 0.0 };
+            let joint = if dimensions.bogie.carries(pair) {
+                dimensions.rocker_to_bogie[1]
+            } else {
+                0.0
+            };
             pivot[1] + joint + dimensions.to_wheel(pair)[1]
         });
         let least = lateral.iter().fold(f64::INFINITY, |least, y| least.min(*y));
         let [ahead, behind] = dimensions.bogie_to_wheels;
-        let vectors = [dimensions.rocker_to_wheel, dimensions.rocker_to_bogie, ahead, behind];
-        let swings = [within.rocker, within.rocker, within.rocker + within.bogie, within.rocker + within.bogie];
+        let vectors = [
+            dimensions.rocker_to_wheel,
+            dimensions.rocker_to_bogie,
+            ahead,
+            behind,
+        ];
+        let swings = [
+            within.rocker,
+            within.rocker,
+            within.rocker + within.bogie,
+            within.rocker + within.bogie,
+        ];
         let middle = (plate.x[0] + plate.x[1]) / 2.0;
         let Belly { x, half_width, z } = plate;
+        let left = boxes::wheels(dimensions, within);
         Ok(Self {
             side: Side::new(dimensions)?,
             within,
-            wheels: boxes::wheels(dimensions, within),
-            belly: boxes::plate(x, [-half_width, half_width], z, within),
+            wheels: [
+                left.map(|patch| patch.parts(3)),
+                left.map(|patch| patch.mirrored().parts(3)),
+            ],
+            belly: boxes::plate(x, [-half_width, half_width], z, within).parts(3),
             middle: boxes::plate([middle; 2], [0.0; 2], z, within),
             plate,
             pivot,

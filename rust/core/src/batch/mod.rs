@@ -22,7 +22,7 @@
 
 mod calls;
 mod formulas;
-mod machine;
+pub(crate) mod machine;
 pub(crate) mod one_row;
 
 pub use calls::poses::integrate;

@@ -37,32 +37,39 @@ impl Default for Within {
 pub(super) struct Patch {
     pub centre: [f64; 2],
     pub half: [f64; 2],
+    /// Distance of its farthest corner from the origin, at most [m].
+    pub reach: f64,
 }
 
 /// Added on every side: more than rounding can move a wheel [m].
 const ROUNDING: f64 = 1e-6;
 
 impl Patch {
-    fn between([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Self {
+    fn new(centre: [f64; 2], half: [f64; 2]) -> Self {
         Self {
-            centre: [(x0 + x1) / 2.0, (y0 + y1) / 2.0],
-            half: [(x1 - x0) / 2.0 + ROUNDING, (y1 - y0) / 2.0 + ROUNDING],
+            centre,
+            half,
+            reach: centre[0].hypot(centre[1]) + half[0].hypot(half[1]),
         }
     }
 
-    /// The part of so many lengthwise and crosswise, counted from behind and from the right.
-    pub fn part(self, [columns, rows]: [usize; 2], [column, row]: [usize; 2]) -> Self {
-        let half = [self.half[0] / columns as f64, self.half[1] / rows as f64];
-        let at = |centre: f64, whole: f64, half: f64, k: usize| {
-            centre - whole + half * (2 * k + 1) as f64
-        };
-        Self {
-            centre: [
-                at(self.centre[0], self.half[0], half[0], column),
-                at(self.centre[1], self.half[1], half[1], row),
-            ],
-            half,
-        }
+    fn between([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Self {
+        let half = [(x1 - x0) / 2.0 + ROUNDING, (y1 - y0) / 2.0 + ROUNDING];
+        Self::new([(x0 + x1) / 2.0, (y0 + y1) / 2.0], half)
+    }
+
+    /// Cut lengthwise into so many parts, and crosswise into halves or not: what is looked up are their hulls along
+    /// the grid.
+    pub fn parts<const N: usize>(self, lengthwise: usize) -> [Self; N] {
+        let counts = [lengthwise, N / lengthwise];
+        let half = [0, 1].map(|axis| self.half[axis] / counts[axis] as f64);
+        std::array::from_fn(|k| {
+            let place = [k % lengthwise, k / lengthwise];
+            let centre = [0, 1].map(|axis| {
+                self.centre[axis] - self.half[axis] + half[axis] * (2 * place[axis] + 1) as f64
+            });
+            Self::new(centre, half)
+        })
     }
 
     /// The same on the right.
@@ -143,10 +150,7 @@ pub(super) fn wheels(dimensions: &Dimensions, within: Within) -> [Patch; 3] {
         let [x, y] = seen([sum(x, dx), [y, y], sum(z, dz)], within.attitude);
         let r = dimensions.wheel_radius;
         // The axle leans by at most the roll: so much of the circle shows from the side.
-        Patch::between(
-            widened(x, r),
-            widened(y, r * within.attitude.sin()),
-        )
+        Patch::between(widened(x, r), widened(y, r * within.attitude.sin()))
     })
 }
 

@@ -58,13 +58,15 @@ impl Pyramid {
             if nodes.iter().any(|height| height.is_nan()) {
                 return UNKNOWN;
             }
-            let [low, minus_high] =
-                nodes.iter().fold([f64::INFINITY; 2], |[low, minus_high], h| {
+            let [low, minus_high] = nodes
+                .iter()
+                .fold([f64::INFINITY; 2], |[low, minus_high], h| {
                     [low.min(*h), minus_high.min(-*h)]
                 });
             [rounded_down(low), rounded_down(minus_high)]
         };
-        let mut levels: Vec<Box<[Extremes]>> = vec![(0..cells[0] * cells[1]).map(corners).collect()];
+        let mut levels: Vec<Box<[Extremes]>> =
+            vec![(0..cells[0] * cells[1]).map(corners).collect()];
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
             let below = &levels[level as usize - 1];

@@ -44,10 +44,7 @@ impl Lever {
         let mut range = [-quarter, quarter];
         for ((along, off), sign) in [(split(ahead), 1.0), (split(behind), -1.0)] {
             let turn = (sign * off).atan2(sign * along);
-            range = [
-                range[0].max(-quarter - turn),
-                range[1].min(quarter - turn),
-            ];
+            range = [range[0].max(-quarter - turn), range[1].min(quarter - turn)];
         }
         let (along, off) = split(chosen);
         Self {
@@ -101,10 +98,7 @@ impl Side {
         let coupled = share < 0.9;
         if coupled {
             let largest = (1.0 - share * share).sqrt();
-            rocker.range = [
-                rocker.range[0].max(-largest),
-                rocker.range[1].min(largest),
-            ];
+            rocker.range = [rocker.range[0].max(-largest), rocker.range[1].min(largest)];
         }
         Ok(Self {
             bogie,
