@@ -46,6 +46,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::Suspension>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
+    module.add_class::<suspension::Bounds>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_class::<controller::limits::Limits>()?;

@@ -1,6 +1,7 @@
 //! `six_wheel.Suspension` and `six_wheel.RockerBogie`: suspensions as data.
 
 mod base;
+mod bounds;
 mod chain;
 mod steer;
 
@@ -13,6 +14,7 @@ use crate::convert::{ArgumentTypeError, Rows, number, raise, refuse, shape_text}
 use crate::wheel::{reduce, steering_range};
 
 pub use base::Suspension;
+pub use bounds::Bounds;
 pub use steer::SteeringCommand;
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
