@@ -86,15 +86,7 @@ impl Belly {
     /// (Perseverance: 0.60 m above the ground, the clearance NASA gives.)
     pub fn between_wheels(dimensions: &Dimensions) -> Self {
         let pivot = dimensions.rocker_pivot;
-        let x = |pair: usize| {
-            let on_bogie = dimensions.bogie.carries(pair);
-            let joint = if on_bogie {
-                dimensions.rocker_to_bogie[0]
-            } else {
-                0.0
-            };
-            pivot[0] + joint + dimensions.to_wheel(pair)[0]
-        };
+        let x = |pair: usize| dimensions.level_place(pair)[0];
         let r = dimensions.wheel_radius;
         let (rear, front) = (x(2), x(0));
         let middle = (rear + front) / 2.0;
@@ -107,11 +99,43 @@ impl Belly {
     }
 }
 
+/// How far something of the body may be seen from where it is seen when the rover stands level.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    /// Sizes of its coordinates in the body [m].
+    place: [f64; 3],
+    /// Radius of a wheel, 0 for the belly [m].
+    radius: f64,
+    /// Ahead and aside, to either side [m].
+    room: [f64; 2],
+}
+
+impl Room {
+    /// Of a box of the body `half` as long and as wide, about `place` when level.
+    fn new(patch: Patch, place: [f64; 3], half: [f64; 2], radius: f64) -> Self {
+        let room =
+            |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
+        let far = [
+            place[0].abs() + half[0],
+            place[1].abs() + half[1],
+            place[2].abs(),
+        ];
+        Self {
+            place: if radius > 0.0 {
+                place.map(f64::abs)
+            } else {
+                far
+            },
+            radius,
+            room: [room(0), room(1)],
+        }
+    }
+}
+
 /// What the kernel needs to know of a rover.
 #[derive(Clone, Debug)]
 pub struct Plan {
     side: Side,
-    within: Within,
     /// Boxes of the left and the right wheels, front to rear, in parts.
     wheels: [[[Patch; 3]; 3]; 2],
     /// Box of the belly in parts, and of its middle.
@@ -128,8 +152,13 @@ pub struct Plan {
     roles: [usize; 3],
     /// From D to the rocker's wheel and to B; from B to its wheels ahead and behind.
     vectors: [[f64; 3]; 4],
+    /// How far the wheels of each pair, and the belly, may move in their boxes.
+    rooms: [Room; 4],
     /// See [`boxes::sag`].
     sag: [f64; 4],
+    /// How far a bar that couples the rockers may move a wheel from where a gear would have it, at most [m].
+    looseness: f64,
+    within: Within,
     /// How far the mean of the rockers' angles, as they are coupled, is from 0 at most [rad].
     slack: f64,
     rocker_limit: [f64; 2],
@@ -151,14 +180,7 @@ impl Plan {
             }
         }
         let pivot = dimensions.rocker_pivot;
-        let lateral: [f64; 3] = std::array::from_fn(|pair| {
-            let joint = if dimensions.bogie.carries(pair) {
-                dimensions.rocker_to_bogie[1]
-            } else {
-                0.0
-            };
-            pivot[1] + joint + dimensions.to_wheel(pair)[1]
-        });
+        let lateral: [f64; 3] = std::array::from_fn(|pair| dimensions.level_place(pair)[1]);
         let least = lateral.iter().fold(f64::INFINITY, |least, y| least.min(*y));
         let [ahead, behind] = dimensions.bogie_to_wheels;
         let vectors = [
@@ -176,18 +198,33 @@ impl Plan {
         let middle = (plate.x[0] + plate.x[1]) / 2.0;
         let Belly { x, half_width, z } = plate;
         let left = boxes::wheels(dimensions, within);
+        let radius = dimensions.wheel_radius;
+        let belly = boxes::plate(x, [-half_width, half_width], z, within);
+        let rooms = std::array::from_fn(|k| match k {
+            3 => Room::new(
+                belly,
+                [middle, 0.0, z],
+                [(x[1] - x[0]) / 2.0, half_width],
+                0.0,
+            ),
+            _ => Room::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
+        });
+        let slack = slack(dimensions.differential, within.rocker)?;
+        let arms: f64 = vectors.iter().map(|[x, _, z]| x.hypot(*z)).sum();
         Ok(Self {
             side: Side::new(dimensions)?,
+            rooms,
+            looseness: 2.0 * slack * arms,
             within,
             wheels: [
                 left.map(|patch| patch.parts(3)),
                 left.map(|patch| patch.mirrored().parts(3)),
             ],
-            belly: boxes::plate(x, [-half_width, half_width], z, within).parts(3),
+            belly: belly.parts(3),
             middle: boxes::plate([middle; 2], [0.0; 2], z, within),
             plate,
             pivot,
-            radius: dimensions.wheel_radius,
+            radius,
             lateral: least,
             offsets: lateral.map(|y| y - least),
             roles: match dimensions.bogie {
@@ -196,7 +233,7 @@ impl Plan {
             },
             vectors,
             sag: std::array::from_fn(|k| boxes::sag(vectors[k], swings[k])),
-            slack: slack(dimensions.differential, within.rocker)?,
+            slack,
             rocker_limit: [dimensions.rocker_limit.lower, dimensions.rocker_limit.upper],
             bogie_limit: [dimensions.bogie_limit.lower, dimensions.bogie_limit.upper],
         })

@@ -76,7 +76,7 @@ pub fn sizes<'py>(
 
 /// What is asked beside the poses.
 pub struct Question {
-    pub plan: Plan,
+    pub plans: Vec<Plan>,
     pub error: f64,
 }
 
@@ -95,16 +95,20 @@ impl RockerBogie {
                 &format!("{map_error:?}"),
             ));
         }
-        let plan = self.belly(belly).and_then(|belly| {
-            let within = within.map_or_else(Within::default, |(attitude, rocker, bogie)| Within {
+        let ranges = match within {
+            Some((attitude, rocker, bogie)) => vec![Within {
                 attitude,
                 rocker,
                 bogie,
-            });
-            Plan::new(self.0.dimensions(), belly, within)
+            }],
+            None => vec![Within::default(), Within::wide()],
+        };
+        let plans = self.belly(belly).and_then(|belly| {
+            let plan = |within| Plan::new(self.0.dimensions(), belly, within);
+            ranges.into_iter().map(plan).collect()
         });
         Ok(Question {
-            plan: plan.map_err(|error| raise(error, &[]))?,
+            plans: plans.map_err(|error| raise(error, &[]))?,
             error: map_error,
         })
     }
@@ -142,8 +146,8 @@ impl RockerBogie {
     ///     Default: between the wheels, as wide as three quarters of the way to the rockers, a quarter of a wheel's
     ///     radius below the lower of the rockers' and the bogies' axes.
     /// within : (float, float, float), optional
-    ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; default 15, 7
-    ///     and 17 degrees. Bounds beyond them are not known.
+    ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
+    ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// kernel : str, optional
@@ -207,7 +211,7 @@ impl RockerBogie {
             };
             let blocks = blocks.each_mut().map(Vec::as_mut_slice);
             core::bounds(
-                &question.plan,
+                &question.plans,
                 map,
                 rows,
                 margins,

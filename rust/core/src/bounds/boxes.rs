@@ -18,6 +18,17 @@ pub struct Within {
     pub bogie: f64,
 }
 
+impl Within {
+    /// Where [`Self::default`] is too narrow. Wider boxes bound fewer poses: their intervals leave them more often.
+    pub fn wide() -> Self {
+        Self {
+            attitude: 25_f64.to_radians(),
+            rocker: 20_f64.to_radians(),
+            bogie: 38_f64.to_radians(),
+        }
+    }
+}
+
 impl Default for Within {
     /// What Curiosity is allowed: 15, 7 and 17 degrees.
     ///

@@ -5,7 +5,7 @@ use pulp::{Scalar, Simd};
 use super::boxes::Patch;
 use super::pyramid::{Cells, NOTHING, Pyramid, Span};
 use super::side::{Lever, Side};
-use super::{Knowledge, Plan};
+use super::{Knowledge, Plan, Room};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, angle, sin_cos};
@@ -21,6 +21,9 @@ const MOST: usize = 8;
 
 /// How much wider the intervals are made: more than the kernel and a settled pose can round [m, rad].
 const ROUNDING: f64 = 1e-9;
+
+/// Poses that are tried with one plan before the next: their numbers stay in the first-level cache.
+const BLOCK: usize = 256;
 
 /// Rounds of the contraction of tan(g); the fourth gained less than 1e-3 of the width.
 const ROUNDS: usize = 3;
@@ -59,9 +62,10 @@ impl Margins<'_> {
 }
 
 /// The bounds of every pose `[x, y, yaw]`, finite. Writes for each of the quantities a block of intervals, a row
-/// per pose, and the worth of every row; intervals that are not known are NaN.
+/// per pose, and the worth of every row; intervals that are not known are NaN. Poses whose wheels may leave the boxes
+/// of a plan are tried with the next.
 pub fn bounds(
-    plan: &Plan,
+    plans: &[Plan],
     ground: Ground<'_>,
     poses: &[[f64; 3]],
     margins: Margins<'_>,
@@ -73,7 +77,7 @@ pub fn bounds(
     let share = workers.share(poses.len());
     let mut blocks = blocks.map(|block| block.chunks_mut(share));
     let jobs = worth.chunks_mut(share).enumerate().map(|(k, worth)| Job {
-        plan,
+        plans,
         ground,
         poses: &poses[k * share..][..worth.len()],
         margins,
@@ -96,7 +100,7 @@ pub fn bounds(
 
 /// Poses that one thread takes.
 struct Job<'a> {
-    plan: &'a Plan,
+    plans: &'a [Plan],
     ground: Ground<'a>,
     poses: &'a [[f64; 3]],
     margins: Margins<'a>,
@@ -131,21 +135,32 @@ fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
 impl Job<'_> {
     #[inline(always)]
     fn work<S: Simd>(mut self, simd: S) {
-        let mut first = 0;
-        while first < self.poses.len() {
-            let count = (self.poses.len() - first).min(S::F64_LANES);
-            self.some(simd, first, count);
-            first += count;
+        for first in (0..self.poses.len()).step_by(BLOCK) {
+            let mut rows: [usize; BLOCK] = std::array::from_fn(|k| first + k);
+            let mut count = BLOCK.min(self.poses.len() - first);
+            for plan in self.plans {
+                for some in rows[..count].chunks(S::F64_LANES) {
+                    self.some(simd, plan, some);
+                }
+                let mut left = 0;
+                for k in 0..count {
+                    if self.worth[rows[k]] == Knowledge::Beyond {
+                        rows[left] = rows[k];
+                        left += 1;
+                    }
+                }
+                count = left;
+            }
         }
     }
 
-    /// As many poses as there are lanes, or the last ones.
+    /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
-    fn some<S: Simd>(&mut self, simd: S, first: usize, count: usize) {
+    fn some<S: Simd>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
         let mut columns = [[0.0; MOST]; 5];
         let mut worth = [Knowledge::Bounded; MOST];
         for lane in 0..S::F64_LANES {
-            let k = first + lane.min(count - 1);
+            let k = rows[lane.min(rows.len() - 1)];
             let [x, y, yaw] = self.poses[k];
             let near = x.abs() < FAR && y.abs() < FAR;
             if !near {
@@ -172,8 +187,8 @@ impl Job<'_> {
             }
         }
         let place = Place::new(simd, self.ground.pyramid, &columns);
-        let seen = Seen::new(simd, self.plan, self.ground, &place, &mut worth);
-        let (intervals, checks) = self.plan.stand(simd, &seen);
+        let seen = Seen::new(simd, plan, self.ground, &place, &mut worth);
+        let (intervals, checks) = plan.stand(simd, &seen);
         let mut table = [[[0.0; MOST]; 2]; COUNT];
         for (interval, columns) in intervals.into_iter().zip(&mut table) {
             for (end, column) in interval.into_iter().zip(columns) {
@@ -192,11 +207,11 @@ impl Job<'_> {
                 }
             }
         }
-        for lane in 0..count {
+        for (lane, &row) in rows.iter().enumerate() {
             let bounded = worth[lane] == Knowledge::Bounded;
-            self.worth[first + lane] = worth[lane];
+            self.worth[row] = worth[lane];
             for (block, [low, high]) in self.blocks.iter_mut().zip(&table) {
-                block[first + lane] = if bounded {
+                block[row] = if bounded {
                     [low[lane] - ROUNDING, high[lane] + ROUNDING]
                 } else {
                     [f64::NAN; 2]
@@ -612,16 +627,17 @@ impl Plan {
         ];
         let roll = sin_roll.map(asin);
         let pitch = sin_pitch.map(asin);
-        let drop = self.drop(rocker, [left[1], right[1]]);
-
+        let turned = self.turned(rocker, [left[1], right[1]]);
+        let drop = self.drop(&turned);
         let within = |interval: Interval<S>, largest: f64| {
             all(-largest).at_most(interval[0]) & interval[1].at_most(all(largest))
         };
-        let boxed = within(roll, self.within.attitude)
-            & within(pitch, self.within.attitude)
-            & within(rocker, self.within.rocker)
-            & within(left[1], self.within.bogie)
-            & within(right[1], self.within.bogie);
+        let boxed = self.boxed(&turned, sin_pitch, sin_roll)
+            | within(roll, self.within.attitude)
+                & within(pitch, self.within.attitude)
+                & within(rocker, self.within.rocker)
+                & within(left[1], self.within.bogie)
+                & within(right[1], self.within.bogie);
         let inside = |interval: Interval<S>, [low, high]: [f64; 2]| {
             all(low).at_most(interval[0]) & interval[1].at_most(all(high))
         };
@@ -640,45 +656,106 @@ impl Plan {
         )
     }
 
+    /// Sines and cosines of the ends of the rockers' and the bogies' angles in the body, left and right.
+    #[inline(always)]
+    fn turned<S: Simd>(
+        &self,
+        rocker: Interval<S>,
+        bogies: [Interval<S>; 2],
+    ) -> [[Turned<S>; 2]; 2] {
+        let simd = rocker[0].simd();
+        let slack = Lanes::splat(simd, 2.0 * self.slack);
+        let left = rocker.map(|end| sin_cos(simd, end));
+        // What a bar turns the right rocker more or less than back only matters for the bogie it carries.
+        let right = [(-left[1].0, left[1].1), (-left[0].0, left[0].1)];
+        let carried = |rocker: Interval<S>, bogie: Interval<S>| {
+            [rocker[0] + bogie[0] - slack, rocker[1] + bogie[1] + slack]
+                .map(|end| sin_cos(simd, end))
+        };
+        [
+            [left, carried(rocker, bogies[0])],
+            [right, carried([-rocker[1], -rocker[0]], bogies[1])],
+        ]
+    }
+
     /// How far, in the body, the wheel that has come down most is below its place on level ground.
     #[inline(always)]
-    fn drop<S: Simd>(&self, rocker: Interval<S>, bogies: [Interval<S>; 2]) -> Interval<S> {
-        let simd = rocker[0].simd();
+    fn drop<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2]) -> Interval<S> {
+        let simd = turned[0][0][0].0.simd();
         let all = |value| Lanes::splat(simd, value);
-        let fall = |k: usize, ends: [(Lanes<S>, Lanes<S>); 2]| {
+        let fall = |k: usize, ends: &Turned<S>| {
             let ([x, _, z], sag) = (self.vectors[k], all(self.sag[k]));
             let falls = ends.map(|(sin, cos)| all(z) - (all(z) * cos - all(x) * sin));
             [falls[0].min(falls[1]) - sag, falls[0].max(falls[1]) + sag]
         };
         let mut most = [all(f64::NEG_INFINITY); 2];
-        let directions = rocker.map(|end| sin_cos(simd, end));
-        for (side, bogie) in bogies.into_iter().enumerate() {
-            let (turned, directions) = if side == 0 {
-                (rocker, directions)
-            } else {
-                let back = directions.map(|(sin, cos)| (-sin, cos));
-                ([-rocker[1], -rocker[0]], [back[1], back[0]])
-            };
-            let carried =
-                [turned[0] + bogie[0], turned[1] + bogie[1]].map(|end| sin_cos(simd, end));
-            let joint = fall(1, directions);
-            let falls = [
-                fall(0, directions),
-                [0, 1].map(|end| joint[end] + fall(2, carried)[end]),
-                [0, 1].map(|end| joint[end] + fall(3, carried)[end]),
-            ];
-            for fall in falls {
-                most = [0, 1].map(|end| most[end].max(fall[end]));
+        for [rocker, carried] in turned {
+            let joint = fall(1, rocker);
+            for (k, carrier, from) in [
+                (0, rocker, [all(0.0); 2]),
+                (2, carried, joint),
+                (3, carried, joint),
+            ] {
+                let own = fall(k, carrier);
+                most = [0, 1].map(|end| most[end].max(own[end] + from[end]));
             }
         }
-        // A bar of finite length turns the right rocker back by a little less or more.
-        let loose = all(2.0
-            * self.slack
-            * (self.vectors[0][0].abs()
-                + self.vectors[1][0].abs()
-                + self.vectors[2][0].abs()
-                + self.vectors[3][0].abs()
-                + self.vectors[0][2].abs()));
+        let loose = all(self.looseness);
         [most[0] - loose, most[1] + loose]
     }
+
+    /// Whether every wheel and the belly, seen from above, are in the boxes that were looked at.
+    ///
+    /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
+    /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
+    #[inline(always)]
+    fn boxed<S: Simd>(
+        &self,
+        turned: &[[Turned<S>; 2]; 2],
+        pitch: Interval<S>,
+        roll: Interval<S>,
+    ) -> Mask<S> {
+        let simd = pitch[0].simd();
+        let all = |value| Lanes::splat(simd, value);
+        let one = all(1.0);
+        // Largest sine, and largest 1 - cos.
+        let largest = |sines: Interval<S>| {
+            let sin = sines[0].abs().max(sines[1].abs());
+            (sin, one - (one - sin * sin).max(all(0.0)).sqrt())
+        };
+        let (sin_pitch, sunk) = largest(pitch);
+        let (sin_roll, leaned) = largest(roll);
+        // How far a point of the body is seen from where it is seen when level, given how far it has moved in it.
+        let seen = |room: &Room, dx: Lanes<S>, dz: Lanes<S>| {
+            let [x, y, z] = room.place.map(all);
+            let height = z + dz;
+            let ahead = dx + x * sunk + sin_pitch * (y * sin_roll + height);
+            let aside = y * leaned + (height + all(room.radius)) * sin_roll;
+            ahead.at_most(all(room.room[0])) & aside.at_most(all(room.room[1]))
+        };
+        let mut fits = seen(&self.rooms[3], all(0.0), all(0.0));
+        for [rocker, carried] in turned {
+            // How far the end of a vector swings along and across.
+            let swing = |k: usize, ends: &Turned<S>| {
+                let [x, _, z] = self.vectors[k].map(|size| all(size.abs()));
+                let sin = ends[0].0.abs().max(ends[1].0.abs());
+                let less = one - ends[0].1.min(ends[1].1);
+                [z * sin + x * less, x * sin + z * less]
+            };
+            let joint = swing(1, rocker);
+            for (role, carrier, from) in [
+                (0, rocker, [all(0.0); 2]),
+                (1, carried, joint),
+                (2, carried, joint),
+            ] {
+                let own = swing(if role == 0 { 0 } else { 1 + role }, carrier);
+                let room = &self.rooms[self.roles[role]];
+                fits = fits & seen(room, own[0] + from[0], own[1] + from[1]);
+            }
+        }
+        fits
+    }
 }
+
+/// Sine and cosine at both ends of an angle's interval.
+type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
