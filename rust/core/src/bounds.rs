@@ -15,6 +15,7 @@ mod boxes;
 mod kernel;
 mod pyramid;
 mod side;
+mod stand;
 
 use crate::error::{Error, number, numbers};
 use crate::suspension::{Bogie, Differential, Dimensions};
