@@ -12,7 +12,7 @@ use crate::terrain::Terrain;
 
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
 ///
-/// Every interval holds its lower and its upper end in the last axis; NaN where `status` is not 0.
+/// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
 #[pyclass(frozen, get_all, module = "six_wheel")]
 pub struct Bounds {
     /// Height of the origin of the rover's frame, shape (..., 2) [m].
@@ -32,7 +32,7 @@ pub struct Bounds {
     /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
     /// (..., 2) [m].
     wheel_drop: Py<PyAny>,
-    /// What the intervals are worth, shape (...): values of `six_wheel.BoundStatus`.
+    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
     status: Py<PyAny>,
 }
 
@@ -72,6 +72,14 @@ pub fn sizes<'py>(
         )),
         None => Ok(sizes),
     }
+}
+
+/// The members of `BoundStatus`, one or an array of them.
+fn named(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
+    let codes: Vec<u8> = status.iter().map(|status| *status as u8).collect();
+    let codes = scalar_or_array(py, codes, leading)?;
+    let module = py.import("six_wheel.bounding")?;
+    module.call_method1("statuses", (codes,)).map(Bound::unbind)
 }
 
 /// What is asked beside the poses.
@@ -127,7 +135,7 @@ impl RockerBogie {
     ///
     /// Per wheel the lowest and highest ground in a box that covers it, and closed-form kinematics of the extremes:
     /// a fraction of the time of `settle`, and a statement about every place and yaw within margins. The rover
-    /// without steering, its joints away from their stops, is inside wherever `status` is 0.
+    /// without steering, its joints away from their stops, is inside wherever `status` is ``bounded``.
     ///
     /// Parameters
     /// ----------
@@ -251,11 +259,7 @@ impl RockerBogie {
             rocker: interval(rocker)?,
             bogies: array(bogies.collect(), &joined(&pairs, 2))?,
             wheel_drop: interval(wheel_drop)?,
-            status: scalar_or_array(
-                py,
-                status.into_iter().map(|status| status as u8).collect(),
-                leading,
-            )?,
+            status: named(py, &status, leading)?,
         })
     }
 }
