@@ -19,15 +19,18 @@ from six_wheel._core import (
     Encoder,
     Fit,
     FourAxle,
+    Gyroscope,
     Limits,
     Link,
     Mobility,
     Noise,
     Odometry,
     OdometryState,
+    Preintegrated,
     RockerBogie,
     Rover,
     Sensitivity,
+    Stand,
     SteeringCommand,
     Suspension,
     Terrain,
@@ -49,6 +52,7 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
@@ -56,6 +60,7 @@ if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.simulation import simulate
 
 __all__ = [
     "ArgumentTypeError",
@@ -67,6 +72,7 @@ __all__ = [
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
+    "Gyroscope",
     "Health",
     "InfeasibleMotionError",
     "Limits",
@@ -77,12 +83,15 @@ __all__ = [
     "Odometry",
     "OdometryState",
     "Pose",
+    "Preintegrated",
     "Reason",
     "RockerBogie",
     "RolloutCost",
     "Rover",
     "Sensitivity",
+    "SettleStatus",
     "SlipReport",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
@@ -105,6 +114,7 @@ __all__ = [
     "profiles",
     "rollout",
     "set_default_threads",
+    "simulate",
     "umbmark",
     "wrap_angle",
 ]
@@ -157,5 +167,6 @@ __getattr__, __dir__ = attach(
         "reckoning": (),
         "reference": (),
         "report": (),
+        "simulation": ("simulate",),
     },
 )
