@@ -11,21 +11,28 @@
 //! corner of the heights has no solution or is not proved to be extreme, the answer is a [`Knowledge`] that says
 //! so, and no interval.
 
+mod belly;
 mod boxes;
+mod feasible;
 mod kernel;
 mod pyramid;
 mod side;
+mod stability;
 mod stand;
 
-use crate::error::{Error, number, numbers};
+use crate::error::{Error, number};
 use crate::suspension::{Bogie, Differential, Dimensions};
 
+pub use belly::Belly;
 pub use boxes::Within;
+pub use feasible::{Allowed, Judge, Reason, Verdict};
 pub use kernel::{Ground, Margins, bounds};
 pub use pyramid::Pyramid;
+pub use stability::{joint_margins, loads, tilt, tip_over_angle, wheel_drop};
 
 use boxes::Patch;
 use side::Side;
+use stand::COUNT;
 
 /// What the bounds of a pose are worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,48 +64,6 @@ pub const QUANTITIES: [&str; 9] = [
     "bogie_right",
     "wheel_drop",
 ];
-
-/// The underside of the body: a level rectangle of its frame, as far to the left as to the right.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Belly {
-    /// Rear and front edge [m].
-    pub x: [f64; 2],
-    /// Half its width [m].
-    pub half_width: f64,
-    /// Its height in the frame of the body [m].
-    pub z: f64,
-}
-
-impl Belly {
-    /// Fails unless it is a rectangle.
-    pub fn new(x: [f64; 2], half_width: f64, z: f64) -> Result<Self, Error> {
-        let all = [x[0], x[1], half_width, z];
-        let is = all.iter().all(|value| value.is_finite()) && x[0] < x[1] && half_width > 0.0;
-        if is {
-            return Ok(Self { x, half_width, z });
-        }
-        let rule =
-            "be rear and front edge in order, a positive half width and a height, all finite";
-        Err(Error::value("belly", rule, numbers(&all)))
-    }
-
-    /// Where no drawing of the body is at hand: between the rear and the front wheels, three quarters of the way
-    /// out to the rockers, a quarter of a wheel's radius below the lower of their axes and those of the bogies.
-    /// (Perseverance: 0.60 m above the ground, the clearance NASA gives.)
-    pub fn between_wheels(dimensions: &Dimensions) -> Self {
-        let pivot = dimensions.rocker_pivot;
-        let x = |pair: usize| dimensions.level_place(pair)[0];
-        let r = dimensions.wheel_radius;
-        let (rear, front) = (x(2), x(0));
-        let middle = (rear + front) / 2.0;
-        let half = ((front - rear).abs() / 2.0 - r).max(r / 2.0);
-        Self {
-            x: [middle - half, middle + half],
-            half_width: 0.75 * pivot[1].abs().max(r),
-            z: pivot[2] + dimensions.rocker_to_bogie[2].min(0.0) - r / 4.0,
-        }
-    }
-}
 
 /// How far something of the body may be seen from where it is seen when the rover stands level.
 #[derive(Clone, Copy, Debug)]
