@@ -3,6 +3,7 @@
 mod base;
 mod bounds;
 mod chain;
+mod stability;
 mod steer;
 
 use pyo3::prelude::*;
@@ -15,6 +16,7 @@ use crate::wheel::{reduce, steering_range};
 
 pub use base::Suspension;
 pub use bounds::Bounds;
+pub use stability::{Feasible, Stability};
 pub use steer::SteeringCommand;
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.

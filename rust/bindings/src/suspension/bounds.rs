@@ -121,7 +121,11 @@ impl RockerBogie {
         })
     }
 
-    fn belly(&self, belly: Option<(f64, f64, f64, f64)>) -> Result<Belly, six_wheel_core::Error> {
+    /// The belly that is given, or the default one.
+    pub fn belly(
+        &self,
+        belly: Option<(f64, f64, f64, f64)>,
+    ) -> Result<Belly, six_wheel_core::Error> {
         match belly {
             Some((rear, front, half_width, z)) => Belly::new([rear, front], half_width, z),
             None => Ok(Belly::between_wheels(self.0.dimensions())),

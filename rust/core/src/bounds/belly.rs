@@ -4,6 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::Dimensions;
 use crate::error::{Error, numbers};
+use crate::suspension::Placed;
 use crate::terrain::Terrain;
 
 /// The underside of the body: a level rectangle of its frame, as far to the left as to the right.
@@ -44,6 +45,11 @@ impl Belly {
             half_width: 0.75 * pivot[1].abs().max(r),
             z: pivot[2] + dimensions.rocker_to_bogie[2].min(0.0) - r / 4.0,
         }
+    }
+
+    /// [`Self::clearance`] of a chain that stands.
+    pub fn above(&self, ground: &Terrain, placed: &Placed<'_>) -> Option<f64> {
+        self.clearance(ground, placed.origin, &placed.rotation)
     }
 
     /// Least vertical distance of the ground below the rectangle [m], negative where it goes into it. None where the

@@ -1,7 +1,5 @@
 //! Whether a rover may stand somewhere: by bounds where they decide, by settling where they do not.
 
-use nalgebra::Vector3;
-
 use super::kernel::{Ground, Margins, bounds};
 use super::stability::{tilt, wheel_drop};
 use super::{Belly, COUNT, Knowledge, Plan, Within};
@@ -240,11 +238,8 @@ impl<'a> Judge<'a> {
                 _ => Reason::NotSettled,
             });
         };
-        let origin: Vector3<f64> = placed.origin;
         let tilt = tilt(&placed);
-        let belly = self
-            .belly
-            .clearance(self.settler.ground, origin, &placed.rotation);
+        let belly = self.belly.above(self.settler.ground, &placed);
         let Some(clearance) = belly else {
             return refused(Reason::UnknownCells);
         };

@@ -15,10 +15,10 @@ pub fn loads(
     chain: &Chain,
     stand: &Stand,
     placed: &Placed<'_>,
-    centre: Vector3<f64>,
+    centre: [f64; 3],
 ) -> Option<[f64; MAX_WHEELS]> {
     let count = chain.wheels().len();
-    let weight = placed.origin + placed.rotation * centre;
+    let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let mut matrix = Matrix6::zeros();
     let mut right = Vector6::zeros();
     let slopes = placed.body_slopes(weight);
@@ -66,9 +66,9 @@ pub fn tip_over_angle(
     chain: &Chain,
     stand: &Stand,
     placed: &Placed<'_>,
-    centre: Vector3<f64>,
+    centre: [f64; 3],
 ) -> Option<f64> {
-    let weight = placed.origin + placed.rotation * centre;
+    let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let touching = (0..chain.wheels().len()).filter(|&wheel| stand.touches(wheel));
     let mut points: Vec<Vector3<f64>> = touching
         .map(|wheel| stand.point(chain, placed, wheel))
