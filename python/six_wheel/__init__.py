@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    Bounds,
     Controller,
     ControllerOutput,
     ControllerRun,
     Encoder,
+    Feasible,
     Fit,
     FourAxle,
     Gyroscope,
@@ -30,6 +32,7 @@ from six_wheel._core import (
     RockerBogie,
     Rover,
     Sensitivity,
+    Stability,
     Stand,
     SteeringCommand,
     Suspension,
@@ -47,6 +50,7 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
+from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
@@ -64,10 +68,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentTypeError",
+    "BoundStatus",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
+    "FeasibleReason",
     "Fit",
     "FourAxle",
     "FourAxleState",
@@ -91,7 +99,9 @@ __all__ = [
     "Sensitivity",
     "SettleStatus",
     "SlipReport",
+    "Stability",
     "Stand",
+    "StandLimits",
     "SteeringCommand",
     "Suspension",
     "Terrain",

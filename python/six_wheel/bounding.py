@@ -20,7 +20,7 @@ class BoundStatus(StrEnum):
     unknown_cells = "unknown_cells"
     """A height under them is not known."""
     unsolved = "unsolved"
-    """Some heights of the wheels have no solution, or are not proved to be extreme: not known, not impossible."""
+    """Some heights of the wheels have no solution, or are not proved to be extreme: not impossible."""
     beyond = "beyond"
     """The rover may be inclined so far that a wheel leaves the box that was looked at."""
     at_stop = "at_stop"
@@ -83,8 +83,8 @@ def reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
 class StandLimits(NamedTuple):
     """What is allowed where a rover stands; by default what Curiosity is, and a belly that touches nothing.
 
-    Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars rover
-    mobility trends during the first seven years, IEEE Aerospace Conference 2020.
+    Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars
+    rover mobility trends during the first seven years, IEEE Aerospace Conference 2020.
     """
 
     roll: float = math.radians(15)

@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import cluster_jobs as jobs
 import numpy as np
 import pytest
 
 from six_wheel import cluster
 from six_wheel.cluster import Failure, Journal, JournalError, collect, spread
+from tests.cluster import cluster_jobs as jobs
 
 ITEMS = list(range(12))
 

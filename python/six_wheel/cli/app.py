@@ -23,6 +23,7 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
+from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def check(
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["traverse"])(traverse)
 
 
 @app.command(help=COMMANDS["show"])

@@ -2,8 +2,8 @@
 
 `spread` hands out every item as soon as it is done, with its place; `collect` waits for all and keeps the
 order. An item that fails is reported and stops nothing else; a worker that dies loses nothing, its items are
-done again. A `Journal` keeps what is done on disk, so that a run that was stopped goes on where it was. Values
-are those of ``function(item)`` wherever it ran, to the last bit.
+done again. A `Journal` keeps what is done on disk, so that a run that was stopped goes on where it was.
+Values are those of ``function(item)`` wherever it ran, to the last bit.
 
 `spreading` is the face, `local` the processes of this machine, `remote` Dask (extra ``[cluster]``), `journal`
 the folder of finished items, `outcomes` what comes back.

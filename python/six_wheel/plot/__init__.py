@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.tracks import residual_figure, track_figure
+    from six_wheel.plot.traverse import traverse_figure
     from six_wheel.plot.twist import show_figure
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "save",
     "show_figure",
     "track_figure",
+    "traverse_figure",
 ]
 
 __getattr__, __dir__ = attach(
@@ -51,6 +53,7 @@ __getattr__, __dir__ = attach(
         "reckoning": ("reckoning_figure",),
         "saving": ("picture_path", "save"),
         "tracks": ("residual_figure", "track_figure"),
+        "traverse": ("traverse_figure",),
         "twist": ("show_figure",),
     },
 )

@@ -11,7 +11,8 @@ from six_wheel.terrain.files import Grid, TerrainFileError
 __all__ = ["read"]
 
 GRID_MAP = "grid_map_msgs/msg/GridMap"
-# Definitions of the messages, for bags that do not carry them (ANYbotics, grid_map_msgs; field names and types).
+# Definitions of the messages, for bags that do not carry them (ANYbotics, grid_map_msgs; field names and
+# types).
 DEFINITIONS = {
     "grid_map_msgs/msg/GridMapInfo": (
         "float64 resolution\nfloat64 length_x\nfloat64 length_y\ngeometry_msgs/Pose pose\n"

@@ -9,15 +9,26 @@ from six_wheel.terrain.files import Grid, TerrainFileError
 
 __all__ = ["read"]
 
-KEYS = ("ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value")
+KEYS = (
+    "ncols",
+    "nrows",
+    "xllcorner",
+    "xllcenter",
+    "yllcorner",
+    "yllcenter",
+    "cellsize",
+    "dx",
+    "dy",
+    "nodata_value",
+)
 
 
 def read(path: Path) -> Grid:
     """The grid of a text file.
 
-    An ESRI ASCII grid begins with ``ncols``; heights stand for the middle of their cells, the northern row first.
-    Anything else is one list, separated by commas: least x, largest x, number of x, least y, largest y, number
-    of y, then heights, x running fastest.
+    An ESRI ASCII grid begins with ``ncols``; heights stand for the middle of their cells, the northern row
+    first. Anything else is one list, separated by commas: least x, largest x, number of x, least y, largest
+    y, number of y, then heights, x running fastest.
     """
     try:
         text = path.read_text(encoding="ascii")
@@ -72,7 +83,7 @@ def _list(path: Path, text: str) -> Grid:
         raise TerrainFileError(f"{path} must begin with x min, x max, x count, y min, y max, y count")
     x0, x1, columns, y0, y1, rows = numbers[:6]
     if not (columns >= 2 and rows >= 2 and columns % 1 == 0 and rows % 1 == 0):
-        raise TerrainFileError(f"{path} must have two heights or more along x and y, got {columns:g}, {rows:g}")
+        raise TerrainFileError(f"{path} must have at least two x and y, got {columns:g} and {rows:g}")
     heights = numbers[6:]
     if heights.size != rows * columns:
         raise TerrainFileError(f"{path} must hold {rows:g} x {columns:g} heights, got {heights.size}")

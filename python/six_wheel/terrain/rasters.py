@@ -65,7 +65,7 @@ class Raster:
         if crs is not None:
             if crs.is_geographic:
                 raise TerrainFileError(
-                    f"{self.path} must be in metres, its coordinates are degrees: project it first, as with rio warp"
+                    f"{self.path} must be in metres, its coordinates are degrees: project it first"
                 )
             if crs.is_projected:
                 metre = float(crs.linear_units_factor[1])
@@ -85,8 +85,10 @@ class Raster:
 
     def place(self, row: int, column: int) -> tuple[float, float]:
         """The middle of a pixel in the frame of the map [m]."""
-        x, y = self.transform @ (column + 0.5, row + 0.5) if hasattr(self.transform, "__matmul__") else (
-            self.transform * (column + 0.5, row + 0.5)
+        x, y = (
+            self.transform @ (column + 0.5, row + 0.5)
+            if hasattr(self.transform, "__matmul__")
+            else (self.transform * (column + 0.5, row + 0.5))
         )
         return x * self.metre, y * self.metre
 
@@ -99,7 +101,7 @@ class Raster:
             raise TerrainFileError(f"{self.path}: {' '.join(str(error).split())}") from None
         scale, offset = self.dataset.scales[0], self.dataset.offsets[0]
         single = band.dtype == np.float32 and (scale, offset) == (1.0, 0.0)
-        heights = band.astype(np.float32 if single else np.float64).filled(np.nan)
+        heights: NDArray[np.floating] = band.astype(np.float32 if single else np.float64).filled(np.nan)
         if (scale, offset) != (1.0, 0.0):
             heights = heights * scale + offset
         # Some images mark what is not known by infinities beside their own mark.
@@ -110,7 +112,9 @@ class Raster:
         """A window as a grid of the frame of the map."""
         heights = self.heights(rows, columns)
         if self.flipped:
-            return Grid(heights[::-1], self.spacing, self.place(rows.stop - 1, columns.start), self.orientation)
+            return Grid(
+                heights[::-1], self.spacing, self.place(rows.stop - 1, columns.start), self.orientation
+            )
         return Grid(heights, self.spacing, self.place(rows.start, columns.start), self.orientation)
 
     def read(self, window: Window | None) -> Grid:

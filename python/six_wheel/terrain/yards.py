@@ -1,10 +1,11 @@
 """Ground made by seed: fractal, with rocks as on Mars.
 
-Everything is made of additions, products and square roots of 64-bit numbers drawn by PCG64, and rounded to 0.1 mm
-at the end: a seed means the same ground on every platform.
+Everything is made of additions, products and square roots of 64-bit numbers drawn by PCG64, and rounded to
+0.1 mm at the end: a seed means the same ground on every platform.
 """
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,8 @@ def _fractal(random: np.random.Generator, counts: list[int], spacing: float, rou
         offset = random.random(2)
         values = 2 * random.random((shape[0] + 1, shape[1] + 1)) - 1
         (i, a), (j, b) = (
-            _steps(count, spacing / length, shift) for count, shift in zip((rows, columns), offset, strict=True)
+            _steps(count, spacing / length, shift)
+            for count, shift in zip((rows, columns), offset, strict=True)
         )
         lower, upper = values[i], values[i + 1]
         along = lower + a[:, None] * (upper - lower)
@@ -97,18 +99,23 @@ def _rocks(random: np.random.Generator, counts: list[int], spacing: float, cover
     q = 1.79 + 0.152 / cover
     area = (columns - 1) * (rows - 1) * spacing * spacing
     edges = [SMALLEST * (LARGEST / SMALLEST) ** (k / 60) for k in range(61)]
-    for small, large in zip(edges[:-1], edges[1:], strict=True):
+    for small, large in pairwise(edges):
         share = cover * (math.exp(-q * small) - math.exp(-q * large))
         middle = (small + large) / 2
         number = math.floor(share * area / (math.pi * middle * middle / 4) + random.random())
         for row in random.random((number, 3)).tolist():
-            _place(heights, spacing, small + (large - small) * row[0], row[1] * (columns - 1), row[2] * (rows - 1))
+            _place(
+                heights,
+                spacing,
+                small + (large - small) * row[0],
+                (row[1] * (columns - 1), row[2] * (rows - 1)),
+            )
     return heights
 
 
-def _place(heights: Floats, spacing: float, diameter: float, column: float, row: float) -> None:
+def _place(heights: Floats, spacing: float, diameter: float, place: tuple[float, float]) -> None:
     """A rock, its middle at a place in columns and rows; where rocks overlap, the higher one is seen."""
-    radius = diameter / 2
+    (column, row), radius = place, diameter / 2
     reach = radius / spacing
     rows, columns = heights.shape
     j = np.arange(max(math.ceil(column - reach), 0), min(math.floor(column + reach), columns - 1) + 1)
