@@ -7,8 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_core::{Rover as Core, SteeringRange};
 
-use crate::convert::{raise, refuse};
+use crate::convert::{items, raise, refuse};
 use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
+
+/// Items of a list that are looked at.
+const MOST_ITEMS: usize = 1 << 16;
 
 /// A wheeled vehicle: wheels, and everything that follows from where they are.
 ///
@@ -178,10 +181,15 @@ impl Rover {
     #[pyo3(signature = (wheels, *, traction_joints=None, steering_joints=None))]
     fn new(
         py: Python<'_>,
-        wheels: Vec<Wheel>,
+        wheels: &Bound<'_, PyAny>,
         traction_joints: Option<&Bound<'_, PyMapping>>,
         steering_joints: Option<&Bound<'_, PyMapping>>,
     ) -> PyResult<Self> {
+        let wheels = items("wheels", wheels, MOST_ITEMS)?;
+        let wheels: Vec<Wheel> = wheels
+            .iter()
+            .map(|item| Ok(item.extract()?))
+            .collect::<PyResult<_>>()?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
         let core = core.map_err(|error| raise(error, &[]))?;
         Self::build(py, core, traction_joints, steering_joints)
