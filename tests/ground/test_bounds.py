@@ -253,8 +253,8 @@ def test_loads_carry_the_weight_and_balance() -> None:
     np.testing.assert_allclose(found.loads @ wheels / found.loads.sum(), (0.1, 0.05), atol=1e-4)
     middle, rear = 0.44998, 0.625
     np.testing.assert_allclose(found.loads[2] * middle, found.loads[4] * rear, rtol=1e-3)
-    # To the nearest line through two contacts: the sides, from the middle wheels to the others.
-    assert 0.7 < found.tip_over_angle < 0.9
+    # Over the front wheels.
+    assert found.tip_over_angle == pytest.approx(math.atan2(1.18502 - 0.1, 0.8), abs=1e-4)
     high = rover.stability(stand, mass=1.0, centre_of_mass=(0.0, 0.0, 5.0))
     assert high.tip_over_angle < found.tip_over_angle
     out = rover.stability(stand, mass=1.0, centre_of_mass=(0.0, 2.0, 0.5))

@@ -85,11 +85,7 @@ class Raster:
 
     def place(self, row: int, column: int) -> tuple[float, float]:
         """The middle of a pixel in the frame of the map [m]."""
-        x, y = (
-            self.transform @ (column + 0.5, row + 0.5)
-            if hasattr(self.transform, "__matmul__")
-            else (self.transform * (column + 0.5, row + 0.5))
-        )
+        x, y = _apply(self.transform, column + 0.5, row + 0.5)
         return x * self.metre, y * self.metre
 
     def heights(self, rows: slice, columns: slice) -> NDArray[np.floating]:
@@ -124,7 +120,7 @@ class Raster:
             return self.grid(slice(0, rows), slice(0, columns))
         x0, y0, x1, y1 = (value / self.metre for value in window)
         inverse = ~self.transform
-        corners = np.array([inverse * corner for corner in ((x0, y0), (x0, y1), (x1, y0), (x1, y1))]) - 0.5
+        corners = np.array([_apply(inverse, x, y) for x in (x0, x1) for y in (y0, y1)]) - 0.5
         low, high = np.floor(corners.min(axis=0)), np.ceil(corners.max(axis=0))
         first = np.maximum(low, 0).astype(int)
         last = np.minimum(high, [columns - 1, rows - 1]).astype(int)
@@ -146,3 +142,8 @@ class Raster:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _apply(transform: Any, x: float, y: float) -> tuple[float, float]:
+    """Versions of the library behind it do not agree on the sign for this."""
+    return transform.a * x + transform.b * y + transform.c, transform.d * x + transform.e * y + transform.f

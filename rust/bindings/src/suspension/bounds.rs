@@ -3,11 +3,14 @@
 use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyFloat;
 use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
 
 use super::RockerBogie;
 use crate::batch::any_workers;
-use crate::convert::{Rows, Scalars, compute, joined, raise, refuse, scalar_or_array};
+use crate::convert::{
+    Rows, Scalars, compute, joined, named, raise, refuse, scalar_or_array, together,
+};
 use crate::terrain::Terrain;
 
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
@@ -55,14 +58,14 @@ impl Bounds {
     }
 }
 
-/// Reads sizes, one or one per pose.
-pub fn sizes<'py>(
+/// Reads sizes, one or one per pose, default 0.
+fn sizes<'py>(
+    py: Python<'py>,
     argument: &'static str,
-    value: &Bound<'py, PyAny>,
-    leading: &[usize],
+    value: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Scalars<'py>> {
-    let sizes = Scalars::read(argument, value)?;
-    sizes.fit(argument, leading)?;
+    let none = PyFloat::new(py, 0.0);
+    let sizes = Scalars::read(argument, value.unwrap_or(none.as_any()))?;
     let wrong = |size: &&f64| !(size.is_finite() && **size >= 0.0);
     match sizes.flat().iter().find(wrong) {
         Some(size) => Err(refuse(
@@ -75,7 +78,7 @@ pub fn sizes<'py>(
 }
 
 /// The members of `BoundStatus`, one or an array of them.
-fn named(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
+fn members(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
     let codes: Vec<u8> = status.iter().map(|status| *status as u8).collect();
     let codes = scalar_or_array(py, codes, leading)?;
     let module = py.import("six_wheel.bounding")?;
@@ -195,17 +198,17 @@ impl RockerBogie {
         kernel: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
-        let poses = Rows::read("poses", poses, 3)?;
+        let mut poses = Rows::read("poses", poses, 3)?;
         poses.check_finite("poses")?;
+        let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
+        let mut position = sizes(py, "position_margin", position_margin)?;
+        together([
+            named("poses", &mut poses),
+            named("yaw_margin", &mut yaw),
+            named("position_margin", &mut position),
+        ])?;
         let leading = poses.leading.as_slice();
-        let margin = |argument, value: Option<&Bound<'_, PyAny>>| match value {
-            Some(value) => sizes(argument, value, leading).map(|sizes| sizes.flat().to_vec()),
-            None => Ok(vec![0.0]),
-        };
-        let (yaw, position) = (
-            margin("yaw_margin", yaw_margin)?,
-            margin("position_margin", position_margin)?,
-        );
+        let (yaw, position) = (yaw.flat().to_vec(), position.flat().to_vec());
         let workers = any_workers(threads, kernel)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
@@ -263,7 +266,7 @@ impl RockerBogie {
             rocker: interval(rocker)?,
             bogies: array(bogies.collect(), &joined(&pairs, 2))?,
             wheel_drop: interval(wheel_drop)?,
-            status: named(py, &status, leading)?,
+            status: members(py, &status, leading)?,
         })
     }
 }
