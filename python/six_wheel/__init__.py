@@ -50,7 +50,6 @@ from six_wheel._core import (
     set_default_threads,
     wrap_angle,
 )
-from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
@@ -59,6 +58,7 @@ from six_wheel.rollouts import RolloutCost
 from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
+    from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
     from six_wheel.calibration import calibrate
     from six_wheel.evaluation import umbmark
     from six_wheel.four_axle import FourAxleState, FourAxleStep
@@ -165,7 +165,9 @@ __getattr__, __dir__ = attach(
     {
         "abilities": (),
         "benchmark": (),
+        "bounding": ("BoundStatus", "FeasibleReason", "StandLimits"),
         "calibration": ("calibrate",),
+        "cluster": (),
         "demo": (),
         "drive": (),
         "evaluation": ("umbmark",),
@@ -178,5 +180,7 @@ __getattr__, __dir__ = attach(
         "reference": (),
         "report": (),
         "simulation": ("simulate",),
+        "terrain": (),
+        "traverse": (),
     },
 )
