@@ -283,7 +283,7 @@ impl<'a> Judge<'a> {
             threads: 1,
             ..workers
         };
-        let mut blocks = vec![[[[0.0; 2]; BLOCK]; COUNT]];
+        let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
         let ground = Ground {
             pyramid: self.settler.ground.pyramid(),
@@ -294,7 +294,7 @@ impl<'a> Judge<'a> {
             position: &[0.0],
         };
         for (poses, verdicts) in poses.chunks(BLOCK).zip(verdicts.chunks_mut(BLOCK)) {
-            let (table, worth) = (&mut blocks[0], &mut worth[..poses.len()]);
+            let worth = &mut worth[..poses.len()];
             let targets = table.each_mut().map(|block| &mut block[..poses.len()]);
             bounds(
                 std::slice::from_ref(&self.plan),
@@ -307,7 +307,7 @@ impl<'a> Judge<'a> {
             );
             for (k, (pose, verdict)) in poses.iter().zip(verdicts).enumerate() {
                 let decided = (worth[k] == Knowledge::Bounded)
-                    .then(|| self.by_bounds(&blocks[0].each_ref().map(|block| block[k])))
+                    .then(|| self.by_bounds(&table.each_ref().map(|block| block[k])))
                     .flatten();
                 *verdict = decided.unwrap_or_else(|| self.by_settling(*pose));
             }

@@ -391,11 +391,10 @@ impl<S: Simd> Seen<S> {
     ) -> Self {
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];
         let mut sum = all(simd, 0.0);
-        for side in 0..2 {
-            for pair in 0..3 {
-                let span = place.extremes(ground, &plan.wheels[side][pair], worth);
-                sum = sum + span[0] + span[1];
-                wheels[side][pair] = span;
+        for (side, patches) in wheels.iter_mut().zip(&plan.wheels) {
+            for (wheel, patches) in side.iter_mut().zip(patches) {
+                *wheel = place.extremes(ground, patches, worth);
+                sum = sum + wheel[0] + wheel[1];
             }
         }
         let [_, summit] = place.extremes(ground, &plan.belly, worth);

@@ -22,6 +22,9 @@ const STEEPEST: f64 = 0.577_350_269_189_625_8;
 /// Lower and upper end.
 pub(super) type Interval<S> = [Lanes<S>; 2];
 
+/// Of all quantities.
+pub(super) type Intervals<S> = [Interval<S>; COUNT];
+
 /// Sine and cosine at both ends of an angle's interval.
 type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
 
@@ -224,11 +227,10 @@ impl Plan {
     ) -> [Interval<S>; 3] {
         let simd = rise[0].simd();
         let mut reduced = [rise; 3];
-        for role in 0..3 {
-            let pair = self.roles[role];
+        for (reduced, &pair) in reduced.iter_mut().zip(&self.roles) {
             let scaled = times(wheels[pair], inverse_cos);
             let (offset, radius) = (all(simd, self.offsets[pair]), all(simd, self.radius));
-            reduced[role] = [
+            *reduced = [
                 rise[0].mul_add(offset, scaled[0] + radius),
                 rise[1].mul_add(offset, scaled[1] + radius),
             ];
@@ -258,7 +260,7 @@ impl Plan {
         simd: S,
         wheels: &[[Interval<S>; 3]; 2],
         under: Under<S>,
-    ) -> ([Interval<S>; COUNT], [(Mask<S>, Knowledge); 3]) {
+    ) -> (Intervals<S>, [(Mask<S>, Knowledge); 3]) {
         let (zero, one, half) = (all(simd, 0.0), all(simd, 1.0), all(simd, 0.5));
         let mut tan = [all(simd, -STEEPEST), all(simd, STEEPEST)];
         let mut sure = zero.at_most(one);
@@ -425,16 +427,15 @@ impl Plan {
     fn drop<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2]) -> Interval<S> {
         let simd = turned[0][0][0].0.simd();
         let mut most = [all(simd, f64::NEG_INFINITY); 2];
-        for side in 0..2 {
-            let [rocker, carried] = &turned[side];
+        for [rocker, carried] in turned {
             let joint = self.fall(1, rocker);
             let falls = [
                 self.fall(0, rocker),
                 sum(joint, self.fall(2, carried)),
                 sum(joint, self.fall(3, carried)),
             ];
-            for k in 0..3 {
-                most = [most[0].max(falls[k][0]), most[1].max(falls[k][1])];
+            for fall in falls {
+                most = [most[0].max(fall[0]), most[1].max(fall[1])];
             }
         }
         let loose = all(simd, self.looseness);
@@ -466,16 +467,15 @@ impl Plan {
         let simd = pitch.simd();
         let still = [all(simd, 0.0); 2];
         let mut fits = self.rooms[3].holds(still, pitch, roll);
-        for side in 0..2 {
-            let [rocker, carried] = &turned[side];
+        for [rocker, carried] in turned {
             let joint = self.swing(1, rocker);
             let moved = [
                 self.swing(0, rocker),
                 sum(joint, self.swing(2, carried)),
                 sum(joint, self.swing(3, carried)),
             ];
-            for role in 0..3 {
-                fits = fits & self.rooms[self.roles[role]].holds(moved[role], pitch, roll);
+            for (moved, &pair) in moved.into_iter().zip(&self.roles) {
+                fits = fits & self.rooms[pair].holds(moved, pitch, roll);
             }
         }
         fits
