@@ -180,7 +180,6 @@ def load(
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
         "benchmark": (),
         "bounding": ("BoundStatus", "FeasibleReason", "StandLimits"),
         "calibration": ("calibrate",),
