@@ -12,11 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.calibrate import calibrate
-from six_wheel.cli.check import abilities, draw_limits, wheels_table
+from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.odometry import odometry
 from six_wheel.cli.shared import (
+    AsOption,
     NodeOption,
+    RadiusOption,
+    Reading,
     RoverArgument,
     choose,
     grid,
@@ -55,13 +58,15 @@ def demo(
 def check(
     rover: RoverArgument,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
     plot: Annotated[
         Path | None,
         typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
     ] = None,
 ) -> None:
     try:
-        chosen = choose(rover, node)
+        chosen = choose(rover, Reading(node, as_, wheel_radius))
     except ValueError as error:
         findings = getattr(error, "findings", None)
         if not findings:
@@ -69,11 +74,14 @@ def check(
         print(*findings, sep="\n", file=sys.stderr)
         raise typer.Exit(2) from None
     console = new_console()
-    if chosen.parameters and chosen.parameters.warnings:
-        print(*chosen.parameters.warnings, sep="\n", file=sys.stderr)
+    if chosen.warnings:
+        print(*chosen.warnings, sep="\n", file=sys.stderr)
     if plot is not None:
         draw_limits(chosen, plot)
+    console.print(plan(chosen.rover))
     console.print(wheels_table(chosen))
+    if chosen.robot is not None:
+        console.print(derived_table(chosen.robot))
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
@@ -94,8 +102,10 @@ def show(
         typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
     ] = None,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
 ) -> None:
-    chosen = choose(rover, node)
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.twist import show_figure

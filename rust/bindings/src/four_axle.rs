@@ -51,7 +51,7 @@ pub struct FourAxle {
 
 impl FourAxle {
     fn build(py: Python<'_>, core: core::FourAxle) -> PyResult<Self> {
-        let rover = Py::new(py, Rover::build(py, core.rover().clone(), None, None)?)?;
+        let rover = Py::new(py, Rover::named(py, Ok(core.rover().clone()))?)?;
         Ok(Self { core, rover })
     }
 }

@@ -1,9 +1,9 @@
-//! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
+//! `Rover.inverse` and `Rover.forward`.
 
 mod quick;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyEllipsis, PyTuple};
+use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
 use six_wheel_core::{Twist, Unseen};
 
@@ -286,58 +286,6 @@ impl Rover {
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()
-    }
-
-    /// Joint commands by joint name: what a motor driver takes.
-    ///
-    /// Parameters
-    /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// previous : array_like, shape (..., steered wheels), optional
-    ///     Present steering angles [rad], in the order of `steered_names`.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], each in the order of `steering_joints` and
-    ///     `traction_joints`: for a rover from a parameter file, the order of the file.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
-    ///     As `inverse`.
-    #[pyo3(signature = (twist, *, previous=None))]
-    fn commands<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        previous: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let (steering, speeds) =
-            self.inverse(py, twist, previous, None, None, None, None, None, None)?;
-        let commands = PyDict::new(py);
-        let steered = self.core.steered();
-        let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();
-        let angles = self
-            .steering
-            .iter()
-            .map(|(joint, wheel)| (joint, &steering, place(*wheel)));
-        let rotations = self
-            .traction
-            .iter()
-            .map(|(joint, wheel)| (joint, &speeds, *wheel));
-        for (joint, array, column) in angles.chain(rotations) {
-            let values = array.get_item((PyEllipsis::get(py), column))?;
-            let single = values.getattr("ndim")?.extract::<usize>()? == 0;
-            let values = if single {
-                values.call_method0("item")?
-            } else {
-                values
-            };
-            commands.set_item(joint, values)?;
-        }
-        Ok(commands)
     }
 }
 

@@ -9,6 +9,7 @@ mod fit;
 mod four_axle;
 mod geometry;
 mod ground;
+mod joints;
 mod kinematics;
 mod layouts;
 mod mobility;
