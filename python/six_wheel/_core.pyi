@@ -780,6 +780,43 @@ class Terrain:
 
 @disjoint_base
 class Suspension:
+    @staticmethod
+    def triple_bogie(
+        *,
+        bogie_pivot: ArrayLike,
+        bogie_to_front: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        rear_pivot: ArrayLike,
+        rear_to_wheel: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def pivoting_axles(
+        *,
+        wheelbase: float,
+        track_width: float,
+        drop: float,
+        wheel_radius: float,
+        steering_limit: float | tuple[float, float] | None = None,
+        roll_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def zoe() -> Suspension: ...
+    @staticmethod
+    def rigid(
+        centres: ArrayLike,
+        wheel_radius: float,
+        *,
+        names: Sequence[str] | None = None,
+        steered: Sequence[int] = ...,
+        steering_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
@@ -793,6 +830,7 @@ class Suspension:
         derivatives: bool = False,
         centre_of_mass: ArrayLike | None = None,
         threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> Stand: ...
 
 @final

@@ -22,6 +22,7 @@ from six_wheel.cli.shared import (
     Reading,
     RoverArgument,
     choose,
+    choose_suspension,
     grid,
     new_console,
     progress_bar,
@@ -99,15 +100,32 @@ def show(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
+        typer.Option(
+            "-o",
+            "--output",
+            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
+        ),
     ] = None,
+    side: Annotated[
+        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
+    ] = False,
     node: NodeOption = None,
     as_: AsOption = None,
     wheel_radius: RadiusOption = None,
 ) -> None:
-    chosen = choose(rover, Reading(node, as_, wheel_radius))
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save
+
+    if side:
+        from six_wheel.plot.side import side_figure
+
+        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
+        figure = side_figure(choose_suspension(rover), title=rover)
+        with replacing(target, []) as temporary:
+            save(figure, temporary)
+        print(target.resolve())
+        return
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
     from six_wheel.plot.twist import show_figure
 
     target = picture_path(output or Path(f"{chosen.name}_from_above.png"))

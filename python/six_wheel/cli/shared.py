@@ -14,7 +14,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import Rover
+    from six_wheel._core import RockerBogie, Rover
     from six_wheel.descriptions.findings import Finding
     from six_wheel.parameters.file import Parameters
     from six_wheel.urdf import Robot
@@ -90,6 +90,17 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     hint = f'did you mean "{close[0]}"? ' if close else ""
     known = ", ".join(presets)
     raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}presets: {known}')
+
+
+def choose_suspension(argument: str) -> "RockerBogie":
+    """The suspension of a preset."""
+    from six_wheel._core import RockerBogie
+
+    presets = ("perseverance", "curiosity", "rocky7", "open_source_rover")
+    if argument not in presets:
+        raise ValueError(f'ROVER must be a preset with a suspension, got "{argument}": {", ".join(presets)}')
+    arm: RockerBogie = getattr(RockerBogie, argument)()
+    return arm
 
 
 def new_console(stderr: bool = False) -> "Console":

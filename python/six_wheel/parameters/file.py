@@ -39,6 +39,7 @@ from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
+from six_wheel.parameters.units import question_lengths
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -327,6 +328,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     rover = _rover(found, form, values, log)
     if rover is not None:
         _check_encoders(found, values, rover, log)
+        question_lengths(found, rover, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}

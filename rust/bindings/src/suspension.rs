@@ -132,7 +132,7 @@ impl Link {
 }
 
 /// Reads three numbers.
-fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+pub fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     let row = Rows::read(argument, value, 3)?;
     match row.triples() {
         [one] if row.is_single() => Ok(*one),
