@@ -170,7 +170,6 @@ def load(
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),

@@ -26,6 +26,9 @@ pub(in crate::batch) const LARGEST: f64 = 1e100;
 /// Sizes of rovers with which that holds at every pivot.
 pub(in crate::batch) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
+/// Blocks after one that needed the whole formula, until the usual one is tried again.
+const TRIES: usize = 8;
+
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Part {
     Fixed([f64; 3]),
@@ -317,6 +320,7 @@ impl Kernel for Solve<'_> {
         let mut all_speeds = output(self.speeds, wheels);
         let simple =
             plan.is_simple && (previous.is_none() && previous_speeds.is_none() || plan.is_inner);
+        let mut usual = true;
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = b * BLOCK;
             fetch_ahead(simd, rows.as_flattened(), 0, 1);
@@ -325,7 +329,10 @@ impl Kernel for Solve<'_> {
             let speed_rows = all_speeds.next(rows.len() * wheels);
             let mut doubts = Column::ZERO;
             let mut doubtful = false;
-            if !(simple && solve_block(simd, plan, &twists, steering, speeds)) {
+            // Where the last block needed the whole formula, this one most likely does; now and then it is tried.
+            let tries = simple && (usual || b % TRIES == 0);
+            usual = tries && solve_block(simd, plan, &twists, steering, speeds);
+            if !usual {
                 let of = |values, width| block(values, width, first, rows.len());
                 unweave(simd, of(previous, joints), before);
                 unweave(simd, of(previous_speeds, wheels), rolling);
