@@ -44,7 +44,9 @@ class Rover(Layout):
         """
         walls = [i for i, wheel in enumerate(self.wheels) if wheel.fixed and wheel.roller_angle is None]
         rows = np.array([self.wheels[i].rows(0.0)[1] for i in walls]).reshape(-1, 3)
-        sines = (np.outer(rows[:, 0], rows[:, 1]) - np.outer(rows[:, 1], rows[:, 0])) / math.sin(math.radians(10))
+        sines = (np.outer(rows[:, 0], rows[:, 1]) - np.outer(rows[:, 1], rows[:, 0])) / math.sin(
+            math.radians(10)
+        )
         says = np.maximum(1.0 - sines**2, 0.0) ** 2
         ways = np.where(rows[:, :2] @ rows[:, :2].T < 0.0, -1.0, 1.0)
         means = (says * ways) @ rows / says.sum(axis=1, keepdims=True)
