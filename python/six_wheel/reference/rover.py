@@ -40,14 +40,13 @@ class Rover(Layout):
     def _shared_rows(self) -> dict[int, Floats]:
         """Side-slip rows of the unsteered wheels: the mean over all about as they point.
 
-        The say of a wheel in the row of another is 1 if their axles are parallel and falls smoothly to 0 at 10 degrees.
+        The say of a wheel in the row of another is 1 if their axles are parallel; it falls smoothly to 0 at
+        10 degrees.
         """
         walls = [i for i, wheel in enumerate(self.wheels) if wheel.fixed and wheel.roller_angle is None]
         rows = np.array([self.wheels[i].rows(0.0)[1] for i in walls]).reshape(-1, 3)
-        sines = (np.outer(rows[:, 0], rows[:, 1]) - np.outer(rows[:, 1], rows[:, 0])) / math.sin(
-            math.radians(10)
-        )
-        says = np.maximum(1.0 - sines**2, 0.0) ** 2
+        sines = np.outer(rows[:, 0], rows[:, 1]) - np.outer(rows[:, 1], rows[:, 0])
+        says = np.maximum(1.0 - (sines / math.sin(math.radians(10))) ** 2, 0.0) ** 2
         ways = np.where(rows[:, :2] @ rows[:, :2].T < 0.0, -1.0, 1.0)
         means = (says * ways) @ rows / says.sum(axis=1, keepdims=True)
         return dict(zip(walls, means, strict=True))
