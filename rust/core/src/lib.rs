@@ -23,10 +23,11 @@ pub mod error;
 pub mod estimate;
 pub mod four_axle;
 pub mod geometry;
-pub mod ground;
+
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod moving;
 pub mod odometry;
 pub mod presets;
 pub mod profiles;

@@ -202,7 +202,11 @@ impl Contacts {
             }
         }
         triangular(&mut rows, filled, 3.min(filled));
-        let plan = shortest([rows[0], rows[1], rows[2]]);
+        // In the air nothing says how it moves.
+        let plan = match filled {
+            0 => [f64::NAN; 3],
+            _ => shortest([rows[0], rows[1], rows[2]]),
+        };
         let mut rates = follow.offset;
         for (rate, spread) in rates.iter_mut().zip(&follow.spread) {
             for (share, plan) in spread.iter().zip(plan) {

@@ -1,11 +1,11 @@
 //! `Suspension.slip` and `body_slip`.
 
 use pyo3::prelude::*;
-use six_wheel_core::ground::{COLUMNS, SlipTest, slip};
+use six_wheel_core::moving::{COLUMNS, SlipTest, slip};
 
 use super::stand::Stands;
 use super::{done, fresh};
-use crate::convert::{Rows, raise, refuse, shape_text};
+use crate::convert::{Rows, raise, refuse};
 use crate::suspension::Suspension;
 
 /// How wheels slip.
@@ -126,11 +126,7 @@ impl BodySlip {
     ///
     /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
     /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
-    fn compensate<'py>(
-        &self,
-        py: Python<'py>,
-        wanted: &Bound<'py, PyAny>,
-    ) -> PyResult<Py<PyAny>> {
+    fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
         let slip = self.slip.bind(py);
         let slips = Rows::read("slip", slip, slip.len()?)?;
         let wanted = Rows::read("wanted", wanted, slip.len()?)?;

@@ -1,17 +1,16 @@
 //! `Suspension.inverse` and `Suspension.forward`.
 
-use numpy::PyArrayMethods;
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use pyo3::types::PyTuple;
 use six_wheel_core::Error;
-use six_wheel_core::ground::{Command, Contacts, Readings, View, Wanted, inverse, rest_offset};
+use six_wheel_core::moving::{Command, Contacts, Readings, View, Wanted, inverse, rest_offset};
 use six_wheel_core::suspension::MAX_WHEELS;
 
 use super::stand::Stands;
 use super::{done, fresh, row};
-use crate::convert::{Rows, compute, joined, number, raise, refuse, scalar_or_array, shape_text};
+use crate::convert::{Rows, joined, number, raise, refuse, scalar_or_array, shape_text};
 use crate::suspension::Suspension;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
@@ -192,7 +191,7 @@ impl Suspension {
             let scales = &mut scales[..];
             let (stands, commands, kept) = (&stands, commands.pairs(), kept.as_ref());
             let single = commands.len() == 1;
-            let run = || {
+            let mut run = || {
                 for k in 0..count {
                     let [speed, yaw_rate] = commands[if single { 0 } else { k }];
                     let footing = stands.row(chain, k);
@@ -284,9 +283,8 @@ impl Suspension {
         };
         speeds.check_leading("speeds", &leading)?;
         speeds.check_finite("speeds")?;
-        let beside = |name: &'static str, value, width| {
-            Rows::read_beside(name, value, width, &leading)
-        };
+        let beside =
+            |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
         let steering = beside("steering", steering, steered)?;
         let measured = beside("joint_rates", joint_rates, joints)?;
         let turning = beside("angular_velocity", angular_velocity, 3)?;
@@ -297,11 +295,16 @@ impl Suspension {
             }
         }
         for (name, rows) in [("joint_rates", &measured), ("angular_velocity", &turning)] {
-            if rows.as_ref().is_some_and(|rows| rows.flat().iter().any(|rate| rate.is_infinite())) {
+            if rows
+                .as_ref()
+                .is_some_and(|rows| rows.flat().iter().any(|rate| rate.is_infinite()))
+            {
                 return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
             }
         }
-        let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
+        let weights = weights
+            .map(|weights| self.read_weights(weights))
+            .transpose()?;
         let radii = self.radii();
         let mut outputs = [
             fresh(py, &leading, 6)?,
@@ -311,7 +314,7 @@ impl Suspension {
         {
             let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
             let (stands, speeds) = (&stands, speeds.flat());
-            let run = || {
+            {
                 for k in 0..twists.len() / 6 {
                     let mut footing = stands.row(chain, k);
                     let turned = row(steering.as_ref(), k, steered)
@@ -335,8 +338,7 @@ impl Suspension {
                     residuals[k * 3 * wheels..][..3 * wheels]
                         .copy_from_slice(residual[..wheels].as_flattened());
                 }
-            };
-            run();
+            }
         }
         let [twists, rates, residuals] = outputs;
         Ok(GroundMotion {
@@ -368,9 +370,16 @@ impl Suspension {
             }
         };
         let weights = rows.flat().to_vec();
-        match weights.iter().find(|weight| !(weight.is_finite() && **weight >= 0.0)) {
+        match weights
+            .iter()
+            .find(|weight| !(weight.is_finite() && **weight >= 0.0))
+        {
             None => Ok(weights),
-            Some(weight) => Err(refuse("weights", "be finite and not negative", &weight.to_string())),
+            Some(weight) => Err(refuse(
+                "weights",
+                "be finite and not negative",
+                &weight.to_string(),
+            )),
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::Error;
-use six_wheel_core::ground::{Closure, Lift, Rates, rest_offset, traction};
+use six_wheel_core::moving::{Closure, Lift, Rates, rest_offset, traction};
 
 use super::{done, fresh, row};
-use crate::convert::{Rows, Scalars, compute, number, raise, refuse, scalar_or_array};
+use crate::convert::{Rows, Scalars, raise, refuse, scalar_or_array};
 use crate::suspension::Suspension;
 
 /// Wheels over ground that nobody has mapped.
@@ -64,8 +64,8 @@ impl Suspension {
     /// wheel_speeds : array_like, shape (..., wheels), optional
     ///     Measured speeds [rad/s], from which the vertical speed then comes.
     /// lift_angle, lift_speed : float
-    ///     A wheel that moves steeper than this against its link [rad], and faster than this across it [m/s], is
-    ///     flagged in `lifted`: a wheelie, or a fall.
+    ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
+    ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     ///
     /// Returns
     /// -------
@@ -130,7 +130,11 @@ impl Suspension {
             (Some(curvature), None) => (true, scalars("curvature", curvature)?),
             (None, Some(yaw_rate)) => (false, scalars("yaw_rate", yaw_rate)?),
             (Some(_), Some(_)) => {
-                return Err(refuse("curvature", "be None where yaw_rate is given", "both"));
+                return Err(refuse(
+                    "curvature",
+                    "be None where yaw_rate is given",
+                    "both",
+                ));
             }
             (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
         };
@@ -158,14 +162,18 @@ impl Suspension {
                 let [roll_rate, pitch_rate, _] = turning.triples()[k];
                 let given = Rates {
                     speed: ahead,
-                    yaw_rate: if curved { ahead * turn.at(k) } else { turn.at(k) },
+                    yaw_rate: if curved {
+                        ahead * turn.at(k)
+                    } else {
+                        turn.at(k)
+                    },
                     tilt_rates: [roll_rate, pitch_rate],
                     joints: &angles.flat()[k * free..][..free],
                     joint_rates: &rates.flat()[k * free..][..free],
                     steering: row(present.as_ref(), k, steered).unwrap_or(&[]),
                 };
-                let closure = row(measured.as_ref(), k, wheels)
-                    .map_or(Closure::Suspension, Closure::Wheels);
+                let closure =
+                    row(measured.as_ref(), k, wheels).map_or(Closure::Suspension, Closure::Wheels);
                 let driven = traction(chain, offset, &given, closure, lift)
                     .map_err(|error: Error| raise(error.at_row(k), &leading))?;
                 speeds[k * wheels..][..wheels].copy_from_slice(&driven.speeds[..wheels]);

@@ -42,12 +42,12 @@ pub enum Closure<'a> {
     Wheels(&'a [f64]),
 }
 
-/// From when on a wheel is taken to be off the ground.
+/// From when on a wheel is taken to be off the ground: it moves across its link as no slope would push it.
 #[derive(Clone, Copy, Debug)]
 pub struct Lift {
-    /// Steeper than this against its link [rad].
+    /// Steepest slope that wheels climb, against the link, at the commanded speed [rad].
     pub angle: f64,
-    /// And faster than this across it [m/s].
+    /// Slowest such motion that counts [m/s].
     pub speed: f64,
 }
 
@@ -113,11 +113,7 @@ pub fn traction(
             continue;
         };
         let frame = straight.wheel(wheel);
-        let velocity = Vector3::new(
-            rates.speed - rates.yaw_rate * frame.centre.y,
-            sideways + rates.yaw_rate * frame.centre.x,
-            0.0,
-        );
+        let velocity = in_plan(frame.centre, rates, sideways);
         let (ahead, aside) = (velocity.dot(&frame.forward), velocity.dot(&frame.axle));
         let angle = if ahead == 0.0 && aside == 0.0 {
             rates.steering.get(joint).copied().unwrap_or(0.0)
@@ -166,9 +162,16 @@ pub fn traction(
         let speed = along.hypot(across);
         driven.speeds[wheel] = way * speed / centre.radius - centre.turn;
         driven.contact_angles[wheel] = (way * across).atan2(way * along);
-        driven.lifted[wheel] = across.abs() > lift.speed && across.abs() > lift.angle.sin() * speed;
+        let slope = lift.angle.tan() * in_plan(placed.wheel(wheel).centre, rates, sideways).norm();
+        driven.lifted[wheel] = across.abs() > lift.speed.max(slope);
     }
     Ok(driven)
+}
+
+/// The velocity of a point of the body as commanded [m/s].
+fn in_plan(point: Vector3<f64>, rates: &Rates<'_>, sideways: f64) -> Vector3<f64> {
+    let turn = rates.yaw_rate;
+    Vector3::new(rates.speed - turn * point.y, sideways + turn * point.x, 0.0)
 }
 
 /// [`Closure::Suspension`].

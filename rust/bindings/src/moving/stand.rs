@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::Chain;
-use six_wheel_core::ground::Footing;
+use six_wheel_core::moving::Footing;
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
 use crate::convert::{Rows, Scalars, refuse, shape_text};
@@ -34,7 +34,8 @@ impl<'py> Stands<'py> {
             chain.joints().len(),
             chain.steering().len(),
         );
-        let rows = |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
+        let rows =
+            |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
         let angles = rows("contact_angles", wheels)?;
         let leading = angles.leading.clone();
         let beside = |name: &str, width: usize| {
@@ -54,9 +55,7 @@ impl<'py> Stands<'py> {
             scalars.fit_exactly(&argument, &leading)?;
             PyResult::Ok(scalars)
         };
-        let some = |name: &str, width: usize| {
-            (width > 0).then(|| beside(name, width)).transpose()
-        };
+        let some = |name: &str, width: usize| (width > 0).then(|| beside(name, width)).transpose();
         Ok(Self {
             roll: scalars("roll")?,
             pitch: scalars("pitch")?,
@@ -89,8 +88,14 @@ impl<'py> Stands<'py> {
             // An empty array has no rows to take apart.
             rows.as_ref().map_or(0..0, |_| k * width..(k + 1) * width)
         };
-        let angles = self.joints.as_ref().map_or(&[][..], |rows| &rows.flat()[of(&self.joints, joints)]);
-        let steering = self.steering.as_ref().map_or(&[][..], |rows| &rows.flat()[of(&self.steering, steered)]);
+        let angles = self
+            .joints
+            .as_ref()
+            .map_or(&[][..], |rows| &rows.flat()[of(&self.joints, joints)]);
+        let steering = self
+            .steering
+            .as_ref()
+            .map_or(&[][..], |rows| &rows.flat()[of(&self.steering, steered)]);
         let gaps = &self.gap.flat()[k * wheels..][..wheels];
         let mut touching = [false; MAX_WHEELS];
         for (touching, gap) in touching.iter_mut().zip(gaps) {
@@ -105,7 +110,11 @@ impl<'py> Stands<'py> {
         }
         let transform = &self.transform.flat()[16 * k..][..16];
         Footing {
-            attitude: [self.roll.at(k), self.pitch.at(k), transform[4].atan2(transform[0])],
+            attitude: [
+                self.roll.at(k),
+                self.pitch.at(k),
+                transform[4].atan2(transform[0]),
+            ],
             joints: angles,
             steering,
             angles: &self.angles.flat()[k * wheels..][..wheels],
