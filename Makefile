@@ -6,7 +6,9 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
-SOAKED = batch rollout fast fast_memory profiles transitions odometry odometry_sensors dead_reckon controller calibration
+SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
+	core/boundary/test_memory.py core/laws/test_profiles.py core/laws/test_transitions.py core/laws/test_controller.py \
+	odometry calibration)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -30,7 +32,7 @@ test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
-	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
 	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
@@ -39,8 +41,8 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	rm -rf $(SANITIZED)/python && mkdir -p $(SANITIZED)/python && cp -r python/six_wheel $(SANITIZED)/python
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
-	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py tests/test_fast_memory.py -q -p no:cacheprovider
-	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/boundary/test_memory.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
@@ -58,6 +60,7 @@ lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest six_wheel._core
 

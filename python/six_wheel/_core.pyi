@@ -14,9 +14,11 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
-from six_wheel.odometry import Health, Track
+from six_wheel.logs import Log
+from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 __all__ = [
     "BodySlip",
@@ -29,6 +31,7 @@ __all__ = [
     "FourAxle",
     "GroundCommand",
     "GroundMotion",
+    "Gyroscope",
     "IcrTransition",
     "Limits",
     "Link",
@@ -37,10 +40,12 @@ __all__ = [
     "Noise",
     "Odometry",
     "OdometryState",
+    "Preintegrated",
     "Profile",
     "RockerBogie",
     "Rover",
     "Sensitivity",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
@@ -631,6 +636,90 @@ class Odometry:
     def noise(self) -> Noise: ...
 
 @final
+class Gyroscope:
+    def __new__(
+        cls,
+        noise: float = 0.005,
+        *,
+        bias: float = 0.0,
+        bias_noise: float = 0.05,
+        bias_walk: float = 0.0001,
+    ) -> Gyroscope: ...
+    @property
+    def noise(self) -> float: ...
+    @property
+    def bias(self) -> float: ...
+    @property
+    def bias_noise(self) -> float: ...
+    @property
+    def bias_walk(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+_Changes: TypeAlias = dict[str, ArrayLike]
+
+@final
+class Preintegrated:
+    def __new__(
+        cls,
+        rover: Rover,
+        noise: Noise | None = None,
+        *,
+        gyroscope: Gyroscope | None = None,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        method: _Method = "least_squares",
+        in_space: bool = False,
+        attitude_noise: float = 0.01,
+    ) -> Preintegrated: ...
+    def add(
+        self,
+        steering: ArrayLike | Log | None,
+        wheel_angles: ArrayLike | None = None,
+        stamp: ArrayLike | None = None,
+        *,
+        yaw_rate: ArrayLike | None = None,
+        attitude: ArrayLike | None = None,
+    ) -> None: ...
+    @property
+    def delta(self) -> _Floats: ...  # (3,) or (4, 4)
+    @property
+    def covariance(self) -> _Floats: ...  # (3, 3) or (6, 6)
+    def covariance_in(self, tangent: Literal["end", "begin", "coordinates"]) -> _Floats: ...
+    @property
+    def tangent(self) -> Literal["end"]: ...
+    @property
+    def by_dimension(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
+    @property
+    def by_slip(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
+    @property
+    def by_gyroscope_bias(self) -> _Floats: ...  # (3,) or (6,)
+    def corrected(self, changes: _Changes) -> _Floats: ...
+    def residual(self, pose_i: ArrayLike, pose_j: ArrayLike) -> tuple[_Floats, _Floats, _Floats]: ...
+    def factor(
+        self, pose_i: ArrayLike, pose_j: ArrayLike, changes: _Changes
+    ) -> tuple[_Floats, _Floats, _Floats, dict[str, _Floats]]: ...
+    def split(self, stamp: float) -> tuple[Preintegrated, Preintegrated]: ...
+    def merge(self, other: Preintegrated) -> Preintegrated: ...
+    @property
+    def begin(self) -> float | None: ...
+    @property
+    def end(self) -> float | None: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def noise(self) -> Noise: ...
+    @property
+    def gyroscope(self) -> Gyroscope | None: ...
+    def __len__(self) -> int: ...
+    def __copy__(self) -> Preintegrated: ...
+    def __deepcopy__(self, memo: object) -> Preintegrated: ...
+
+@final
 class Link:
     @property
     def frame(self) -> str: ...
@@ -793,6 +882,62 @@ class Suspension:
     def slip(
         self, stand: object, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
     ) -> WheelSlip: ...
+    def settle(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        steering: ArrayLike | None = None,
+        *,
+        derivatives: bool = False,
+        centre_of_mass: ArrayLike | None = None,
+        threads: int | None = None,
+    ) -> Stand: ...
+
+@final
+class Stand:
+    @property
+    def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
+    @property
+    def ground(self) -> Terrain: ...
+    @property
+    def suspension(self) -> Suspension: ...
+    @property
+    def stands(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def poses(self) -> _Floats: ...  # (..., 3) [m, m, rad]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered) [rad]
+    @property
+    def z(self) -> float | _Floats: ...  # [m]
+    @property
+    def roll(self) -> float | _Floats: ...  # [rad]
+    @property
+    def pitch(self) -> float | _Floats: ...  # [rad]
+    @property
+    def joints(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def stops(self) -> _Floats: ...  # (..., joints) -1, 0, 1
+    @property
+    def gap(self) -> _Floats: ...  # (..., wheels) [m]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def next_contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def next_contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def normals(self) -> _Floats: ...  # (..., wheels, 3)
+    @property
+    def transform(self) -> _Floats: ...  # (..., 4, 4)
+    @property
+    def wheel_centres(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def by_pose(self) -> _Floats | None: ...  # (..., 3 + joints, 3)
+    @property
+    def by_dimension(self) -> _Floats | None: ...  # (..., 6, 16)
+    def __len__(self) -> int: ...
 
 @final
 class RockerBogie(Suspension):

@@ -8,6 +8,7 @@ mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
+mod ground;
 mod kinematics;
 mod layouts;
 mod mobility;
@@ -38,6 +39,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     odometry::install(module.py())?;
     module.add_class::<odometry::state::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::gyroscope::Gyroscope>()?;
+    module.add_class::<odometry::preintegrated::Preintegrated>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
     module.add_class::<profiles::BodyTransition>()?;
@@ -52,6 +55,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<moving::BodySlip>()?;
     module.add_function(wrap_pyfunction!(moving::body_slip, module)?)?;
     module.add_class::<suspension::RockerBogie>()?;
+    module.add_class::<ground::Stand>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
