@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.simulation import simulate
 
 __all__ = [
     "ArgumentTypeError",
@@ -125,6 +126,7 @@ __all__ = [
     "profiles",
     "rollout",
     "set_default_threads",
+    "simulate",
     "umbmark",
     "wrap_angle",
 ]
@@ -177,5 +179,6 @@ __getattr__, __dir__ = attach(
         "reckoning": (),
         "reference": (),
         "report": (),
+        "simulation": ("simulate",),
     },
 )
