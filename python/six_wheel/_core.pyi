@@ -847,7 +847,7 @@ class Suspension:
     def free_joints(self) -> tuple[str, ...]: ...
     def inverse(
         self,
-        stand: object,
+        stand: Stand,
         command: ArrayLike,
         *,
         view: Literal["body", "plan"] = "body",
@@ -856,7 +856,7 @@ class Suspension:
     ) -> GroundCommand: ...
     def forward(
         self,
-        stand: object,
+        stand: Stand,
         steering: ArrayLike | None,
         speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
@@ -880,7 +880,7 @@ class Suspension:
         lift_speed: float = 0.01,
     ) -> Traction: ...
     def slip(
-        self, stand: object, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
+        self, stand: Stand, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
     ) -> WheelSlip: ...
     def settle(
         self,

@@ -234,7 +234,7 @@ impl Suspension {
     ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
     ///     wheels stand on.
     /// speeds : array_like, shape (..., wheels)
-    ///     Speed of every wheel against the link that carries it [rad/s].
+    ///     Speed of every wheel against the link that carries it [rad/s], NaN where there is none.
     /// joint_rates : array_like, shape (..., joints), optional
     ///     Measured rates of the free angles [rad/s], NaN where there is none.
     /// angular_velocity : array_like, shape (..., 3), optional
@@ -282,7 +282,6 @@ impl Suspension {
             stands.leading.clone()
         };
         speeds.check_leading("speeds", &leading)?;
-        speeds.check_finite("speeds")?;
         let beside =
             |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
         let steering = beside("steering", steering, steered)?;
@@ -294,11 +293,14 @@ impl Suspension {
                 rows.check_finite(name)?;
             }
         }
-        for (name, rows) in [("joint_rates", &measured), ("angular_velocity", &turning)] {
-            if rows
-                .as_ref()
-                .is_some_and(|rows| rows.flat().iter().any(|rate| rate.is_infinite()))
-            {
+        let gaps = [
+            ("speeds", Some(&speeds)),
+            ("joint_rates", measured.as_ref()),
+            ("angular_velocity", turning.as_ref()),
+        ];
+        for (name, rows) in gaps {
+            let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
+            if numbers.any(|rate| rate.is_infinite()) {
                 return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
             }
         }

@@ -21,7 +21,7 @@ const TURNS: usize = 40;
 /// What was measured beside the wheels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Readings<'a> {
-    /// Speed of every wheel against its link [rad/s].
+    /// Speed of every wheel against its link [rad/s]; NaN where it was not measured.
     pub speeds: &'a [f64],
     /// Rates of the steering angles [rad/s].
     pub steering_rates: Option<&'a [f64]>,
@@ -184,11 +184,17 @@ impl Contacts {
         let mut rows = [[0.0; 4]; 3 * MAX_WHEELS];
         let mut filled = 0;
         for (wheel, contact) in self.touching() {
-            let [roll, side] = weights(readings.weights, self.count, wheel);
+            let [mut roll, side] = weights(readings.weights, self.count, wheel);
+            if readings.speeds[wheel].is_nan() {
+                roll = 0.0;
+            }
             let left = self.slip(wheel, contact, &follow.offset, readings, &swivels, radii);
             let directions = [contact.normal, contact.rolling, contact.side];
             let shares = [roll.max(side), roll, side];
             for (i, (direction, share)) in directions.into_iter().zip(shares).enumerate() {
+                if left[i].is_nan() && share == 0.0 {
+                    continue; // not measured
+                }
                 let scale = share.sqrt();
                 let unit = if i == 1 { radii[wheel] } else { 1.0 };
                 for k in 0..3 {
@@ -379,7 +385,7 @@ fn steer(
                 aside.atan2(ahead)
             };
             angle += change;
-            if change.abs() < f64::EPSILON {
+            if change.abs() < 4.0 * f64::EPSILON {
                 break;
             }
         }
