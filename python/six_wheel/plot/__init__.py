@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
     from six_wheel.plot.twist import show_figure
 
@@ -37,6 +38,7 @@ __all__ = [
     "residual_figure",
     "save",
     "show_figure",
+    "side_figure",
     "track_figure",
 ]
 
@@ -50,6 +52,7 @@ __getattr__, __dir__ = attach(
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
         "saving": ("picture_path", "save"),
+        "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
         "twist": ("show_figure",),
     },

@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use six_wheel_core::rover::MAX_WHEELS;
 use six_wheel_core::{Drive, Rover as Core, SkidCentres, SteeringRange, presets};
 
-use crate::convert::{Rows, Scalars, number, raise, refuse};
+use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
 use crate::rover::Rover;
 use crate::wheel::steering_range;
 
@@ -28,7 +28,8 @@ fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option
 
 /// Positions, one row per wheel.
 fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    Rows::read_table("positions", value, 2).map(|rows| rows.pairs().to_vec())
+    let rows = Rows::read_table("positions", value, 2)?;
+    memory::gathered(rows.pairs().iter().copied())
 }
 
 fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {

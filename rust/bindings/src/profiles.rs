@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
 
-use crate::convert::{Scalars, number, raise, refuse, scalar_or_array, shape_text};
+use crate::convert::{Scalars, memory, number, raise, refuse, scalar_or_array, shape_text};
 use made::{Made, class};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
@@ -38,7 +38,7 @@ impl Values {
         let scalars = Scalars::read(argument, value)?;
         match scalars.shape.as_slice() {
             [] | [_] if !scalars.flat().is_empty() => Ok(Self {
-                numbers: scalars.flat().to_vec(),
+                numbers: memory::gathered(scalars.flat().iter().copied())?,
                 is_vector: !scalars.shape.is_empty(),
             }),
             shape => {
@@ -436,8 +436,9 @@ impl Profile {
         times.check_finite("times")?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();
+        let count = memory::count(&[times.flat().len(), width])?;
         for part in &mut parts {
-            part.reserve(times.flat().len() * width);
+            *part = memory::room(count)?;
         }
         for &time in times.flat() {
             for axis in 0..width {

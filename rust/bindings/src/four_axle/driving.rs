@@ -8,7 +8,10 @@ use super::FourAxle;
 use super::values::{
     array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step,
 };
-use crate::convert::{Rows, number, refuse};
+use crate::convert::{Rows, items, number, refuse};
+
+/// Steps of a sequence that are looked at.
+const MOST_STEPS: usize = 1 << 20;
 
 #[pymethods]
 impl FourAxle {
@@ -249,7 +252,7 @@ impl FourAxle {
     ) -> PyResult<Bound<'py, PyAny>> {
         let dt = number("dt", dt)?;
         let start = state.map_or(Ok(State::default()), read_state)?;
-        let given = sequence.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+        let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
         let (track, end) = py
             .detach(|| self.core.simulate(start, &steps, dt))

@@ -22,7 +22,7 @@
 
 mod calls;
 mod formulas;
-mod machine;
+pub(crate) mod machine;
 pub(crate) mod one_row;
 
 pub use calls::poses::integrate;
@@ -30,6 +30,7 @@ pub use calls::rows::{forward, inverse};
 pub use calls::singly::{admissible, fit, project, sensitivity};
 pub use formulas::rollout_cost::{Costs, rollout_cost};
 pub use machine::level::Level;
+pub use machine::places::Places;
 pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};
 pub use machine::workers::Workers;
 pub use one_row::forward::forward_one;

@@ -29,13 +29,15 @@ pub fn fit(
 }
 
 /// Whether the rover can make each twist. Fails where one is not finite.
-pub fn admissible(rover: &Rover, twists: &[[f64; 3]]) -> Result<Vec<bool>, Error> {
-    let answer = |(k, twist): (usize, &[f64; 3])| match rover.check(Twist::from(*twist), None) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind == ErrorKind::Infeasible => Ok(false),
-        Err(error) => Err(error.at_row(k)),
-    };
-    twists.iter().enumerate().map(answer).collect()
+pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool]) -> Result<(), Error> {
+    for (k, (twist, answer)) in twists.iter().zip(answers).enumerate() {
+        *answer = match rover.check(Twist::from(*twist), None) {
+            Ok(()) => true,
+            Err(error) if error.kind == ErrorKind::Infeasible => false,
+            Err(error) => return Err(error.at_row(k)),
+        };
+    }
+    Ok(())
 }
 
 /// [`Rover::project`] of every twist.
