@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from .test_ground_reference import PERSEVERANCE, TURNED_ROUND, rough
 
 import six_wheel as sw
 from six_wheel.reference import ground as plain
+
+from .test_ground_reference import PERSEVERANCE, TURNED_ROUND, rough
 
 CHAINS = {"behind": PERSEVERANCE, "in front": TURNED_ROUND}
 

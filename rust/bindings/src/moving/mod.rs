@@ -15,7 +15,7 @@ use crate::convert::{Output, Rows, joined};
 
 /// A fresh array of rows, filled by the caller.
 fn fresh<'py>(py: Python<'py>, leading: &[usize], width: usize) -> PyResult<Output<'py>> {
-    Output::new(py, "out", None, &joined(leading, width), &[])
+    Output::fresh(py, &joined(leading, width))
 }
 
 /// The row of an optional argument.

@@ -174,7 +174,7 @@ impl Suspension {
         };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
-            if !(how.wheel_speed > 0.0) {
+            if how.wheel_speed.is_nan() || how.wheel_speed <= 0.0 {
                 let got = how.wheel_speed.to_string();
                 return Err(refuse("max_wheel_speed", "be positive", &got));
             }

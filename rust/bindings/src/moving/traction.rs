@@ -121,7 +121,9 @@ impl Suspension {
         }
         let scalars = |name: &'static str, value| {
             let scalars = Scalars::read(name, value)?;
-            scalars.fit(name, &leading)?;
+            if !scalars.shape.is_empty() {
+                scalars.fit_exactly(name, &leading)?;
+            }
             scalars.check_finite(name)?;
             PyResult::Ok(scalars)
         };
@@ -139,7 +141,7 @@ impl Suspension {
             (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
         };
         for (name, value) in [("lift_angle", lift_angle), ("lift_speed", lift_speed)] {
-            if !(value >= 0.0) {
+            if value.is_nan() || value < 0.0 {
                 return Err(refuse(name, "be a number not below 0", &value.to_string()));
             }
         }

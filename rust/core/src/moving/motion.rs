@@ -197,11 +197,13 @@ impl Contacts {
                 }
                 let scale = share.sqrt();
                 let unit = if i == 1 { radii[wheel] } else { 1.0 };
-                for k in 0..3 {
-                    let column: f64 = (0..COLUMNS)
+                let column = |k: usize| -> f64 {
+                    (0..COLUMNS)
                         .map(|c| direction[c] * follow.spread[c][k])
-                        .sum();
-                    rows[filled][k] = scale * unit * column;
+                        .sum()
+                };
+                for (k, cell) in rows[filled][..3].iter_mut().enumerate() {
+                    *cell = scale * unit * column(k);
                 }
                 rows[filled][3] = -scale * left[i];
                 filled += 1;
