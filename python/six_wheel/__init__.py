@@ -182,7 +182,6 @@ def load(
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),

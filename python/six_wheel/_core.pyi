@@ -492,9 +492,11 @@ class Rover:
     @property
     def steered_names(self) -> tuple[str, ...]: ...
     @property
-    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the caller's order
+    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
+    @property
+    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
     @property
     def reversed_joints(self) -> tuple[str, ...]: ...
     @property
@@ -1190,6 +1192,8 @@ class Controller:
 @final
 class ControllerOutput:
     @property
+    def commands(self) -> dict[str, float]: ...
+    @property
     def steering(self) -> _Floats: ...
     @property
     def steering_rates(self) -> _Floats: ...
@@ -1202,6 +1206,8 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
+    @property
+    def commands(self) -> dict[str, _Floats]: ...
     @property
     def steering(self) -> _Floats: ...
     @property

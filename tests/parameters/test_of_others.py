@@ -4,6 +4,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import six_wheel as sw
@@ -287,3 +288,33 @@ c:
     found = read(text)
     assert "90 degrees to both sides are assumed" in str(found.warnings[0])
     assert found.rover.wheels[0].steering_range == (-math.pi / 2, math.pi / 2)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(100.0, "centimetres"), (1000.0, "millimetres")])
+def test_lengths_that_cannot_be_metres_are_questioned(read, factor: float, unit: str) -> None:
+    text = "kind: differential\ntrack_width: {}\nwheel_radius: {}\n"
+    assert read(text.format(0.4, 0.1)).warnings == ()
+    (warning,) = read(text.format(0.4 * factor, 0.1 * factor)).warnings
+    assert f"in {unit} they would be 0.1 m and 0.2 m" in str(warning)
+    assert warning.line == 3
+
+
+def test_commands_and_readings_are_each_others_inverse() -> None:
+    turned = ["front_left_steering_joint", "rear_right_wheel_joint"]
+    rover = sw.Rover(sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15).wheels, reversed_joints=turned)
+    twists = np.array([[0.3, 0.0, 0.2], [0.5, 0.0, -0.1]])
+    steering, speeds = rover.inverse(twists)
+    back = rover.readings(rover.commands(twists))
+    np.testing.assert_array_equal(back[0], steering)
+    np.testing.assert_array_equal(back[1], speeds)
+    plain = sw.Rover(rover.wheels)
+    assert plain != rover
+    assert rover.commands(twists[0])[turned[1]] == -plain.commands(twists[0])[turned[1]]
+    with pytest.raises(
+        ValueError, match='joints must hold every joint of the rover, "front_left_steering_jo'
+    ):
+        rover.readings({"front_left_wheel_joint": 1.0})
+    with pytest.raises(ValueError, match="reversed_joints must be some of the joints"):
+        sw.Rover(rover.wheels, reversed_joints=["nose"])
+    with pytest.raises(ValueError, match="reversed_joints must name every joint once"):
+        sw.Rover(rover.wheels, reversed_joints=[turned[0], turned[0]])

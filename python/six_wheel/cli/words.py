@@ -10,7 +10,8 @@ COMMANDS = {
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
-    "bench": "How fast the compiled core is on this machine, beside plain Python.",
+    "example": "A parameter file, a table of commands, a log to try the others on.",
+    "bench": "How fast the compiled core is on this machine, beside the reference in plain NumPy.",
 }
 
 

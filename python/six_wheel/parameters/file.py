@@ -39,6 +39,8 @@ from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
+from six_wheel.parameters.units import question_lengths
+from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -115,7 +117,7 @@ def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | N
     Returns
     -------
     Rover
-        Its ``traction_joints`` and ``steering_joints`` are in the file's order.
+        Its `commands` come in the file's order.
 
     Raises
     ------
@@ -199,15 +201,15 @@ def _six_wheel_values(rover: Rover) -> Values:
     if rover.wheel_names != _SIX.wheel_names:
         return {}
     front, middle, rear = (wheels[name] for name in ("front_left", "middle_left", "rear_left"))
+    steering, traction = joints_as_given(rover)
     stated = {
         joint: wheel
-        for joints in (rover.traction_joints, rover.steering_joints)
-        for joint, wheel in joints.items()
+        for joint, wheel in (traction | steering).items()
         if wheel_said_by(joint, wheels) != wheel
     }
     values: Values = {
-        "traction_joints": list(rover.traction_joints),
-        "steering_joints": list(rover.steering_joints),
+        "traction_joints": list(traction),
+        "steering_joints": list(steering),
         "wheel_of_joint": stated,
         "reversed_joints": list(rover.reversed_joints),
         "d1": front.y,
@@ -249,7 +251,8 @@ def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
 
 def _joints_of(rover: Rover) -> Values:
     """Joints by wheel, as every kind takes them."""
-    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    steering, traction = joints_as_given(rover)
+    joints = {"traction_joints": traction, "steering_joints": steering}
     named: Values = {
         key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value
     }
@@ -327,6 +330,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     rover = _rover(found, form, values, log)
     if rover is not None:
         _check_encoders(found, values, rover, log)
+        question_lengths(found, rover, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}

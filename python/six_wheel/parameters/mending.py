@@ -295,8 +295,10 @@ def _insertion(
     file: _File, nodes: dict[Path, yaml.Node], absolute: dict[int, Path], key: str, value: Any
 ) -> tuple[int, int, str] | None:
     """A line for a new key, below the first number of the rover and as far in."""
-    alone = (path for path in _leaves(file.values) if len(path) == 1 and path in file.section.places)
-    if (first := next(alone, None)) is None:
+    alone = [path for path in _leaves(file.values) if len(path) == 1 and path in file.section.places]
+    # A dotted key may stand in a mapping of its own, where a new one would be part of that.
+    first = min(alone, key=lambda path: "." in str(path[0]), default=None)
+    if first is None:
         return None
     beside = nodes[absolute[id(file.section.places[first])]]
     line = file.text.rfind("\n", 0, beside.start_mark.index) + 1

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use six_wheel_core::{ErrorKind, Keep, Twist, batch};
+use six_wheel_core::{Keep, Twist, batch};
 
 use crate::convert::{Array, Output, Rows, compute, joined, memory, raise, scalar_or_array};
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
@@ -31,11 +31,8 @@ impl Quick<1> for Admissible {
         [twist]: [Option<Object<'_, 'py>>; 1],
     ) -> Option<Bound<'py, PyAny>> {
         let twist = Twist::from(three(twist?)?);
-        match batch::check_one(&this.get().core, twist) {
-            Ok(()) => Some(truth(this.py(), true)),
-            Err(error) if error.kind == ErrorKind::Infeasible => Some(truth(this.py(), false)),
-            Err(_) => None,
-        }
+        let answer = batch::admissible_one(&this.get().core, twist).ok()?;
+        Some(truth(this.py(), answer))
     }
 }
 
@@ -138,9 +135,9 @@ impl Rover {
         let keep = Keep::from_str(keep).map_err(|error| raise(error, &[]))?;
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::new(py, "out", out, &twists.shape())?;
-        let (rows, target) = (twists.triples(), projected.triples());
+        let (rows, target, fresh) = (twists.triples(), projected.triples(), out.is_none());
         compute(py, rows.len(), || {
-            batch::project(&self.core, rows, keep, target)
+            batch::project(&self.core, rows, keep, target, fresh)
         })
         .map_err(|error| raise(error, &twists.leading))?;
         projected.finish()

@@ -27,9 +27,11 @@ pub struct Fit {
     /// Say of each wheel, shape (..., wheels), 0 to 1.
     #[pyo3(get)]
     pub weights: Py<PyAny>,
-    /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
-    #[pyo3(get)]
-    pub worst_wheel: Py<PyAny>,
+    rover: Py<Rover>,
+    /// Index of the wheel with the largest residual, -1 where there is none, row after row. Their names are made when
+    /// somebody asks.
+    worst: Vec<i64>,
+    leading: Vec<usize>,
 }
 
 #[pymethods]
@@ -43,8 +45,18 @@ impl Fit {
             text(&self.rank)?,
             text(&self.sigma_min)?,
             text(&self.weights)?,
-            text(&self.worst_wheel)?,
+            text(&self.worst_wheel(py)?)?,
         ))
+    }
+
+    /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
+    #[getter]
+    fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.rover.get().names_of(
+            py,
+            memory::gathered(self.worst.iter().copied())?,
+            &self.leading,
+        )
     }
 }
 
@@ -108,7 +120,7 @@ impl Rover {
     ///     If a value is not finite, a shape does not fit or the method is unknown.
     #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false))]
     fn fit<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
@@ -116,12 +128,13 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
     ) -> PyResult<Fit> {
+        let this = slf.get();
         let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
-        let readings = self.read_log(steering, speeds, steering_rates)?.flat()?;
+        let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
         let output = |width| Output::fresh(py, &joined(leading, width));
-        let (mut twist, mut residual) = (output(3)?, output(self.count())?);
-        let mut weights = output(self.count())?;
+        let (mut twist, mut residual) = (output(3)?, output(this.count())?);
+        let mut weights = output(this.count())?;
         let none = CoreFit {
             twist: Twist::ZERO,
             rank: 0,
@@ -131,17 +144,19 @@ impl Rover {
         let unseen = unseen(allow_underdetermined);
         let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
         compute(py, fits.len(), || {
-            batch::fit(&self.core, log, method, unseen, &mut fits, slips, says)
+            batch::fit(&this.core, log, method, unseen, &mut fits, slips, says)
         })
         .map_err(|error| raise(error, leading))?;
         for (fit, target) in fits.iter().zip(twist.triples()) {
             *target = fit.twist.into();
         }
-        let worst = slips.chunks_exact(self.count()).map(worst_wheel);
+        let worst = slips.chunks_exact(this.count()).map(worst_wheel);
         let ranks = fits.iter().map(|fit| fit.rank as i64);
         let sigmas = fits.iter().map(|fit| fit.sigma_min);
         Ok(Fit {
-            worst_wheel: self.names_of(py, memory::gathered(worst)?, leading)?,
+            worst: memory::gathered(worst)?,
+            rover: slf.clone().unbind(),
+            leading: leading.to_vec(),
             rank: scalar_or_array(py, memory::gathered(ranks)?, leading)?,
             sigma_min: scalar_or_array(py, memory::gathered(sigmas)?, leading)?,
             twist: twist.finish()?.into_any().unbind(),

@@ -165,7 +165,8 @@ impl Controller {
     /// Returns
     /// -------
     /// ControllerOutput
-    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`.
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     the wheels.
     ///
     /// Raises
     /// ------
@@ -184,7 +185,7 @@ impl Controller {
         let mut core = self.core.lock(py)?;
         core.step(now, measured.as_ref().map(Rows::flat))
             .map_err(|error| raise(error, &[]))?;
-        Ok(ControllerOutput::of(&core))
+        Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 
     /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.

@@ -2,7 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::four_axle::{Pair, State};
+use six_wheel_core::four_axle::{Axles, Brakes, Pair, State};
+use six_wheel_core::{Error, FourAxle as Core};
 
 use super::FourAxle;
 use super::values::{
@@ -12,6 +13,21 @@ use crate::convert::{Rows, items, number, refuse};
 
 /// Steps of a sequence that are looked at.
 const MOST_STEPS: usize = 1 << 20;
+
+impl FourAxle {
+    fn with_brakes<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        pair: &str,
+        change: impl FnOnce(&Core, &Axles, Brakes, Pair) -> Result<Brakes, Error>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let state = read_state(state)?;
+        let pair = pair.parse().map_err(raised)?;
+        let brakes = change(&self.core, &state.angles, state.brakes, pair).map_err(raised)?;
+        write_state(py, &State { brakes, ..state })
+    }
+}
 
 #[pymethods]
 impl FourAxle {
@@ -39,11 +55,7 @@ impl FourAxle {
         state: &Bound<'py, PyAny>,
         pair: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let state = read_state(state)?;
-        let pair: Pair = pair.parse().map_err(raised)?;
-        let locked = self.core.lock(&state.angles, state.brakes, pair);
-        let brakes = locked.map_err(raised)?;
-        write_state(py, &State { brakes, ..state })
+        self.with_brakes(py, state, pair, Core::lock)
     }
 
     /// The state with a pair free.
@@ -72,11 +84,7 @@ impl FourAxle {
         state: &Bound<'py, PyAny>,
         pair: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let state = read_state(state)?;
-        let pair: Pair = pair.parse().map_err(raised)?;
-        let freed = self.core.release(&state.angles, state.brakes, pair);
-        let brakes = freed.map_err(raised)?;
-        write_state(py, &State { brakes, ..state })
+        self.with_brakes(py, state, pair, Core::release)
     }
 
     /// The step that drives on with both pairs locked.

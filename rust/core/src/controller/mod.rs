@@ -282,7 +282,7 @@ impl Controller {
             let range = wheel.steering().unwrap_or_default();
             if (angles[joint] - range.clip(angles[joint])).abs() > MEASURED_SLACK {
                 let rule = format!(
-                    "be inside the steering range {range} rad of wheel {:?} (to {MEASURED_SLACK} rad)",
+                    "be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)",
                     wheel.name
                 );
                 return Err(Error::value(argument, rule, numbers(angles)));
