@@ -171,8 +171,8 @@ impl Controller {
     /// Raises
     /// ------
     /// ValueError
-    ///     If the time is not later than the last, or an angle is not finite or outside the steering range. The
-    ///     controller stays as it was.
+    ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
+    ///     beyond a limit are none: the joints come back inside at their rates.
     #[pyo3(signature = (now, measured=None))]
     fn step(
         &self,
