@@ -1,10 +1,12 @@
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
+from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
@@ -18,15 +20,21 @@ from six_wheel.logs import Log
 from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 __all__ = [
+    "BodySlip",
     "BodyTransition",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
     "Fit",
     "FourAxle",
+    "GroundCommand",
+    "GroundMotion",
     "Gyroscope",
     "IcrTransition",
     "Limits",
@@ -41,11 +49,16 @@ __all__ = [
     "RockerBogie",
     "Rover",
     "Sensitivity",
+    "Stability",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
+    "Traction",
     "Wheel",
+    "WheelSlip",
     "__version__",
+    "body_slip",
     "compose",
     "default_threads",
     "differentiate",
@@ -328,6 +341,8 @@ class Rover:
         *,
         traction_joints: Mapping[str, str] | None = None,
         steering_joints: Mapping[str, str] | None = None,
+        reversed_joints: Sequence[str] | None = None,
+        suspension: RockerBogie | None = None,
     ) -> Rover: ...
     @staticmethod
     def six_wheel(
@@ -473,6 +488,8 @@ class Rover:
     def commands(
         self, twist: ArrayLike, *, previous: ArrayLike | None = None
     ) -> dict[str, float] | dict[str, _Floats]: ...
+    def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
+    def urdf(self, name: str = "rover") -> str: ...
     @property
     def wheels(self) -> tuple[Wheel, ...]: ...
     @property
@@ -480,9 +497,15 @@ class Rover:
     @property
     def steered_names(self) -> tuple[str, ...]: ...
     @property
-    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the caller's order
+    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
+    @property
+    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
+    @property
+    def reversed_joints(self) -> tuple[str, ...]: ...
+    @property
+    def suspension(self) -> RockerBogie | None: ...
     @property
     def min_radius(self) -> float: ...
     @property
@@ -753,6 +776,23 @@ class Terrain:
         origin: tuple[float, float] | None = None,
         orientation: float | None = None,
     ) -> Self: ...
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        *,
+        window: tuple[float, float, float, float] | None = None,
+        topic: str | None = None,
+        layer: str | None = None,
+    ) -> Terrain: ...
+    @staticmethod
+    def yard(
+        size: float | tuple[float, float] | None = None,
+        spacing: float = 0.05,
+        cover: float = 0.1,
+        seed: int | None = None,
+        *,
+        roughness: float = 0.1,
+    ) -> Terrain: ...
     @property
     def heights(self) -> NDArray[np.float32] | _Floats: ...
     @property
@@ -771,12 +811,264 @@ class Terrain:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class GroundCommand:
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def scale(self) -> float | _Floats: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> _Floats: ...
+    def __iter__(self) -> Iterator[_Floats]: ...
+
+@final
+class GroundMotion:
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+
+@final
+class Traction:
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def lifted(self) -> NDArray[np.bool_]: ...  # (..., wheels)
+    @property
+    def vertical_speed(self) -> float | _Floats: ...  # [m/s]
+
+@final
+class WheelSlip:
+    @property
+    def ratio(self) -> _Floats: ...  # (..., wheels)
+    @property
+    def angle(self) -> _Floats: ...  # (..., wheels) [rad]
+
+@final
+class BodySlip:
+    @property
+    def slip(self) -> _Floats: ...  # (n,)
+    @property
+    def statistic(self) -> float: ...
+    @property
+    def threshold(self) -> float: ...
+    @property
+    def probability(self) -> float: ...
+    @property
+    def slipping(self) -> bool: ...
+    def compensate(self, wanted: ArrayLike) -> _Floats: ...
+
+def body_slip(
+    navigated: ArrayLike, kinematic: ArrayLike, covariance: ArrayLike, *, false_alarm: float = 0.01
+) -> BodySlip: ...
+
 @disjoint_base
 class Suspension:
+    @staticmethod
+    def triple_bogie(
+        *,
+        bogie_pivot: ArrayLike,
+        bogie_to_front: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        rear_pivot: ArrayLike,
+        rear_to_wheel: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def pivoting_axles(
+        *,
+        wheelbase: float,
+        track_width: float,
+        drop: float,
+        wheel_radius: float,
+        steering_limit: float | tuple[float, float] | None = None,
+        roll_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def zoe() -> Suspension: ...
+    @staticmethod
+    def rigid(
+        centres: ArrayLike,
+        wheel_radius: float,
+        *,
+        names: Sequence[str] | None = None,
+        steered: Sequence[int] = ...,
+        steering_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
     def free_joints(self) -> tuple[str, ...]: ...
+    def inverse(
+        self,
+        stand: Stand,
+        command: ArrayLike,
+        *,
+        view: Literal["body", "plan"] = "body",
+        steering: ArrayLike | None = None,
+        max_wheel_speed: float | None = None,
+    ) -> GroundCommand: ...
+    def forward(
+        self,
+        stand: Stand,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        joint_rates: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        *,
+        steering_rates: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+    ) -> GroundMotion: ...
+    def traction(
+        self,
+        speed: ArrayLike,
+        curvature: ArrayLike | None,
+        angular_velocity: ArrayLike,
+        joints: ArrayLike,
+        joint_rates: ArrayLike,
+        *,
+        yaw_rate: ArrayLike | None = None,
+        steering: ArrayLike | None = None,
+        wheel_speeds: ArrayLike | None = None,
+        lift_angle: float = 1.0,
+        lift_speed: float = 0.01,
+    ) -> Traction: ...
+    def slip(
+        self, stand: Stand, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
+    ) -> WheelSlip: ...
+    def settle(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        steering: ArrayLike | None = None,
+        *,
+        derivatives: bool = False,
+        centre_of_mass: ArrayLike | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> Stand: ...
+    def stability(
+        self,
+        stand: Stand,
+        *,
+        mass: float,
+        centre_of_mass: ArrayLike | None = None,
+        gravity: float = 9.80665,
+        belly: tuple[float, float, float, float] | None = None,
+    ) -> Stability: ...
+
+@final
+class Bounds:
+    @property
+    def z(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def roll(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def pitch(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def tilt(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def clearance(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def rocker(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def bogies(self) -> _Floats: ...  # (..., 2, 2) [rad]
+    @property
+    def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def status(self) -> BoundStatus | NDArray[Any]: ...  # (...) BoundStatus
+
+@final
+class Feasible:
+    @property
+    def ok(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
+    @property
+    def margin(self) -> float | _Floats: ...
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def exact(self) -> bool | NDArray[np.bool_]: ...
+
+@final
+class Stability:
+    @property
+    def loads(self) -> _Floats: ...  # (..., wheels) [N]
+    @property
+    def tip_over_angle(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
+
+@final
+class Stand:
+    @property
+    def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
+    @property
+    def ground(self) -> Terrain: ...
+    @property
+    def suspension(self) -> Suspension: ...
+    @property
+    def stands(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def poses(self) -> _Floats: ...  # (..., 3) [m, m, rad]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered) [rad]
+    @property
+    def z(self) -> float | _Floats: ...  # [m]
+    @property
+    def roll(self) -> float | _Floats: ...  # [rad]
+    @property
+    def pitch(self) -> float | _Floats: ...  # [rad]
+    @property
+    def joints(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def stops(self) -> _Floats: ...  # (..., joints) -1, 0, 1
+    @property
+    def gap(self) -> _Floats: ...  # (..., wheels) [m]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def next_contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def next_contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def normals(self) -> _Floats: ...  # (..., wheels, 3)
+    @property
+    def transform(self) -> _Floats: ...  # (..., 4, 4)
+    @property
+    def wheel_centres(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def by_pose(self) -> _Floats | None: ...  # (..., 3 + joints, 3)
+    @property
+    def by_dimension(self) -> _Floats | None: ...  # (..., 6, 16)
+    def __len__(self) -> int: ...
 
 @final
 class RockerBogie(Suspension):
@@ -810,6 +1102,30 @@ class RockerBogie(Suspension):
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None
     ) -> dict[str, _Floats]: ...
     def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def bounds(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        yaw_margin: ArrayLike | None = None,
+        *,
+        position_margin: ArrayLike | None = None,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        within: tuple[float, float, float] | None = None,
+        threads: int | None = None,
+        kernel: str | None = None,
+    ) -> Bounds: ...
+    def feasible(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        limits: StandLimits | None = None,
+        *,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        threads: int | None = None,
+    ) -> Feasible: ...
+    def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(self, rho: ArrayLike, beta: ArrayLike) -> float | _Floats: ...
     def steer(
         self,
@@ -982,6 +1298,8 @@ class Controller:
 @final
 class ControllerOutput:
     @property
+    def commands(self) -> dict[str, float]: ...
+    @property
     def steering(self) -> _Floats: ...
     @property
     def steering_rates(self) -> _Floats: ...
@@ -994,6 +1312,8 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
+    @property
+    def commands(self) -> dict[str, _Floats]: ...
     @property
     def steering(self) -> _Floats: ...
     @property

@@ -207,7 +207,7 @@ def _noise(
     """Noise from where every log ends under a fit without its session, or without itself."""
     model, drives = problem.model, problem.drives
     sessions = [drive.session for drive in drives]
-    alone = len(set(sessions)) < 2
+    alone = len(set(sessions)) in (1, len(drives))
     keys = list(range(len(drives))) if alone else [sessions.index(session) for session in sessions]
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values)

@@ -12,21 +12,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.calibrate import calibrate
-from six_wheel.cli.check import abilities, draw_limits, wheels_table
+from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
+from six_wheel.cli.example import example
 from six_wheel.cli.odometry import odometry
 from six_wheel.cli.shared import (
+    AsOption,
     NodeOption,
+    RadiusOption,
+    Reading,
     RoverArgument,
     choose,
     grid,
     new_console,
     progress_bar,
 )
+from six_wheel.cli.show import show
+from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
-    from six_wheel._core import Rover
+    pass
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -46,7 +52,7 @@ def demo(
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
     ] = Path("six_wheel_demo"),
 ) -> None:
-    from six_wheel.demo import run
+    from six_wheel.demo.running import run
 
     run(output, console=new_console())
 
@@ -55,13 +61,15 @@ def demo(
 def check(
     rover: RoverArgument,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
     plot: Annotated[
         Path | None,
         typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
     ] = None,
 ) -> None:
     try:
-        chosen = choose(rover, node)
+        chosen = choose(rover, Reading(node, as_, wheel_radius))
     except ValueError as error:
         findings = getattr(error, "findings", None)
         if not findings:
@@ -69,42 +77,25 @@ def check(
         print(*findings, sep="\n", file=sys.stderr)
         raise typer.Exit(2) from None
     console = new_console()
-    if chosen.parameters and chosen.parameters.warnings:
-        print(*chosen.parameters.warnings, sep="\n", file=sys.stderr)
+    if chosen.warnings:
+        print(*chosen.warnings, sep="\n", file=sys.stderr)
     if plot is not None:
         draw_limits(chosen, plot)
+    console.print(plan(chosen.rover))
     console.print(wheels_table(chosen))
+    if chosen.robot is not None:
+        console.print(derived_table(chosen.robot))
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["traverse"])(traverse)
 
 
-@app.command(help=COMMANDS["show"])
-def show(
-    rover: RoverArgument,
-    twist: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(metavar="VX VY OMEGA", help="Motion to draw [m/s, m/s, rad/s]. Default: a left turn."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
-    ] = None,
-    node: NodeOption = None,
-) -> None:
-    chosen = choose(rover, node)
-    from six_wheel.logs.writing import replacing
-    from six_wheel.plot.saving import picture_path, save
-    from six_wheel.plot.twist import show_figure
-
-    target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
-    figure = show_figure(chosen.rover, twist or _left_turn(chosen.rover), title=chosen.name)
-    with replacing(target, [chosen.path] if chosen.path else []) as temporary:
-        save(figure, temporary)
-    print(target.resolve())
+app.command(help=COMMANDS["show"])(show)
+app.command(help=COMMANDS["example"])(example)
 
 
 @app.command(help=COMMANDS["bench"])
@@ -114,18 +105,6 @@ def bench() -> None:
     with progress_bar("timing") as progress:
         results = benchmark.measure(progress=progress)
     new_console().print(benchmark.table(results))
-
-
-# --- what a command says ---------------------------------------------------------------------------------
-
-
-def _left_turn(rover: "Rover") -> tuple[float, float, float]:
-    """Half a metre a second forward, around a centre to the left that this rover can turn about."""
-    size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
-    speed = 0.5
-    # Unsteered wheels may hold the centre on a line beside the origin: the projection puts it there.
-    vx, vy, omega = rover.project((speed, 0.0, speed / max(2.0 * size, 1.2 * rover.min_radius))).tolist()
-    return vx, vy, omega
 
 
 def run(arguments: Sequence[str]) -> int:

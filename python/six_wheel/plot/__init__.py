@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
+    from six_wheel.plot.traverse import traverse_figure
     from six_wheel.plot.twist import show_figure
 
 __all__ = [
@@ -37,7 +39,9 @@ __all__ = [
     "residual_figure",
     "save",
     "show_figure",
+    "side_figure",
     "track_figure",
+    "traverse_figure",
 ]
 
 __getattr__, __dir__ = attach(
@@ -50,7 +54,9 @@ __getattr__, __dir__ = attach(
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
         "saving": ("picture_path", "save"),
+        "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
+        "traverse": ("traverse_figure",),
         "twist": ("show_figure",),
     },
 )

@@ -21,7 +21,7 @@ FINER = 8
 
 
 def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
-    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway to the next."""
+    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway on."""
     edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
     rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
     return rates

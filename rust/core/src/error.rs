@@ -12,6 +12,8 @@ pub enum ErrorKind {
     Infeasible,
     /// The readings do not determine the twist.
     Underdetermined,
+    /// What was asked for does not fit into memory.
+    Memory,
 }
 
 /// "`argument` must `rule`, got `value`": what every failure of this crate says.
@@ -91,6 +93,16 @@ pub(crate) fn number(value: f64) -> String {
     } else {
         format!("{value:?}")
     }
+}
+
+/// Four digits of a number, as Python writes it: what a person reads.
+pub(crate) fn short(value: f64) -> String {
+    number(format!("{value:.3e}").parse().unwrap_or(value))
+}
+
+/// An angle [rad] in both units.
+pub(crate) fn radians(angle: f64) -> String {
+    format!("{} rad ({:.1}°)", short(angle), angle.to_degrees())
 }
 
 /// A number, or a tuple of several, as Python writes it.

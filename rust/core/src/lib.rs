@@ -18,14 +18,17 @@
 
 pub mod admissible;
 pub mod batch;
+pub mod bounds;
 pub mod controller;
 pub mod error;
 pub mod estimate;
 pub mod four_axle;
 pub mod geometry;
+pub mod ground;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod moving;
 pub mod odometry;
 pub mod presets;
 pub mod profiles;

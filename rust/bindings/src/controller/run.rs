@@ -2,21 +2,24 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use six_wheel_core::controller::Steps;
 
 use super::Controller;
-use crate::convert::{Output, Rows, Scalars, compute, raise};
+use crate::convert::{Output, Rows, Scalars, compute, memory, raise};
+use crate::rover::Rover;
 
 /// What the steps of `Controller.run` command, one row a step.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerRun {
-    /// Steering angles [rad], shape (n, steered wheels).
+    rover: Py<Rover>,
+    /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_names`.
     #[pyo3(get)]
     steering: Py<PyAny>,
     /// Rates of the steering angles [rad/s], shape (n, steered wheels).
     #[pyo3(get)]
     steering_rates: Py<PyAny>,
-    /// Wheel speeds [rad/s], shape (n, wheels).
+    /// Wheel speeds [rad/s], shape (n, wheels), in the order of `Rover.wheel_names`.
     #[pyo3(get)]
     speeds: Py<PyAny>,
     /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
@@ -43,10 +46,10 @@ impl ControllerRun {
         let twists = Rows::read("twists", twists, 3)?;
         twists.check_leading("twists", &[commands])?;
 
-        let output = |width| Output::new(py, "out", None, &[count, width], &[]);
+        let output = |width| Output::fresh(py, &[count, width]);
         let (mut steering, mut rates) = (output(controller.joints)?, output(controller.joints)?);
         let (mut speeds, mut motions) = (output(controller.wheels)?, output(3)?);
-        let mut reasons = vec![0; count];
+        let mut reasons = memory::filled(0, count)?;
         let steps = Steps {
             steering: steering.flat(),
             steering_rates: rates.flat(),
@@ -55,13 +58,13 @@ impl ControllerRun {
             reasons: &mut reasons,
         };
         let (stamps, twists, times) = (stamps.flat(), twists.triples(), times.flat());
-        // Whoever waits for the controller holds the interpreter: it is let go before that is asked for again.
-        compute(py, count, || {
-            controller.lock().run(stamps, twists, times, steps)
-        })
-        .map_err(|error| raise(error, &[count.max(commands)]))?;
+        let mut guard = controller.core.lock(py)?;
+        let core = &mut *guard;
+        compute(py, count, || core.run(stamps, twists, times, steps))
+            .map_err(|error| raise(error, &[count.max(commands)]))?;
         let array = |output: Output<'py>| Ok::<_, PyErr>(output.finish()?.into_any().unbind());
         Ok(Self {
+            rover: controller.rover.clone_ref(py),
             steering: array(steering)?,
             steering_rates: array(rates)?,
             speeds: array(speeds)?,
@@ -73,6 +76,13 @@ impl ControllerRun {
 
 #[pymethods]
 impl ControllerRun {
+    /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
+    #[getter]
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rover = self.rover.get();
+        rover.named_values(py, self.steering.bind(py), self.speeds.bind(py))
+    }
+
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.reasons.bind(py).as_any().len()
     }

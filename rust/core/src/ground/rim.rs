@@ -9,9 +9,14 @@
 //! Directions are pairs `(sin t, cos t)`; no angle is computed.
 
 use crate::terrain::{Cell, Terrain};
+use crate::wheels::Direction;
 
-/// Arcs are cut to this length at most [rad]: bounds by second derivatives stay tight.
-const LONGEST_ARC: f64 = 0.5;
+/// Arcs are cut to this length [rad], and what then remains is at most [`REST`]: bounds by second derivatives
+/// stay tight.
+const LONGEST_ARC: f64 = 0.45;
+
+/// Cosine of half a radian.
+const REST: f64 = 0.877_582_561_890_372_8;
 
 /// A minimum this far above the least one is not looked at more closely [m].
 const TIE: f64 = 1e-7;
@@ -31,15 +36,6 @@ pub(crate) struct Circle {
     pub forward: [f64; 3],
     /// Radius times the direction of its steering axis, upwards.
     pub up: [f64; 3],
-}
-
-/// A direction on the rim: sine and cosine of the contact angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direction {
-    /// Sine.
-    pub sin: f64,
-    /// Cosine.
-    pub cos: f64,
 }
 
 /// A local minimum of the gap along the rim.
@@ -65,6 +61,8 @@ pub struct Rim {
     pub unknown: bool,
     /// Whether it leaves the map.
     pub outside: bool,
+    /// The least gap so far, or that of another point of the rim [m].
+    bound: f64,
 }
 
 impl Rim {
@@ -73,15 +71,21 @@ impl Rim {
         next: None,
         unknown: false,
         outside: false,
+        bound: f64::INFINITY,
     };
 
-    /// The least gap [m]; infinite where there is no known ground.
-    fn gap(&self) -> f64 {
-        self.least.map_or(f64::INFINITY, |least| least.gap)
+    /// One minimum over ground that is known all along.
+    pub(crate) fn of(minimum: Minimum) -> Self {
+        Self {
+            least: Some(minimum),
+            bound: minimum.gap,
+            ..Self::NOTHING
+        }
     }
 
     /// Takes in another minimum.
     fn offer(&mut self, minimum: Minimum) {
+        self.bound = self.bound.min(minimum.gap);
         let Some(least) = self.least else {
             self.least = Some(minimum);
             return;
@@ -105,16 +109,20 @@ pub(crate) enum Part {
 }
 
 /// Walks along the rim.
-pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part) -> Rim {
+///
+/// A point near the contact makes it quick: arcs that are higher everywhere are passed over.
+pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part, near: Direction) -> Rim {
     let mut rim = Rim::NOTHING;
+    rim.bound = gap_at(ground, circle, near);
     half(ground, circle, &mut rim);
-    if part == Part::Whole && upper_half_matters(ground, circle, rim.gap()) {
+    if part == Part::Whole && upper_half_matters(ground, circle, rim.bound) {
         let turned = Circle {
             forward: circle.forward.map(|x| -x),
             up: circle.up.map(|x| -x),
             ..*circle
         };
         let mut upper = Rim::NOTHING;
+        upper.bound = rim.bound;
         half(ground, &turned, &mut upper);
         for mut minimum in [upper.least, upper.next].into_iter().flatten() {
             minimum.at = Direction {
@@ -126,14 +134,39 @@ pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part) -> Rim {
         rim.unknown |= upper.unknown;
         rim.outside |= upper.outside;
     }
-    let least = rim.gap();
+    let least = rim.bound;
     rim.next = rim.next.filter(|next| next.gap - least <= TIE);
     rim
 }
 
+/// The gap at a point of the rim [m]; infinite where the ground is not known.
+fn gap_at(ground: &Terrain, circle: &Circle, at: Direction) -> f64 {
+    let [x, y] = point(circle, at);
+    if !ground.on_grid(x, y) {
+        return f64::INFINITY;
+    }
+    let [rows, columns] = ground.shape();
+    let (column, row) = ((x as usize).min(columns - 2), (y as usize).min(rows - 2));
+    let height = ground
+        .cell(column, row)
+        .height(x - column as f64, y - row as f64);
+    let gap = rise(circle, at) - height;
+    // What rounding may take away from the minimum beside it.
+    if gap.is_nan() {
+        f64::INFINITY
+    } else {
+        gap + 1e-12 * (1.0 + height.abs())
+    }
+}
+
+/// Height of a point of the rim [m].
+fn rise(circle: &Circle, Direction { sin, cos }: Direction) -> f64 {
+    circle.centre[2] + circle.forward[2] * sin - circle.up[2] * cos
+}
+
 /// Whether a part of the upper half may be nearer to the ground than this, or over ground that is not known.
-fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
-    let reach = |k: usize| circle.forward[k].hypot(circle.up[k]);
+pub(crate) fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
+    let reach = |k: usize| length([circle.forward[k], circle.up[k]]);
     let (rx, ry) = (reach(0), reach(1));
     let [x, y, z] = circle.centre;
     let [rows, columns] = ground.shape();
@@ -155,7 +188,11 @@ fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
         }
     }
     // The lowest point of the upper half, if the wheel stands upright, is one of its ends.
-    let lowest = z - if circle.up[2] >= 0.0 { circle.forward[2].abs() } else { reach(2) };
+    let lowest = z - if circle.up[2] >= 0.0 {
+        circle.forward[2].abs()
+    } else {
+        reach(2)
+    };
     !known || lowest - top < gap + TIE
 }
 
@@ -175,15 +212,12 @@ struct Gap {
 type Jet = [f64; 3];
 
 impl Gap {
-    fn new(cell: &Cell, circle: &Circle, column: f64, row: f64) -> Self {
+    fn new(cell: &Cell, circle: &Circle, [column, row]: [f64; 2]) -> Self {
         let ([x, y, z], [hx, hy, hz], [ux, uy, uz]) = (circle.centre, circle.forward, circle.up);
         let (a, b) = (x - column, y - row);
         let [along, across] = cell.slope(a, b);
         let twist = cell.twist;
-        let (p, q) = (
-            hz - along * hx - across * hy,
-            along * ux + across * uy - uz,
-        );
+        let (p, q) = (hz - along * hx - across * hy, along * ux + across * uy - uz);
         let (r, s) = (
             0.5 * twist * (hx * hy - ux * uy),
             0.5 * twist * (hx * uy + ux * hy),
@@ -194,17 +228,14 @@ impl Gap {
             q,
             r,
             s,
-            fourth: p.hypot(q) + 16.0 * r.hypot(s),
+            fourth: length([p, q]) + 16.0 * length([r, s]),
         }
     }
 
     #[inline]
     fn jet(&self, Direction { sin, cos }: Direction) -> Jet {
         let (sin2, cos2) = (2.0 * sin * cos, (cos - sin) * (cos + sin));
-        let (first, second) = (
-            self.p * sin + self.q * cos,
-            self.r * cos2 + self.s * sin2,
-        );
+        let (first, second) = (self.p * sin + self.q * cos, self.r * cos2 + self.s * sin2);
         [
             self.constant + first + second,
             self.p * cos - self.q * sin + 2.0 * (self.s * cos2 - self.r * sin2),
@@ -228,6 +259,14 @@ impl Arc<'_> {
         self.cell.slope(x - self.corner[0], y - self.corner[1])
     }
 
+    fn minimum(&self, at: Direction, gap: f64) -> Minimum {
+        Minimum {
+            gap,
+            at,
+            slope: self.slope(at),
+        }
+    }
+
     /// Offers every minimum inside the arc that may be the least.
     fn search(&self, ends: [Direction; 2], jets: [Jet; 2], length: f64, rim: &mut Rim) {
         let ([g1, d1, c1], [g2, d2, c2]) = (jets[0], jets[1]);
@@ -235,28 +274,20 @@ impl Arc<'_> {
         let doubt = self.gap.fourth * eighth;
         let (least, most) = (c1.min(c2) - doubt, c1.max(c2) + doubt);
         let bound = g1.min(g2) - most.max(0.0) * eighth;
-        if most <= 0.0 || bound > rim.gap() + TIE || length < SHORTEST_ARC {
+        if most <= 0.0 || bound > rim.bound + TIE || length < SHORTEST_ARC {
             return; // concave, or too high
         }
         if least >= 0.0 {
             if d1 < 0.0 && d2 > 0.0 {
                 let at = self.bottom(ends, d1 / (d1 - d2));
-                rim.offer(Minimum {
-                    gap: self.gap.jet(at)[0],
-                    at,
-                    slope: self.slope(at),
-                });
+                rim.offer(self.minimum(at, self.gap.jet(at)[0]));
             }
             return;
         }
         let middle = between(ends[0], ends[1], 0.5);
         let jet = self.gap.jet(middle);
         if d1 < 0.0 && jet[1] == 0.0 && d2 > 0.0 {
-            rim.offer(Minimum {
-                gap: jet[0],
-                at: middle,
-                slope: self.slope(middle),
-            });
+            rim.offer(self.minimum(middle, jet[0]));
         }
         self.search([ends[0], middle], [jets[0], jet], 0.5 * length, rim);
         self.search([middle, ends[1]], [jet, jets[1]], 0.5 * length, rim);
@@ -273,13 +304,17 @@ impl Arc<'_> {
                 low = at;
             }
             let step = -slope / curvature;
-            let next = at.turned(step);
+            let next = turned(at, step);
             // Leaving the bracket, or no curvature to go by: halve it.
             let inside = cross(low, next) >= 0.0 && cross(next, high) >= 0.0 && step.abs() < 1.0;
             if slope.abs() <= 1e-15 * self.gap.fourth || step == 0.0 {
                 break;
             }
-            at = if inside { next } else { between(low, high, 0.5) };
+            at = if inside {
+                next
+            } else {
+                between(low, high, 0.5)
+            };
             if inside && step.abs() < 1e-9 || cross(low, high) < 1e-15 {
                 break; // the next step would be 1e-18
             }
@@ -288,27 +323,23 @@ impl Arc<'_> {
     }
 }
 
-impl Direction {
-    /// Turned on by an angle below one radian.
-    fn turned(self, angle: f64) -> Self {
-        // Tangent of half the angle: a rotation without trigonometric functions, exact to fifth order, then
-        // put back on the circle.
-        let square = angle * angle;
-        let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
-        let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
-        Self {
-            sin: self.sin * cos + self.cos * sin,
-            cos: self.cos * cos - self.sin * sin,
-        }
-        .normalized()
-    }
+/// A direction turned on by an angle below one radian.
+fn turned(from: Direction, angle: f64) -> Direction {
+    // Polynomials, put back on the circle: as good as sine and cosine where angles are small.
+    let square = angle * angle;
+    let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+    let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
+    normalized(Direction {
+        sin: from.sin * cos + from.cos * sin,
+        cos: from.cos * cos - from.sin * sin,
+    })
+}
 
-    fn normalized(self) -> Self {
-        let size = self.sin.hypot(self.cos);
-        Self {
-            sin: self.sin / size,
-            cos: self.cos / size,
-        }
+fn normalized(at: Direction) -> Direction {
+    let scale = 1.0 / (at.sin * at.sin + at.cos * at.cos).sqrt();
+    Direction {
+        sin: at.sin * scale,
+        cos: at.cos * scale,
     }
 }
 
@@ -319,11 +350,33 @@ fn cross(from: Direction, to: Direction) -> f64 {
 
 /// A direction between two less than a quarter turn apart, at about this share of the way.
 fn between(from: Direction, to: Direction, share: f64) -> Direction {
-    Direction {
+    normalized(Direction {
         sin: from.sin + share * (to.sin - from.sin),
         cos: from.cos + share * (to.cos - from.cos),
+    })
+}
+
+/// A direction well inside the arc from one direction to another, up to half a turn on.
+fn inside(from: Direction, to: Direction) -> Direction {
+    if from.sin * to.sin + from.cos * to.cos >= 0.0 {
+        return between(from, to, 0.5);
     }
-    .normalized()
+    // A quarter turn on, however far the ends are apart.
+    Direction {
+        sin: from.cos,
+        cos: -from.sin,
+    }
+}
+
+/// At least the angle between two directions up to half a radian apart: the chord is shorter by less than this.
+fn angle(from: Direction, to: Direction) -> f64 {
+    let chord = length([to.sin - from.sin, to.cos - from.cos]);
+    chord * (1.0 + 0.05 * chord * chord)
+}
+
+/// Length of a vector none of whose numbers is huge.
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// Columns and rows of a point of the rim.
@@ -351,7 +404,7 @@ impl Cuts {
         })?;
         for k in 0..2 {
             let (h, u, centre) = (circle.forward[k], circle.up[k], circle.centre[k]);
-            let size = h.hypot(u);
+            let size = length([h, u]);
             if size < 1e-12 {
                 continue; // along a line of the grid
             }
@@ -389,6 +442,15 @@ impl Cuts {
     }
 }
 
+/// A bound of the heights of the rim between two directions.
+fn lowest(circle: &Circle, from: Direction, to: Direction) -> f64 {
+    let (start, end) = (rise(circle, from), rise(circle, to));
+    // The arc hangs below its chord by at most chord^2 / 8 of the radius, and a bit where it is long.
+    let (sin, cos) = (to.sin - from.sin, to.cos - from.cos);
+    let sag = (sin * sin + cos * cos) * 0.25;
+    start.min(end) - sag * length([circle.forward[2], circle.up[2]])
+}
+
 /// The end of an arc: the gap there, its slope along the rim, and the slope of the ground.
 struct End {
     at: Direction,
@@ -408,32 +470,29 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
     let mut before: Option<End> = None;
     for pair in cuts.cuts[..cuts.count].windows(2) {
         let (from, to) = (pair[0], pair[1]);
-        let chord = (to.sin - from.sin).hypot(to.cos - from.cos);
-        if chord < 1e-14 {
+        if to.sin - from.sin < 1e-14 && (to.cos - from.cos).abs() < 1e-14 {
             continue; // a node of the grid: the cell between its two lines is not touched
         }
-        let [x, y] = point(circle, between(from, to, 0.5));
-        let (column, row) = (x.floor(), y.floor());
-        let inside = column >= 0.0
-            && row >= 0.0
-            && column <= (columns - 2) as f64
-            && row <= (rows - 2) as f64;
-        let cell = inside.then(|| ground.cell(column as usize, row as usize));
+        let [x, y] = point(circle, inside(from, to));
+        let inside = x >= 0.0 && y >= 0.0 && x < (columns - 1) as f64 && y < (rows - 1) as f64;
+        let cell = inside.then(|| ground.cell(x as usize, y as usize));
         rim.outside |= cell.is_none();
         rim.unknown |= cell.is_some_and(|cell| !cell.is_known());
         let Some(cell) = cell.filter(Cell::is_known) else {
             edge(before.take(), None, rim);
             continue;
         };
+        if lowest(circle, from, to) - cell.highest() > rim.bound + TIE {
+            before = None; // and so are its ends
+            continue;
+        }
+        let corner = [x as usize as f64, y as usize as f64];
         let arc = Arc {
-            gap: Gap::new(&cell, circle, column, row),
+            gap: Gap::new(&cell, circle, corner),
             cell: &cell,
             circle,
-            corner: [column, row],
+            corner,
         };
-        // An arc is 2 asin(chord / 2) long: at most this, up to half a circle.
-        let pieces = (1.12 * chord / LONGEST_ARC).ceil().max(1.0);
-        let length = 1.12 * chord / pieces;
         let mut start = from;
         let mut jet = arc.gap.jet(start);
         edge(
@@ -446,22 +505,22 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
             }),
             rim,
         );
-        for piece in 1..=pieces as usize {
-            let end = if piece == pieces as usize {
+        loop {
+            let whole = start.sin * to.sin + start.cos * to.cos >= REST;
+            let end = if whole {
                 to
             } else {
-                between(start, to, 1.0 / (pieces - (piece - 1) as f64))
+                turned(start, LONGEST_ARC)
             };
             let last = arc.gap.jet(end);
-            if piece > 1 && jet[1] == 0.0 {
-                rim.offer(Minimum {
-                    gap: jet[0],
-                    at: start,
-                    slope: arc.slope(start),
-                });
-            }
-            arc.search([start, end], [jet, last], length, rim);
+            arc.search([start, end], [jet, last], angle(start, end), rim);
             (start, jet) = (end, last);
+            if whole {
+                break;
+            }
+            if jet[1] == 0.0 {
+                rim.offer(arc.minimum(start, jet[0]));
+            }
         }
         before = Some(End {
             at: to,

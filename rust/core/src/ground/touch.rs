@@ -1,0 +1,168 @@
+//! All wheels of a chain over the ground: gaps, contact points, and how the gaps change with the state.
+
+use nalgebra::Vector3;
+
+use super::derivatives::gap_slopes;
+use super::rim::{Circle, Minimum, Part, Rim, upper_half_matters, walk};
+use super::rims::{self, RIMS};
+use crate::batch::Level;
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
+use crate::terrain::Terrain;
+use crate::wheels::Direction;
+
+/// Straight below a wheel.
+const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
+
+/// A wheel over the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// The wheel.
+    pub frame: WheelFrame,
+    /// What the walk along its rim has found.
+    pub rim: Rim,
+    /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
+    pub gap: f64,
+    /// Where that is [m].
+    pub point: Vector3<f64>,
+    /// Derivatives of the ground's height there by x and y; on a crease the mix of both sides that is square to
+    /// the rim.
+    pub gradient: [f64; 2],
+}
+
+/// All wheels of a chain over the ground.
+#[derive(Clone, Debug)]
+pub struct Touches<'a> {
+    /// The chain where it stands.
+    pub placed: Placed<'a>,
+    /// Its wheels; those it does not have repeat the first.
+    pub wheels: [Touch; MAX_WHEELS],
+}
+
+/// The rim of a wheel over the grid.
+fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> Circle {
+    let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
+    let [dx, dy] = ground.spacing();
+    let in_grid = |direction: Vector3<f64>| {
+        let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
+        [u / dx, v / dy, direction.z * radius]
+    };
+    Circle {
+        centre: [x, y, frame.centre.z],
+        forward: in_grid(frame.forward),
+        up: in_grid(frame.up),
+    }
+}
+
+impl Touch {
+    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: Rim) -> Self {
+        let mut touch = Self {
+            frame,
+            rim,
+            gap: f64::NAN,
+            point: frame.centre,
+            gradient: [f64::NAN; 2],
+        };
+        if let Some(least) = rim.least {
+            touch.gap = least.gap;
+            (touch.point, touch.gradient) = touch.contact(ground, radius, &least);
+        }
+        touch
+    }
+
+    /// Point and gradient of a minimum [m].
+    pub fn contact(
+        &self,
+        ground: &Terrain,
+        radius: f64,
+        minimum: &Minimum,
+    ) -> (Vector3<f64>, [f64; 2]) {
+        let WheelFrame {
+            centre,
+            forward,
+            up,
+            ..
+        } = self.frame;
+        let [dx, dy] = ground.spacing();
+        let at = minimum.at;
+        (
+            centre + (forward * at.sin - up * at.cos) * radius,
+            ground.world_axes([minimum.slope[0] / dx, minimum.slope[1] / dy]),
+        )
+    }
+}
+
+impl<'a> Touches<'a> {
+    /// A chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
+    /// nearby, if there is one. None where a differential does not reach.
+    #[allow(clippy::too_many_arguments)] // one caller, which names them
+    pub(crate) fn of(
+        ground: &Terrain,
+        chain: &'a Chain,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Self>,
+        level: Level,
+    ) -> Option<Self> {
+        let placed = chain.place(pose, state, steering)?;
+        let count = chain.wheels().len();
+        // Lanes without a wheel repeat the first.
+        let frames: [WheelFrame; RIMS] =
+            std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
+        let radius = |k: usize| chain.wheels()[if k < count { k } else { 0 }].radius;
+        let circles: [Circle; RIMS] =
+            std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
+        let least = rims::walk(level, ground, &circles, count);
+        let touch = |k: usize| {
+            let sure = least[k].filter(|least| {
+                part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap)
+            });
+            let rim = sure.map_or_else(
+                || {
+                    let near = near.and_then(|near| near.wheels[k].rim.least);
+                    let near = near.map_or(BELOW, |least| least.at);
+                    walk(ground, &circles[k], part, near)
+                },
+                Rim::of,
+            );
+            Touch::of(ground, frames[k], radius(k), rim)
+        };
+        let first = touch(0);
+        let wheels = std::array::from_fn(|k| match k {
+            0 => first,
+            k if k < count => touch(k),
+            _ => first,
+        });
+        Some(Self { placed, wheels })
+    }
+
+    /// Walks along the upper halves of the rims too where the ground may be that high, or is not known; whether
+    /// there is such a rim.
+    pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain) -> bool {
+        let mut looked = false;
+        for (touch, wheel) in self.wheels.iter_mut().zip(chain.wheels()) {
+            let circle = circle(ground, &touch.frame, wheel.radius);
+            let gap = touch.rim.least.map_or(f64::INFINITY, |least| least.gap);
+            if upper_half_matters(ground, &circle, gap) {
+                looked = true;
+                let near = touch.rim.least.map_or(BELOW, |least| least.at);
+                let rim = walk(ground, &circle, Part::Whole, near);
+                *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
+            }
+        }
+        looked
+    }
+
+    /// [`gap_slopes`] of a wheel.
+    pub fn slopes(&self, wheel: usize) -> ([f64; 3], [f64; MAX_STATE]) {
+        let touch = &self.wheels[wheel];
+        gap_slopes(&self.placed, wheel, touch.point, touch.gradient)
+    }
+
+    /// Whether a rim lies over unknown cells, and whether one leaves the map.
+    pub(crate) fn blind(&self) -> [bool; 2] {
+        let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
+        [any(|rim| rim.unknown), any(|rim| rim.outside)]
+    }
+}
