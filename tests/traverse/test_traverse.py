@@ -18,31 +18,31 @@ affine = pytest.importorskip("affine", reason="needs rasterio")
 # Of rasterio, about a sign of the library it makes transforms with.
 pytestmark = pytest.mark.filterwarnings("ignore:Use `@` matmul:PendingDeprecationWarning")
 
-HEADINGS = 4
+HEADINGS = 2
 
 
 @pytest.fixture(autouse=True)
 def small_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(maps, "SIDE", 32)
+    monkeypatch.setattr(maps, "SIDE", 16)
 
 
 @pytest.fixture
 def chart(tmp_path: Path) -> Path:
-    """A map of 90 x 110 cells, north up, with a hole."""
-    heights = sw.Terrain.yard((27.25, 22.25), 0.25, 0.1, seed=2).heights.astype(np.float32)
-    heights[10:13, 20:22] = np.nan
+    """A map of 36 x 44 cells, north up, with a hole."""
+    heights = sw.Terrain.yard((21.5, 17.5), 0.5, 0.05, seed=2).heights.astype(np.float32)
+    heights[17, 20] = np.nan
     path = tmp_path / "map.tif"
     with rasterio.open(
         path,
         "w",
         driver="GTiff",
-        height=90,
-        width=110,
+        height=36,
+        width=44,
         count=1,
         dtype="float32",
         nodata=math.nan,
         crs="EPSG:32633",
-        transform=affine.Affine(0.25, 0, 500_000, 0, -0.25, 4_000_000),
+        transform=affine.Affine(0.5, 0, 500_000, 0, -0.5, 4_000_000),
     ) as target:
         target.write(heights, 1)
     return path
@@ -61,16 +61,16 @@ def run(chart: Path, name: str = "safe.tif", **options: Any) -> Any:
 
 def test_tiles_say_what_feasible_says(chart: Path) -> None:
     done = run(chart)
-    assert done.cells == 90 * 110
-    assert done.tiles == 12
+    assert done.cells == 36 * 44
+    assert done.tiles == 9
     with rasterio.open(done.output) as written, rasterio.open(chart) as source:
         assert (written.crs, written.transform) == (source.crs, source.transform)
         assert written.descriptions == ("safe", "tilt", "clearance", "reason")
         found = written.read()
     # From a place nearby: the coordinates of the map have fewer digits left.
-    ground = sw.Terrain(sw.Terrain.read(chart).heights, 0.25)
-    x, y = 0.25 * np.arange(110), 0.25 * np.arange(90)[::-1, None]
-    poses = np.empty((90, 110, HEADINGS, 3))
+    ground = sw.Terrain(sw.Terrain.read(chart).heights, 0.5)
+    x, y = 0.5 * np.arange(44), 0.5 * np.arange(36)[::-1, None]
+    poses = np.empty((36, 44, HEADINGS, 3))
     poses[..., 0], poses[..., 1] = x[:, None], y[..., None]
     poses[..., 2] = 2 * math.pi / HEADINGS * np.arange(HEADINGS)
     whole = sw.RockerBogie.perseverance().feasible(ground, poses)
@@ -105,17 +105,17 @@ def test_a_stop_in_the_middle_loses_nothing(chart: Path) -> None:
     run(chart)
 
     def stop(done: int, total: int) -> None:
-        if done == 5:
+        if done == 3:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         run(chart, "again.tif", tell=stop)
     assert not chart.with_name("again.tif").exists()
     assert chart.with_name("again.tif.tiles").is_dir()
-    with pytest.raises(ValueError, match="holds another run: headings was 4, now 3"):
+    with pytest.raises(ValueError, match="holds another run: headings was 2, now 3"):
         run(chart, "again.tif", headings=3)
     done = run(chart, "again.tif")
-    assert done.resumed == 5
+    assert done.resumed == 3
     assert layers(done.output).tobytes() == layers(chart.with_name("safe.tif")).tobytes()
     assert not chart.with_name("again.tif.tiles").exists()
 
@@ -134,10 +134,10 @@ def test_a_full_disk_is_one_line_and_nothing_half_written(
     usage = type("Usage", (), {"free": 10})
     with monkeypatch.context() as patch:
         patch.setattr(maps.shutil, "disk_usage", lambda path: usage)
-        with pytest.raises(OSError, match=r"safe\.tif needs 158400 bytes, the disk has 10"):
+        with pytest.raises(OSError, match=r"safe\.tif needs 25344 bytes, the disk has 10"):
             run(chart)
     assert not chart.with_name("safe.tif").exists()
-    assert run(chart).resumed == 12
+    assert run(chart).resumed == 9
 
 
 def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -161,7 +161,7 @@ def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> Non
     options = ("--rover", "perseverance", "--headings", "2", "--workers", "1")
     code, out, err = run("traverse", str(chart), *options, "-o", "safe.tif", "--plot", "safe.png")
     assert (code, err) == (0, "")
-    assert "9900 at 2 headings" in out
+    assert "1584 at 2 headings" in out
     assert Path("safe.png").stat().st_size > 10_000
     assert "one of perseverance" in refused("traverse", str(chart), "--rover", "nobody", "-o", "a.tif")
     wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "height=3")

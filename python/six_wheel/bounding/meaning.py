@@ -60,9 +60,9 @@ class FeasibleReason(StrEnum):
     wheel_drop = "wheel_drop"
     """A wheel too far down."""
     off_map = "off_map"
-    """The rim of a wheel leaves the map."""
+    """A wheel or the belly may leave the map."""
     unknown_cells = "unknown_cells"
-    """A wheel or the belly is over ground that is not known."""
+    """A wheel or the belly may be over ground that is not known."""
     not_settled = "not_settled"
     """No way to stand was found."""
 

@@ -84,9 +84,9 @@ pub enum Reason {
     Bogie = 6,
     /// As for roll.
     WheelDrop = 7,
-    /// A rim leaves the map.
+    /// A rim or the belly may leave the map.
     OffMap = 8,
-    /// A rim or the belly is over ground that is not known.
+    /// A rim or the belly may be over ground that is not known.
     UnknownCells = 9,
     /// It does not settle.
     NotSettled = 10,
@@ -116,8 +116,16 @@ impl Verdict {
         margin: f64::NAN,
         tilt: f64::NAN,
         clearance: f64::NAN,
-        exact: true,
+        exact: false,
     };
+
+    /// Nothing is known, for this reason.
+    fn refused(reason: Reason) -> Self {
+        Self {
+            reason,
+            ..Self::UNKNOWN
+        }
+    }
 }
 
 /// Poses that are bounded at a time, before those that are left are settled.
@@ -226,13 +234,9 @@ impl<'a> Judge<'a> {
     /// Decided by settling.
     fn by_settling(&self, pose: [f64; 3]) -> Verdict {
         let stand = Stand::of(&self.settler.settle_finite(pose.into(), &[]));
-        let refused = |reason| Verdict {
-            reason,
-            ..Verdict::UNKNOWN
-        };
         let chain = self.settler.chain;
         let Some(placed) = stand.place(chain, pose.into(), &[]) else {
-            return refused(match stand.status {
+            return Verdict::refused(match stand.status {
                 Status::OffMap => Reason::OffMap,
                 Status::UnknownCells => Reason::UnknownCells,
                 _ => Reason::NotSettled,
@@ -241,7 +245,7 @@ impl<'a> Judge<'a> {
         let tilt = tilt(&placed);
         let belly = self.belly.above(self.settler.ground, &placed);
         let Some(clearance) = belly else {
-            return refused(Reason::UnknownCells);
+            return Verdict::refused(Reason::UnknownCells);
         };
         // The wheels may stand lower, and the ground under the belly be higher.
         let clearance = clearance - 2.0 * self.error;
@@ -306,10 +310,15 @@ impl<'a> Judge<'a> {
                 one,
             );
             for (k, (pose, verdict)) in poses.iter().zip(verdicts).enumerate() {
-                let decided = (worth[k] == Knowledge::Bounded)
-                    .then(|| self.by_bounds(&table.each_ref().map(|block| block[k])))
-                    .flatten();
-                *verdict = decided.unwrap_or_else(|| self.by_settling(*pose));
+                // What might stand on unknown ground may not: nothing but another map can tell.
+                *verdict = match worth[k] {
+                    Knowledge::OffMap => Verdict::refused(Reason::OffMap),
+                    Knowledge::UnknownCells => Verdict::refused(Reason::UnknownCells),
+                    Knowledge::Bounded => self
+                        .by_bounds(&table.each_ref().map(|block| block[k]))
+                        .unwrap_or_else(|| self.by_settling(*pose)),
+                    _ => self.by_settling(*pose),
+                };
             }
         }
     }
