@@ -28,6 +28,7 @@ from six_wheel.cli.shared import (
     progress_bar,
 )
 from six_wheel.cli.show import show
+from six_wheel.cli.simulate import simulate
 from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
@@ -89,6 +90,7 @@ def check(
 
 
 app.command(help=COMMANDS["drive"])(drive)
+app.command(help=COMMANDS["simulate"])(simulate)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
 app.command(help=COMMANDS["traverse"])(traverse)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.drawing import draw_rover
     from six_wheel.plot.drive import drive_figure, engine_figure
     from six_wheel.plot.four_axle import four_axle_figure
+    from six_wheel.plot.ground import film_figure, ground_figure, speeds_figure
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
@@ -31,7 +32,9 @@ __all__ = [
     "draw_rover",
     "drive_figure",
     "engine_figure",
+    "film_figure",
     "four_axle_figure",
+    "ground_figure",
     "limits_figure",
     "path_figure",
     "picture_path",
@@ -40,6 +43,7 @@ __all__ = [
     "save",
     "show_figure",
     "side_figure",
+    "speeds_figure",
     "track_figure",
     "traverse_figure",
 ]
@@ -50,6 +54,7 @@ __getattr__, __dir__ = attach(
         "drawing": ("draw_rover",),
         "drive": ("drive_figure", "engine_figure"),
         "four_axle": ("four_axle_figure",),
+        "ground": ("film_figure", "ground_figure", "speeds_figure"),
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
