@@ -13,12 +13,17 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    BodySlip,
+    Bounds,
     Controller,
     ControllerOutput,
     ControllerRun,
     Encoder,
+    Feasible,
     Fit,
     FourAxle,
+    GroundCommand,
+    GroundMotion,
     Gyroscope,
     Limits,
     Link,
@@ -30,12 +35,16 @@ from six_wheel._core import (
     RockerBogie,
     Rover,
     Sensitivity,
+    Stability,
     Stand,
     SteeringCommand,
     Suspension,
     Terrain,
+    Traction,
     Wheel,
+    WheelSlip,
     __version__,
+    body_slip,
     compose,
     default_threads,
     differentiate,
@@ -52,26 +61,34 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
-from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
+    from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
     from six_wheel.calibration import calibrate
     from six_wheel.evaluation import umbmark
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
     from six_wheel.simulation import simulate
+    from six_wheel.standing import SettleStatus
 
 __all__ = [
     "ArgumentTypeError",
+    "BodySlip",
+    "BoundStatus",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
+    "FeasibleReason",
     "Fit",
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
+    "GroundCommand",
+    "GroundMotion",
     "Gyroscope",
     "Health",
     "InfeasibleMotionError",
@@ -91,16 +108,21 @@ __all__ = [
     "Sensitivity",
     "SettleStatus",
     "SlipReport",
+    "Stability",
     "Stand",
+    "StandLimits",
     "SteeringCommand",
     "Suspension",
     "Terrain",
     "Track",
+    "Traction",
     "Truth",
     "Twist",
     "UnderdeterminedError",
     "Wheel",
+    "WheelSlip",
     "__version__",
+    "body_slip",
     "calibrate",
     "compose",
     "dead_reckon",
@@ -171,7 +193,9 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "benchmark": (),
+        "bounding": ("BoundStatus", "FeasibleReason", "StandLimits"),
         "calibration": ("calibrate",),
+        "cluster": (),
         "demo": (),
         "descriptions": (),
         "drive": (),
@@ -185,6 +209,9 @@ __getattr__, __dir__ = attach(
         "reference": (),
         "report": (),
         "simulation": ("simulate",),
+        "standing": ("SettleStatus",),
+        "terrain": (),
+        "traverse": (),
         "urdf": (),
     },
 )

@@ -1,10 +1,12 @@
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
+from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
@@ -21,13 +23,18 @@ from six_wheel.rollouts import RolloutCost
 from six_wheel.standing import SettleStatus
 
 __all__ = [
+    "BodySlip",
     "BodyTransition",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
     "Fit",
     "FourAxle",
+    "GroundCommand",
+    "GroundMotion",
     "Gyroscope",
     "IcrTransition",
     "Limits",
@@ -42,12 +49,16 @@ __all__ = [
     "RockerBogie",
     "Rover",
     "Sensitivity",
+    "Stability",
     "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
+    "Traction",
     "Wheel",
+    "WheelSlip",
     "__version__",
+    "body_slip",
     "compose",
     "default_threads",
     "differentiate",
@@ -762,6 +773,23 @@ class Terrain:
         origin: tuple[float, float] | None = None,
         orientation: float | None = None,
     ) -> Self: ...
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        *,
+        window: tuple[float, float, float, float] | None = None,
+        topic: str | None = None,
+        layer: str | None = None,
+    ) -> Terrain: ...
+    @staticmethod
+    def yard(
+        size: float | tuple[float, float] | None = None,
+        spacing: float = 0.05,
+        cover: float = 0.1,
+        seed: int | None = None,
+        *,
+        roughness: float = 0.1,
+    ) -> Terrain: ...
     @property
     def heights(self) -> NDArray[np.float32] | _Floats: ...
     @property
@@ -779,6 +807,69 @@ class Terrain:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class GroundCommand:
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def scale(self) -> float | _Floats: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> _Floats: ...
+    def __iter__(self) -> Iterator[_Floats]: ...
+
+@final
+class GroundMotion:
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+
+@final
+class Traction:
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def lifted(self) -> NDArray[np.bool_]: ...  # (..., wheels)
+    @property
+    def vertical_speed(self) -> float | _Floats: ...  # [m/s]
+
+@final
+class WheelSlip:
+    @property
+    def ratio(self) -> _Floats: ...  # (..., wheels)
+    @property
+    def angle(self) -> _Floats: ...  # (..., wheels) [rad]
+
+@final
+class BodySlip:
+    @property
+    def slip(self) -> _Floats: ...  # (n,)
+    @property
+    def statistic(self) -> float: ...
+    @property
+    def threshold(self) -> float: ...
+    @property
+    def probability(self) -> float: ...
+    @property
+    def slipping(self) -> bool: ...
+    def compensate(self, wanted: ArrayLike) -> _Floats: ...
+
+def body_slip(
+    navigated: ArrayLike, kinematic: ArrayLike, covariance: ArrayLike, *, false_alarm: float = 0.01
+) -> BodySlip: ...
 
 @disjoint_base
 class Suspension:
@@ -823,6 +914,43 @@ class Suspension:
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
     def free_joints(self) -> tuple[str, ...]: ...
+    def inverse(
+        self,
+        stand: Stand,
+        command: ArrayLike,
+        *,
+        view: Literal["body", "plan"] = "body",
+        steering: ArrayLike | None = None,
+        max_wheel_speed: float | None = None,
+    ) -> GroundCommand: ...
+    def forward(
+        self,
+        stand: Stand,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        joint_rates: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        *,
+        steering_rates: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+    ) -> GroundMotion: ...
+    def traction(
+        self,
+        speed: ArrayLike,
+        curvature: ArrayLike | None,
+        angular_velocity: ArrayLike,
+        joints: ArrayLike,
+        joint_rates: ArrayLike,
+        *,
+        yaw_rate: ArrayLike | None = None,
+        steering: ArrayLike | None = None,
+        wheel_speeds: ArrayLike | None = None,
+        lift_angle: float = 1.0,
+        lift_speed: float = 0.01,
+    ) -> Traction: ...
+    def slip(
+        self, stand: Stand, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
+    ) -> WheelSlip: ...
     def settle(
         self,
         ground: Terrain,
@@ -834,6 +962,64 @@ class Suspension:
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> Stand: ...
+    def stability(
+        self,
+        stand: Stand,
+        *,
+        mass: float,
+        centre_of_mass: ArrayLike | None = None,
+        gravity: float = 9.80665,
+        belly: tuple[float, float, float, float] | None = None,
+    ) -> Stability: ...
+
+@final
+class Bounds:
+    @property
+    def z(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def roll(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def pitch(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def tilt(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def clearance(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def rocker(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def bogies(self) -> _Floats: ...  # (..., 2, 2) [rad]
+    @property
+    def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def status(self) -> BoundStatus | NDArray[Any]: ...  # (...) BoundStatus
+
+@final
+class Feasible:
+    @property
+    def ok(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
+    @property
+    def margin(self) -> float | _Floats: ...
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def exact(self) -> bool | NDArray[np.bool_]: ...
+
+@final
+class Stability:
+    @property
+    def loads(self) -> _Floats: ...  # (..., wheels) [N]
+    @property
+    def tip_over_angle(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
 
 @final
 class Stand:
@@ -913,6 +1099,29 @@ class RockerBogie(Suspension):
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None
     ) -> dict[str, _Floats]: ...
     def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def bounds(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        yaw_margin: ArrayLike | None = None,
+        *,
+        position_margin: ArrayLike | None = None,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        within: tuple[float, float, float] | None = None,
+        threads: int | None = None,
+        kernel: str | None = None,
+    ) -> Bounds: ...
+    def feasible(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        limits: StandLimits | None = None,
+        *,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        threads: int | None = None,
+    ) -> Feasible: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(self, rho: ArrayLike, beta: ArrayLike) -> float | _Floats: ...
     def steer(

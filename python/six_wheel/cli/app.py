@@ -28,6 +28,7 @@ from six_wheel.cli.shared import (
     progress_bar,
 )
 from six_wheel.cli.show import show
+from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def check(
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["traverse"])(traverse)
 
 
 app.command(help=COMMANDS["show"])(show)

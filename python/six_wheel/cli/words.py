@@ -9,6 +9,7 @@ COMMANDS = {
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
+    "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
     "example": "A parameter file, a table of commands, a log to try the others on.",
     "bench": "How fast the compiled core is on this machine, beside the reference in plain NumPy.",

@@ -18,6 +18,7 @@
 
 pub mod admissible;
 pub mod batch;
+pub mod bounds;
 pub mod controller;
 pub mod error;
 pub mod estimate;
@@ -27,6 +28,7 @@ pub mod ground;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod moving;
 pub mod odometry;
 pub mod presets;
 pub mod profiles;
