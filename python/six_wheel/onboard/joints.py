@@ -85,9 +85,8 @@ class JointReader:
             values[place] = value
             fresh[place] = True
             last[place] = now
-        for place in self._needed:
-            if not fresh[place]:
-                return None
+        if not all([fresh[place] for place in self._needed]):
+            return None
         self._fresh = [False] * len(fresh)
         steering = [
             factor * value + offset

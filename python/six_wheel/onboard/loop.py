@@ -11,8 +11,7 @@ complete, and by `tick` where none come in time. What a fault leads to:
 
 import math
 from collections import Counter
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from six_wheel._core import Controller, OdometryState
 from six_wheel.controller import Reason
@@ -27,10 +26,10 @@ SECOND = 1_000_000_000  # [ns]
 JUMP = SECOND  # of time, forward, between two calls, that is worth a word
 CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
+STALE = int(Reason.STALE)
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """What came of one step.
 
     Attributes
@@ -75,7 +74,7 @@ class Loop:
     """
 
     def __init__(self, settings: Settings) -> None:
-        self.settings = settings
+        self._take(settings)
         self.faults = Faults()
         self.reasons: Counter[int] = Counter()
         self.stopping: str | None = None
@@ -134,10 +133,9 @@ class Loop:
         if readings is None:
             return None
         self._measured = readings.steering or None
-        counted = self._count(readings, stamp)
+        state = self._count(readings, stamp)
         if self._stepped is not None and now <= self._stepped:
             return None  # the same time twice, as a simulation may have it
-        state = self._odometry.state if counted else None
         if self._controller is None and not self._begin():
             return Step(now, None, None, (0.0, 0.0, 0.0), 0, stamp, state)
         return self._step(now, stamp, state)
@@ -147,7 +145,7 @@ class Loop:
         self._move_on(now)
         if self._stepped is not None and now - self._stepped < self._period:
             return None
-        if self.settings.options.open_loop:
+        if self._open_loop:
             if self._controller is None:
                 self._controller = self.settings.controller()
                 self._give_again()
@@ -174,7 +172,8 @@ class Loop:
         self._move_on(now)
         if settings.rover != self.settings.rover:
             raise ValueError("the rover must stay what it is while it drives; start again with the other one")
-        before, self.settings = self.settings, settings
+        before = self.settings
+        self._take(settings)
         old, new = before.parameters, settings.parameters
         if (old.limits, old.control) != (new.limits, new.control) and self._controller is not None:
             last = self._controller
@@ -226,14 +225,13 @@ class Loop:
         """The last command that was taken."""
         return self._wanted
 
-    @property
-    def _timeout(self) -> int:
-        return round(self.settings.options.joint_state_timeout * SECOND)
-
-    @property
-    def _period(self) -> int:
-        """Between two ticks, but for the jitter of the timer."""
-        return round(0.9 * SECOND / self.settings.options.update_rate)
+    def _take(self, settings: Settings) -> None:
+        self.settings = settings
+        options = settings.options
+        self._timeout = round(options.joint_state_timeout * SECOND)
+        # Between two ticks, but for the jitter of the timer.
+        self._period = round(0.9 * SECOND / options.update_rate)
+        self._open_loop = options.open_loop
 
     # Time
 
@@ -280,8 +278,8 @@ class Loop:
         elif stamp < self._latest:
             self.faults.add("commands", WARN, "commands must come in the order of their stamps")
 
-    def _count(self, readings: Readings, stamp: int) -> bool:
-        """Give readings to the odometry; whether they count."""
+    def _count(self, readings: Readings, stamp: int) -> OdometryState | None:
+        """Give readings to the odometry; what it says, if they count."""
         if self._stamp_origin is None:
             self._stamp_origin = stamp
         seconds = (stamp - self._stamp_origin) / SECOND
@@ -294,10 +292,10 @@ class Loop:
             track = self._odometry.run(rows, [readings.wheels], [seconds], covariances=False, residuals=False)
             health = Health(int(track.health[0]))
             self._say_health(health)
-            return not health & Health.LEFT_OUT
-        if state.health:
-            self._say_health(state.health)
-        return True
+            return None if health & Health.LEFT_OUT else self._odometry.state
+        if health := state.health:
+            self._say_health(health)
+        return state
 
     def _say_health(self, health: Health) -> None:
         for each in health:
@@ -341,10 +339,10 @@ class Loop:
         self._stepped = now
         reasons = int(output.reasons)
         self.reasons[reasons] += 1
-        if reasons & Reason.STALE:
+        if reasons & STALE:
             self.faults.add("commands", WARN, "commands must keep coming", "none in time: the rover stops")
         vx, vy, omega = output.twist.tolist()
-        if self.settings.options.open_loop:
+        if self._open_loop:
             state = self._odometry.command((vx, vy, omega), seconds)
         if not self.active and controller.stopped:
             return Step(now, None, None, (vx, vy, omega), reasons, stamp, state)

@@ -34,16 +34,9 @@ class Recorder:
         """As `Loop.command`."""
         self.record.wanted(now, stamp, twist)
 
-    def joints(
-        self,
-        names: Sequence[str],
-        positions: Sequence[float],
-        velocities: Sequence[float],
-        stamp: int,
-        now: int,
-    ) -> None:
-        """As `Loop.joints`."""
-        self.record.joints(now, stamp, names, positions, velocities)
+    def joints(self, message: bytes, stamp: int, now: int) -> None:
+        """As `Loop.joints`: the message as it came."""
+        self.record.joint_message(now, stamp, message)
 
     def tick(self, now: int) -> None:
         """As `Loop.tick`."""

@@ -5,11 +5,25 @@ so (OMG DDSI-RTPS 2.5, section 10). A message of a control loop has the same nam
 stamp and its numbers change.
 """
 
+import math
 import struct
 from collections.abc import Sequence
 from typing import Self
 
-__all__ = ["Frame", "clock", "joint_state", "odometry", "text", "transform", "twist_stamped", "values"]
+__all__ = [
+    "Frame",
+    "JointStates",
+    "clock",
+    "joint_state",
+    "odometry",
+    "planar_pose",
+    "planar_twist",
+    "text",
+    "trajectory",
+    "transform",
+    "twist_stamped",
+    "values",
+]
 
 ENCAPSULATION = b"\x00\x01\x00\x00"  # CDR, little-endian
 NANOSECONDS = 1_000_000_000
@@ -54,6 +68,12 @@ class Frame:
         self._bytes += struct.pack("<I", number)
         return self
 
+    def duration(self, nanoseconds: int) -> Self:
+        """A time span that stays."""
+        self._align(4)
+        self._bytes += struct.pack("<iI", *divmod(nanoseconds, NANOSECONDS))
+        return self
+
     def numbers(self, length: int) -> Self:
         """So many numbers, filled in."""
         if length:
@@ -77,6 +97,18 @@ class Frame:
 
     def _align(self, size: int) -> None:
         self._bytes += bytes(-(len(self._bytes) - len(ENCAPSULATION)) % size)
+
+
+def planar_twist(twist: Sequence[float]) -> tuple[float, ...]:
+    """``[vx, vy, omega]`` as the six numbers of a twist."""
+    vx, vy, omega = twist
+    return vx, vy, 0.0, 0.0, 0.0, omega
+
+
+def planar_pose(pose: Sequence[float]) -> tuple[float, ...]:
+    """``[x, y, yaw]`` as the seven numbers of a position and a quaternion."""
+    x, y, yaw = pose
+    return x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)
 
 
 def twist_stamped(frame_id: str) -> Frame:
@@ -105,9 +137,79 @@ def transform(odom_frame_id: str, base_frame_id: str) -> Frame:
     return Frame().count(1).header(odom_frame_id).text(base_frame_id).numbers(7)
 
 
-def values(label: str, length: int) -> Frame:
-    """std_msgs/Float64MultiArray of one dimension."""
-    return Frame().count(1).text(label).count(length).count(length).count(0).list_of_numbers(length)
+def values(length: int, label: str | None = None) -> Frame:
+    """std_msgs/Float64MultiArray, of one dimension if that has a label."""
+    frame = Frame().count(0) if label is None else Frame().count(1).text(label).count(length).count(length)
+    return frame.count(0).list_of_numbers(length)
+
+
+def trajectory(names: Sequence[str], period: int) -> Frame:
+    """trajectory_msgs/JointTrajectory of one point: positions to be at after `period` [ns]."""
+    frame = Frame().header().texts(names).count(1).list_of_numbers(len(names))
+    for _ in ("velocities", "accelerations", "effort"):
+        frame.list_of_numbers(0)
+    return frame.duration(period)
+
+
+class JointStates:
+    """sensor_msgs/JointState out of bytes; the names are read once for as long as they stay the same."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self._block = b""
+
+    def parse(self, message: bytes) -> tuple[int, list[str], tuple[float, ...], tuple[float, ...]]:
+        """Stamp [ns], names, positions and velocities.
+
+        Raises
+        ------
+        ValueError
+            If it is no such message.
+        """
+        if message[: len(ENCAPSULATION)] != ENCAPSULATION:
+            raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
+        try:
+            second, nanosecond = struct.unpack_from("<iI", message, 4)
+            end = 12 + len(self._block)
+            if not self._block or message[12:end] != self._block:
+                end = self._read_names(message)
+            positions, end = _numbers(message, end)
+            velocities, _ = _numbers(message, end)
+        except (struct.error, UnicodeDecodeError) as error:
+            raise ValueError(f"a message must be whole, got {len(message)} bytes: {error}") from None
+        return second * NANOSECONDS + nanosecond, self.names, positions, velocities
+
+    def _read_names(self, message: bytes) -> int:
+        _, at = _text(message, 12)
+        at += -at % 4
+        (count,) = struct.unpack_from("<I", message, at)
+        at += 4
+        names = []
+        for _ in range(count):
+            name, at = _text(message, at + -at % 4)
+            names.append(name)
+        at += -at % 4
+        self.names, self._block = names, bytes(message[12:at])
+        return at
+
+
+def _text(message: bytes, at: int) -> tuple[str, int]:
+    (length,) = struct.unpack_from("<I", message, at)
+    end = at + 4 + length
+    if end > len(message):
+        raise struct.error("a text ends beyond it")
+    return message[at + 4 : end - 1].decode(), end
+
+
+def _numbers(message: bytes, at: int) -> tuple[tuple[float, ...], int]:
+    (count,) = struct.unpack_from("<I", message, at)
+    at += 4
+    if not count:
+        return (), at
+    at += (len(ENCAPSULATION) - at) % 8  # alignment counts from behind the encapsulation
+    if at + 8 * count > len(message):
+        raise struct.error("numbers end beyond it")
+    return struct.unpack_from(f"<{count}d", message, at), at + 8 * count
 
 
 def clock() -> Frame:

@@ -47,11 +47,6 @@ def reason_names(reasons: int) -> str:
     return "|".join(str(each.name) for each in Reason if each & reasons)
 
 
-def quaternion(yaw: float) -> tuple[float, float, float, float]:
-    """A turn about z as x, y, z, w."""
-    return 0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)
-
-
 class RoverRecord:
     """A record of one rover, written topic by topic.
 
@@ -90,7 +85,7 @@ class RoverRecord:
         self._unsaid = [math.nan] * len(self._traction), [math.nan] * len(self._steering)
         self._odometry = frames.odometry(self._names.odom, self._names.base)
         self._transform = frames.transform(self._names.odom, self._names.base)
-        self._slip = frames.values(",".join(rover.wheel_names), len(rover.wheel_names))
+        self._slip = frames.values(len(rover.wheel_names), ",".join(rover.wheel_names))
         self._twists: dict[str, frames.Frame] = {}
         self._joints: dict[tuple[Any, ...], frames.Frame] = {}
         self._clock = frames.clock()
@@ -119,8 +114,11 @@ class RoverRecord:
                 self._joints.clear()
             frame = self._joints[key] = frames.joint_state(*key)
         given = [group for group in (positions, velocities, efforts) if len(group)]
-        topic = self._file.topic(JOINTS, "sensor_msgs/msg/JointState")
-        self._file.write(topic, now, frame.pack(stamp, *given), stamp)
+        self.joint_message(now, stamp, frame.pack(stamp, *given))
+
+    def joint_message(self, now: int, stamp: int, message: bytes) -> None:
+        """The same, as the bytes that came."""
+        self._file.write(self._file.topic(JOINTS, "sensor_msgs/msg/JointState"), now, message, stamp)
 
     def tick(self, now: int) -> None:
         """A step without new readings."""
@@ -159,10 +157,7 @@ class RoverRecord:
         twist_covariance: Numbers,
     ) -> None:
         """Where the rover is by its wheels: covariances are 6 x 6, row by row; also as a transform."""
-        x, y, yaw = pose
-        vx, vy, omega = twist
-        place = (x, y, 0.0, *quaternion(yaw))
-        motion = (vx, vy, 0.0, 0.0, 0.0, omega)
+        place, motion = frames.planar_pose(pose), frames.planar_twist(twist)
         topic = self._file.topic(ODOMETRY, "nav_msgs/msg/Odometry")
         message = self._odometry.pack(stamp, place, covariance, motion, twist_covariance)
         self._file.write(topic, now, message, stamp)
@@ -214,9 +209,8 @@ class RoverRecord:
             if len(self._twists) > 64:
                 self._twists.clear()
             frame = self._twists[frame_id] = frames.twist_stamped(frame_id)
-        vx, vy, omega = twist
         channel = self._file.topic(topic, "geometry_msgs/msg/TwistStamped")
-        self._file.write(channel, now, frame.pack(stamp, (vx, vy, 0.0, 0.0, 0.0, omega)), stamp)
+        self._file.write(channel, now, frame.pack(stamp, frames.planar_twist(twist)), stamp)
 
     def _text(self, topic: str, now: int, value: str) -> None:
         self._file.write(self._file.topic(topic, "std_msgs/msg/String"), now, frames.text(value))

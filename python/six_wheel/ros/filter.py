@@ -8,6 +8,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 
 from six_wheel.onboard import Settings, Step
+from six_wheel.onboard.faults import ERROR
 from six_wheel.ros.base import DEPTH, BaseNode
 from six_wheel.ros.parameters import FILTER
 
@@ -42,7 +43,7 @@ class FilterNode(BaseNode):
         try:
             self.loop.begin(now, twist)
         except ValueError as error:
-            self.loop.faults.add("odometry", 2, "odom must be a motion", " ".join(str(error).split()))
+            self.loop.faults.add("odometry", ERROR, "odom must be a motion", " ".join(str(error).split()))
             return
         self._waits = False
         if self.recorder is not None:

@@ -3,16 +3,18 @@
 import math
 from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped, TwistStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from six_wheel.onboard import Settings, Step
+from six_wheel.onboard.faults import ERROR
 from six_wheel.onboard.loop import SECOND
-from six_wheel.ros.base import DEPTH, BaseNode, nanoseconds
+from six_wheel.records import frames
+from six_wheel.records.frames import planar_pose, planar_twist
+from six_wheel.ros.base import DEPTH, BaseNode
 from six_wheel.ros.interfaces import CommandInterface
 from six_wheel.ros.parameters import NODE
 
@@ -28,26 +30,24 @@ class RoverNode(BaseNode):
         super().__init__(name, settings, NODE)
 
     def _make(self) -> None:
-        said, rate = self.settings.parameters, self.settings.options.update_rate
-        self._interface = CommandInterface(
-            self, self.options["command_interface"], self.settings.rover, 1 / rate
-        )
+        said, kind = self.settings.parameters, self.options["command_interface"]
+        period = round(SECOND / self.settings.options.update_rate)
+        self._interface = CommandInterface(self, kind, self.settings.rover, period)
         self._things += [(self.destroy_publisher, each) for each in self._interface.publishers]
         self._odom = self.publisher(Odometry, "odom", DEPTH)
-        self._message = Odometry(child_frame_id=said.base_frame_id)
-        self._message.header.frame_id = said.odom_frame_id
+        self._odometry = frames.odometry(said.odom_frame_id, said.base_frame_id)
         self._odom_due = 0
         self._limited = None
         if self.options["publish_limited_velocity"]:
             self._limited = self.publisher(TwistStamped, "cmd_vel_out", DEPTH)
-            self._twist = TwistStamped()
-            self._twist.header.frame_id = said.base_frame_id
+            self._twist = frames.twist_stamped(said.base_frame_id)
         self._tf = self._make_tf() if self.options["enable_odom_tf"] else None
+        self._states = frames.JointStates()
         self.take_commands()
         # Takes what reliable and what best-effort publishers send; an old reading is of no use.
         sensor = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         if not self.settings.options.open_loop:
-            self.subscribe(JointState, "joint_states", self._on_joints, sensor)
+            self.subscribe(JointState, "joint_states", self._on_joints, sensor, raw=True)
         self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, QoSProfile(depth=DEPTH))
         service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
         self._things.append((self.destroy_service, service))
@@ -59,9 +59,7 @@ class RoverNode(BaseNode):
             self.get_logger().warning("no transforms are published: tf2_msgs is not installed")
             return None
         said = self.settings.parameters
-        self._transform = TransformStamped(child_frame_id=said.base_frame_id)
-        self._transform.header.frame_id = said.odom_frame_id
-        self._transforms = TFMessage(transforms=[self._transform])
+        self._transform = frames.transform(said.odom_frame_id, said.base_frame_id)
         return self.publisher(TFMessage, "/tf", DEPTH)
 
     def _commanding(self) -> Any:
@@ -69,50 +67,36 @@ class RoverNode(BaseNode):
 
     # Calls
 
-    def _on_joints(self, message: Any) -> None:
-        now, stamp = self.now(), nanoseconds(message.header.stamp)
-        names, positions, velocities = message.name, message.position, message.velocity
+    def _on_joints(self, message: bytes) -> None:
+        now = self.now()
+        try:
+            stamp, names, positions, velocities = self._states.parse(message)
+        except ValueError as error:
+            self.loop.faults.add("joints", ERROR, "joint states must be readable", str(error))
+            return
         step = self.loop.joints(names, positions, velocities, stamp, now)
         if step is not None:
             self._publish(step)
         if self.recorder is not None:
-            self.recorder.joints(names, positions, velocities, stamp, now)
+            self.recorder.joints(message, stamp, now)
             if step is not None:
                 self.recorder.step(step)
 
     def _publish(self, step: Step) -> None:
-        stamp = Time(nanoseconds=step.now).to_msg()
         if step.steering is not None and step.speeds is not None:
-            self._interface.publish(stamp, step.steering, step.speeds)
+            self._interface.publish(step.now, step.steering, step.speeds)
             if self._limited is not None:
-                self._twist.header.stamp = stamp
-                vx, vy, omega = step.twist
-                self._twist.twist.linear.x, self._twist.twist.linear.y = vx, vy
-                self._twist.twist.angular.z = omega
-                self._limited.publish(self._twist)
+                self._limited.publish(self._twist.pack(step.now, planar_twist(step.twist)))
         rate = self.settings.options.publish_rate
         if step.state is None or step.stamp is None or (rate and 0 <= self._odom_due - step.now < SECOND):
             return
         self._odom_due = step.now + (round(0.9 * SECOND / rate) if rate else 0)
-        self._publish_odometry(step.stamp, step.state)
-
-    def _publish_odometry(self, stamp: int, state: Any) -> None:
-        message = self._message
-        message.header.stamp = Time(nanoseconds=stamp).to_msg()
-        x, y, yaw = state.pose.tolist()
-        vx, vy, omega = state.twist.tolist()
-        pose, twist = message.pose.pose, message.twist.twist
-        pose.position.x, pose.position.y = x, y
-        pose.orientation.z, pose.orientation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
-        twist.linear.x, twist.linear.y, twist.angular.z = vx, vy, omega
-        message.pose.covariance = state.covariance_6x6().ravel()
-        message.twist.covariance = state.twist_covariance_6x6().ravel()
-        self._odom.publish(message)
+        state = step.state
+        place, motion = planar_pose(state.pose.tolist()), planar_twist(state.twist.tolist())
+        covariance, of_twist = state.covariance_6x6().ravel(), state.twist_covariance_6x6().ravel()
+        self._odom.publish(self._odometry.pack(step.stamp, place, covariance, motion, of_twist))
         if self._tf is not None:
-            self._transform.header.stamp = message.header.stamp
-            self._transform.transform.translation.x, self._transform.transform.translation.y = x, y
-            self._transform.transform.rotation = pose.orientation
-            self._tf.publish(self._transforms)
+            self._tf.publish(self._transform.pack(step.stamp, place))
 
     def _on_pose(self, message: Any) -> None:
         """The rover is here, as robot_localization has it."""
@@ -127,7 +111,7 @@ class RoverNode(BaseNode):
         try:
             self.loop.set_pose(pose, covariance, now)
         except ValueError as error:
-            self.loop.faults.add("odometry", 2, "set_pose must be a pose", " ".join(str(error).split()))
+            self.loop.faults.add("odometry", ERROR, "set_pose must be a pose", " ".join(str(error).split()))
             return
         if self.recorder is not None:
             self.recorder.change({"pose": pose, "covariance": covariance}, now)
