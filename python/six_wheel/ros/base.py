@@ -57,14 +57,13 @@ class BaseNode(LifecycleNode):
     def on_configure(self, state: Any) -> Any:
         """Topics are there and odometry counts; nothing is commanded yet."""
         self.loop = Loop(self.settings)
-        self.loop.active = False
         if self.options["record"] and self.recorder is None:
             path = Path(self.options["record"])
             if path.exists():
                 self.get_logger().error(f"record must be a new file, got {path}")
                 return TransitionCallbackReturn.FAILURE
             self.recorder = Recorder(path, self.settings)
-            self.recorder.change({"active": False}, self.now())
+        self._activate(False)
         self._make()
         from diagnostic_msgs.msg import DiagnosticArray
 
