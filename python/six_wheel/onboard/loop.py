@@ -23,6 +23,7 @@ from six_wheel.onboard.settings import Settings
 __all__ = ["Loop", "Step"]
 
 SECOND = 1_000_000_000  # [ns]
+HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
 JUMP = SECOND  # of time, forward, between two calls, that is worth a word
 CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
@@ -101,7 +102,7 @@ class Loop:
 
     def command(self, twist: tuple[float, float, float], stamp: int, now: int) -> None:
         """A command ``[vx, vy, omega]`` that was given at `stamp` and came at `now` [ns]; stamp 0: now."""
-        self._move_on(now)
+        now = self._move_on(now)
         stamp = stamp or now
         if not all(map(math.isfinite, twist)):
             self.faults.add("commands", ERROR, "a command must be finite", str(twist))
@@ -122,7 +123,7 @@ class Loop:
         self, names: Numbers | Any, positions: Numbers, velocities: Numbers, stamp: int, now: int
     ) -> Step | None:
         """Joint states that were read at `stamp` and came at `now` [ns]; stamp 0: now. A step if they are complete."""
-        self._move_on(now)
+        now = self._move_on(now)
         stamp = stamp or now
         timeout = self._timeout
         if abs(now - stamp) > timeout:
@@ -142,7 +143,7 @@ class Loop:
 
     def tick(self, now: int) -> Step | None:
         """The timer: a step if there has been none by joint states for a period."""
-        self._move_on(now)
+        now = self._move_on(now)
         if self._stepped is not None and now - self._stepped < self._period:
             return None
         if self._open_loop:
@@ -239,16 +240,20 @@ class Loop:
         assert self._origin is not None
         return (time - self._origin) / SECOND
 
-    def _move_on(self, now: int) -> None:
+    def _move_on(self, now: int) -> int:
+        """The time from here on: that given, but never a little earlier than the last one."""
         if self._origin is None:
             self._origin = self._now = self._first = now
         since = now - self._now
+        if -HICCUP <= since < 0:
+            return self._now
         if since < 0:
             self.faults.add("time", WARN, "time must not run backwards", f"{-since / SECOND:.6g} s back")
             self._start_over(now)
         elif since > JUMP:
             self.faults.add("time", WARN, "time must not jump", f"{since / SECOND:.6g} s ahead")
         self._now = now
+        return now
 
     def _start_over(self, now: int) -> None:
         self._origin = self._first = now
