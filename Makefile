@@ -6,7 +6,9 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
 
 SOAK ?= 50
-SOAKED = batch rollout fast fast_memory profiles transitions odometry odometry_sensors dead_reckon controller calibration
+SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
+	core/boundary/test_memory.py core/laws/test_profiles.py core/laws/test_transitions.py core/laws/test_controller.py \
+	odometry calibration)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -16,7 +18,7 @@ WATCHED = LD_PRELOAD=$$($(CC) -print-file-name=libasan.so) ASAN_OPTIONS=detect_l
 PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_tricks.as_strided(np.zeros(2), (4,), (8,)); \
 	sw.Rover.preset('perseverance').forward(angles, np.zeros(6))
 
-.PHONY: demo test test-rust test-python soak sanitize bench bench-suites lint format wheel clean
+.PHONY: demo test test-rust test-python soak sanitize bench bench-suites profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -30,7 +32,7 @@ test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
 
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
-	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED:%=tests/test_%.py) -s -q
+	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
 	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
@@ -39,8 +41,8 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	rm -rf $(SANITIZED)/python && mkdir -p $(SANITIZED)/python && cp -r python/six_wheel $(SANITIZED)/python
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
-	$(WATCHED) $(BIN)/python -m pytest tests/test_fast.py tests/test_fast_memory.py -q -p no:cacheprovider
-	$(WATCHED) $(BIN)/python -m pytest tests/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/boundary/test_memory.py -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
@@ -49,11 +51,16 @@ bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion f
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
 
+profiling: $(VENV)/installed ## the installed module with names and lines for perf and valgrind; the next build takes them away
+	cargo build --profile profiling --locked --package six-wheel-py
+	cp target/profiling/lib_core.so $$($(BIN)/python -c "import six_wheel._core as core; print(core.__file__)")
+
 lint: $(VENV)/installed ## what has to be clean before a change lands
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest six_wheel._core
 

@@ -15,16 +15,16 @@ from six_wheel import (
     RockerBogie,
     Rover,
     Wheel,
-    optiodom,
     plot,
     profiles,
     reference,
 )
-from six_wheel._calibrating import before_and_after, calibrate_files
-from six_wheel._columns import TIME
-from six_wheel._log_files import example_run
+from six_wheel.calibration.files import calibrate_files
 from six_wheel.drive import ControlledDrive, Loop
-from six_wheel.logs import Chunk
+from six_wheel.logs import Chunk, optiodom
+from six_wheel.logs.columns import TIME
+from six_wheel.logs.opening import example_run
+from six_wheel.report.calibration import before_and_after
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100

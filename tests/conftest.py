@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from cli_runs import COMMANDS, ROVER, Run
 from hypothesis import settings
 
+from tests.cli_runs import COMMANDS, ROVER, Run
+
 if TYPE_CHECKING:
-    from six_wheel.config import Finding, Parameters
+    from six_wheel.parameters import Finding, Parameters
 
     Read = Callable[..., Parameters]
 
@@ -55,7 +56,7 @@ def refused(run: Run) -> Callable[..., str]:
 @pytest.fixture
 def read(tmp_path: Path) -> "Read":
     """What a parameter file with this content says."""
-    from six_wheel.config import read_parameters
+    from six_wheel.parameters import read_parameters
 
     def read(content: str | bytes, **options: str) -> "Parameters":
         path = tmp_path / "rover.yaml"
@@ -68,7 +69,7 @@ def read(tmp_path: Path) -> "Read":
 @pytest.fixture
 def findings(read: "Read") -> Callable[..., tuple["Finding", ...]]:
     """The mistakes of a parameter file with this content."""
-    from six_wheel.config import ParameterFileError
+    from six_wheel.parameters import ParameterFileError
 
     def findings(content: str | bytes, **options: str) -> tuple["Finding", ...]:
         with pytest.raises(ParameterFileError) as caught:

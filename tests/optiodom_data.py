@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel import optiodom
-from six_wheel.recordings import Log
+from six_wheel.logs import Log, optiodom
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 FOLDER = DATA / "optiodom"

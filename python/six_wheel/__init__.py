@@ -45,14 +45,15 @@ from six_wheel._core import (
 from six_wheel.controller import Reason
 from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
 from six_wheel.geometry import Pose, Twist
+from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
+    from six_wheel.evaluation import umbmark
     from six_wheel.four_axle import FourAxleState, FourAxleStep
+    from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
-    from six_wheel.recordings import Log, Truth
-    from six_wheel.square_test import umbmark
 
 __all__ = [
     "ArgumentTypeError",
@@ -122,37 +123,35 @@ def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
 
     Raises
     ------
-    six_wheel.config.ParameterFileError
+    six_wheel.parameters.ParameterFileError
         A `ValueError` that lists every mistake in the file with its line, the rule and a remedy.
     ModuleNotFoundError
         If what reads parameter files is not installed; the message has the install line.
     """
     try:
-        from six_wheel import config
+        from six_wheel.parameters import file
     except ModuleNotFoundError as error:
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
-    return config.load(path, node=node)
+    return file.load(path, node=node)
 
 
-_LATER = {
-    "FourAxleState": "four_axle",
-    "FourAxleStep": "four_axle",
-    "Health": "odometry",
-    "Log": "recordings",
-    "SlipReport": "odometry",
-    "Track": "odometry",
-    "Truth": "recordings",
-    "calibrate": "calibration",
-    "dead_reckon": "odometry",
-    "umbmark": "square_test",
-}
-
-
-def __getattr__(name: str) -> object:
-    """What is loaded when asked for: dataclasses would double the import time, calibration needs SciPy."""
-    if name in _LATER:
-        from importlib import import_module
-
-        return getattr(import_module(f"six_wheel.{_LATER[name]}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "abilities": (),
+        "benchmark": (),
+        "calibration": ("calibrate",),
+        "demo": (),
+        "drive": (),
+        "evaluation": ("umbmark",),
+        "four_axle": ("FourAxleState", "FourAxleStep"),
+        "logs": ("Log", "Truth"),
+        "odometry": ("Health", "SlipReport", "Track", "dead_reckon"),
+        "parameters": (),
+        "plot": (),
+        "reckoning": (),
+        "reference": (),
+        "report": (),
+    },
+)

@@ -13,7 +13,7 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
-from six_wheel.odometry import Health, Track
+from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
 

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from six_wheel import _core, reference
+from six_wheel import reference
+from six_wheel._core import Rover, integrate, kernels
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -166,7 +167,7 @@ def machine() -> dict[str, str]:
                 break
     return {
         "processor": f"{processor} ({platform.machine()}), {os.cpu_count()} cores",
-        "vectors": _core.kernels()[-1],
+        "vectors": kernels()[-1],
         "Python": f"{sys.implementation.name} {platform.python_version()}",
         "NumPy": np.__version__,
     }
@@ -177,7 +178,7 @@ def machine() -> dict[str, str]:
 
 def jobs() -> list[Job]:
     """What `six-wheel bench` times: one call as in a control loop, and a batch."""
-    core = _core.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
+    core = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
     plain = reference.Rover.like(core)
     twist = (0.5, 0.0, 0.3)
     twists = np.zeros((ROWS, 3))  # vy = 0 and steering over +-90 degrees: the rover can make every one
@@ -209,7 +210,7 @@ def jobs() -> list[Job]:
             Timing.of(plain.forward, *few_joints, items=few),
         ),
         f"integrate, {batch}": (
-            Timing.of(_core.integrate, twists, 0.01, out=poses, items=ROWS),
+            Timing.of(integrate, twists, 0.01, out=poses, items=ROWS),
             Timing.of(reference.integrate, few_twists, 0.01, items=few),
         ),
     }

@@ -21,7 +21,7 @@ pub use health::Health;
 pub use noise::Noise;
 pub use settings::{Readings, Settings};
 
-use crate::batch::single_step::Plan;
+use crate::batch::one_row::step::Plan;
 use crate::error::{Error, number, numbers};
 use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};

@@ -55,8 +55,8 @@ pub struct Rover {
     /// Readings times this must be finite.
     pub(crate) reading_bound: f64,
     /// How one call is answered by registers, where it is.
-    pub(crate) single: Option<batch::single::Plan>,
-    pub(crate) single_forward: Option<batch::single_forward::Plan>,
+    pub(crate) single: Option<batch::one_row::inverse::Plan>,
+    pub(crate) single_forward: Option<batch::one_row::forward::Plan>,
     min_radius: f64,
     spin_radius: f64,
 }
@@ -133,8 +133,8 @@ impl Rover {
         };
         rover.solution = rover.constant_solution();
         (rover.min_radius, rover.spin_radius) = rover.turning_limits();
-        rover.single = batch::single::Plan::new(&rover);
-        rover.single_forward = batch::single_forward::Plan::new(&rover);
+        rover.single = batch::one_row::inverse::Plan::new(&rover);
+        rover.single_forward = batch::one_row::forward::Plan::new(&rover);
         Ok(rover)
     }
 

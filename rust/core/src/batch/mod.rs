@@ -1,151 +1,36 @@
 //! Whole arrays at once: every row is checked before the first one is written.
+//!
+//! From an array to a register and back, for one batch:
+//!
+//! 1. A **call** (`calls/`) has rows of numbers as the caller keeps them (a [`Table`]), and [`Workers`]: a level and
+//!    a number of threads. It cuts the rows into shares, one per thread (`machine/workers.rs`), and those into blocks
+//!    that stay in the caches.
+//! 2. It makes a plan of the rover: what a formula needs to know of it, as plain numbers. No plan, or the level
+//!    [`Level::Plain`]: the plain core does it row by row. That is also the oracle of everything here.
+//! 3. [`Level::run`](machine::level) enters a function that is compiled once per set of instructions, with a token `S`
+//!    that proves the processor has them. Everything below it is `#[inline(always)]`.
+//! 4. A **formula** (`formulas/`, one file a job) takes 64 rows at a time apart (`machine/weave.rs`): row after row in
+//!    memory becomes one column per number, so that a register holds the same number of 4 or 8 successive rows.
+//! 5. It computes with `Lanes`, a register with the operators of a number (`machine/lanes.rs`), and functions of
+//!    `machine/polynomials.rs`. There are no branches on a lane: a `Mask` says which rows the formula decides for sure.
+//! 6. The columns of the results are woven together into rows and stored, past the caches if they would not stay there
+//!    anyway (`machine/stream.rs`).
+//! 7. Rows that were not sure (at an end of a range, at rest, huge, NaN) are done again by the plain core.
+//!
+//! **One row** (`one_row/`) goes the same way, but its lanes are the wheels, so nothing has to be woven; its plans are
+//! made with the rover.
 
-mod forward;
-mod integrate;
-mod inverse;
-mod lanes;
-mod level;
-mod logs;
-mod polynomials;
-mod poses;
-mod rollout_cost;
-mod rows;
-pub(crate) mod single;
-pub(crate) mod single_forward;
-pub(crate) mod single_step;
-mod steered;
-mod stream;
-mod table;
-mod tile;
-mod vector;
-mod weave;
-mod workers;
+mod calls;
+mod formulas;
+mod machine;
+pub(crate) mod one_row;
 
-use crate::admissible::Keep;
-use crate::error::{Error, ErrorKind};
-use crate::estimate::sensitivity::{Linearised, Quantity};
-use crate::estimate::{Fit, Measured, Method, Unseen};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
-
-pub use level::Level;
-pub use poses::integrate;
-pub use rollout_cost::{Costs, rollout_cost};
-pub use rows::{forward, inverse};
-pub use single::{check_one, inverse_one, project_one};
-pub use single_forward::forward_one;
-pub use table::{Beside, Durations, Log, Readings, Source, Table};
-pub use workers::Workers;
-
-impl<'a> Inputs<'a> {
-    /// The inputs of one row of a batch.
-    fn row(&self, rover: &Rover, k: usize) -> Self {
-        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-        let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
-        Self {
-            previous: at(self.previous, joints),
-            previous_speeds: at(self.previous_speeds, wheels),
-            steering_rates: at(self.steering_rates, joints),
-        }
-    }
-}
-
-impl<'a> Log<'a> {
-    fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
-        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
-        Measured {
-            steering: row(self.steering, joints, k),
-            speeds: row(self.speeds, wheels, k),
-            steering_rates: self.steering_rates.map(|rates| row(rates, joints, k)),
-        }
-    }
-}
-
-fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
-    &values[k * width..(k + 1) * width]
-}
-
-fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
-    &mut values[k * width..(k + 1) * width]
-}
-
-/// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
-/// numbers stay in the second-level cache.
-const BLOCK_ROWS: usize = 2048;
-
-/// [`Rover::fit`] of every row of a log.
-pub fn fit(
-    rover: &Rover,
-    log: Log<'_>,
-    method: Method,
-    unseen: Unseen,
-    fits: &mut [Fit],
-    residual: &mut [f64],
-    weights: &mut [f64],
-) -> Result<(), Error> {
-    let wheels = rover.wheels().len();
-    for (k, fit) in fits.iter_mut().enumerate() {
-        let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));
-        *fit = rover
-            .fit(log.row(rover, k), method, unseen, residual, weights)
-            .map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
-}
-
-/// Whether the rover can make each twist. Fails where one is not finite.
-pub fn admissible(rover: &Rover, twists: &[[f64; 3]]) -> Result<Vec<bool>, Error> {
-    let answer = |(k, twist): (usize, &[f64; 3])| match rover.check(Twist::from(*twist), None) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind == ErrorKind::Infeasible => Ok(false),
-        Err(error) => Err(error.at_row(k)),
-    };
-    twists.iter().enumerate().map(answer).collect()
-}
-
-/// [`Rover::project`] of every twist.
-pub fn project(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    keep: Keep,
-    projected: &mut [[f64; 3]],
-) -> Result<(), Error> {
-    for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
-        let found = rover.project(Twist::from(*twist), keep);
-        *projected = found.map_err(|error| error.at_row(k))?.into();
-    }
-    Ok(())
-}
-
-/// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
-/// steered wheels` for quantities of the steering.
-pub fn sensitivity(
-    rover: &Rover,
-    log: Log<'_>,
-    twists: &mut [[f64; 3]],
-    targets: &mut [(Quantity, &mut [f64])],
-) -> Result<(), Error> {
-    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
-    for (k, twist) in twists.iter_mut().enumerate() {
-        let differentiate = |linearised: &Linearised<'_>| {
-            *twist = linearised.twist().into();
-            for (quantity, target) in targets.iter_mut() {
-                let wheels = match quantity {
-                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
-                    _ => &wheels,
-                };
-                let target = row_mut(target, 3 * wheels.len(), k);
-                for (column, wheel) in wheels.iter().enumerate() {
-                    let derivative = linearised.derivative(*wheel, *quantity);
-                    for (row, value) in derivative.iter().enumerate() {
-                        target[row * wheels.len() + column] = *value;
-                    }
-                }
-            }
-        };
-        rover
-            .sensitivity(log.row(rover, k), differentiate)
-            .map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
-}
+pub use calls::poses::integrate;
+pub use calls::rows::{forward, inverse};
+pub use calls::singly::{admissible, fit, project, sensitivity};
+pub use formulas::rollout_cost::{Costs, rollout_cost};
+pub use machine::level::Level;
+pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};
+pub use machine::workers::Workers;
+pub use one_row::forward::forward_one;
+pub use one_row::inverse::{check_one, inverse_one, project_one};

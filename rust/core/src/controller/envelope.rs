@@ -1,15 +1,24 @@
 //! Constant limits of speed and turn under which every limit of the rover holds, on a whole piece of an arc.
 //!
-//! With a speed `s` along a direction `d` that turns by `angle`, a velocity is `s f`, and
+//! The twist is `s d(a)`: a speed `s` [m/s] times a direction of unit length, `a` [rad] along the arc ([`super::arc`]).
+//! Dashes are derivatives by time, `d'` by `a`. A limited velocity (of the body, its yaw, a wheel) is a row times the
+//! twist, so with `f = |row d|` and `g = |row d'|` it changes by no more than
 //!
 //! ```text
-//! change            s' f  +  s angle' g                                       f = |row d|, g = |row d'|
-//! change of change  s'' f  +  2 s' angle' g  +  s angle'' g  -  s angle'²  f
+//! velocity          s f
+//! change            s' f  +  s a' g
+//! change of change  s'' f  +  2 s' a' g  +  s a'' g  +  s a'² f
 //! ```
 //!
-//! An envelope gives half of every limit to the turn and what that leaves to the speed. Whatever happens inside
-//! it keeps every limit; so a step that stays inside has nothing to check, and slowing the turn down and easing
-//! off the speed are always possible.
+//! # What holds
+//!
+//! While `0 <= s <= speed`, `-rates[0] <= s' <= rates[1]`, `|s''| <= change`, `|a'| <= turn[0]` and `|a''| <= turn[1]`,
+//! and `a` is on the piece from `start` to `end`, no limit of [`Room::limits`] is exceeded: the worst `f` and `g` of the
+//! piece stand for all of it, half of every limit was given to the terms with `a'`, and `rates` and `change` are what
+//! those terms leave of it.
+//!
+//! These are constants. So a step inside needs no check, and from any state inside, braking the turn by `turn[1]` and
+//! the speed by `change` stays inside: the motion can always be stopped.
 
 use super::arc::{Arc, Bound, Bounds};
 use super::limits::Limits;
@@ -49,30 +58,30 @@ impl Cap {
 pub struct Room {
     /// The limits, those of the joints tightened for what steering asks of wheels with scrub.
     pub limits: Limits,
-    /// Share of the wheels' speed and acceleration that steering takes.
+    /// What steering by itself takes of the wheels' speed and acceleration, at most [rad/s, rad/s²].
     pub steering_share: [f64; 2],
-    /// Rate at which a joint turns by less than half a turn in the longest step.
+    /// Rate at which a joint turns by less than half a turn in the longest step [rad/s].
     pub fastest_turn: f64,
 }
 
-/// See the head of this file.
+/// Constants of a piece of an arc; the head of this file says what holds while the motion is within them.
 #[derive(Clone, Copy, Debug)]
 pub struct Envelope {
-    /// Angle of the arc at which the turn comes to rest.
+    /// Angle of the arc at which the turn comes to rest [rad].
     pub end: f64,
     /// Whether there is a turn.
     pub turning: bool,
-    /// Speed, without regard to the turn.
+    /// Highest speed on this piece with the turn at rest [m/s]; at least `speed`.
     pub fastest: Cap,
-    /// Speed for which the turn is limited.
+    /// Highest speed at which the other limits of this envelope hold [m/s].
     pub speed: f64,
-    /// Rate of the turn and its change.
+    /// Highest rate of the turn [rad/s] and change of it [rad/s²], at speeds up to `speed`. Both 0 without a turn.
     pub turn: [Cap; 2],
-    /// Change of the speed, slowing down and speeding up.
+    /// Highest change of the speed, slowing down and speeding up [m/s²].
     pub rates: [Cap; 2],
-    /// Change of that.
+    /// Highest change of that [m/s³].
     pub change: Cap,
-    /// Way of the body's origin per way along the motion.
+    /// Way of the body's origin [m] per metre along the motion.
     pub way: f64,
 }
 
@@ -177,14 +186,14 @@ impl Envelope {
         ([self.turn[0].value; 2], self.turn[1].value)
     }
 
-    /// How fast the turn could become on the way to its end, which is not to come sooner than `dt`.
+    /// How fast the turn could become on the way from `angle` to its end, which is not to come sooner than `dt` [rad/s].
     pub fn promise(&self, angle: f64, dt: f64) -> f64 {
         let [rate, change] = self.turn.map(|cap| cap.value);
         let left = (self.end - angle).abs();
         rate.min(times(change, left).sqrt()).min(left / dt)
     }
 
-    /// Whether a turn can go on inside, and end in time.
+    /// Whether a turn is inside: not faster than `turn[0]`, and braked by `turn[1]` at rest before `end`.
     pub fn holds_turn(&self, turn: Motion) -> bool {
         let [rate, change] = self.turn.map(|cap| cap.value);
         if turn.rate == 0.0 || change.is_infinite() {
@@ -196,7 +205,8 @@ impl Envelope {
         turn.rate.abs() <= rate * ROUNDING && braking.abs() <= left * ROUNDING
     }
 
-    /// Whether a speed can go on inside: neither above the highest, nor past rest.
+    /// Whether a speed is inside: its change is, and easing that off by `change` leads neither above `speed` nor past
+    /// rest.
     pub fn holds_speed(&self, speed: Motion) -> bool {
         let sign = if speed.value < 0.0 { -1.0 } else { 1.0 };
         let forward = Motion {

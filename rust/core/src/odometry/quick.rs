@@ -1,7 +1,7 @@
 //! The usual sample, by registers of wheels; every other one is for the plain core.
 
 use super::{Odometry, Sample};
-use crate::batch::single_step::{Given, SURELY, Targets};
+use crate::batch::one_row::step::{Given, SURELY, Targets};
 
 impl Odometry {
     /// A usual sample by registers. Whether a wheel slips; nothing, and nothing has changed, where the sample is

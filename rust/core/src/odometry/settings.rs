@@ -3,7 +3,7 @@
 use super::encoder::Encoder;
 use super::noise::Noise;
 use super::step::Rules;
-use crate::batch::single_step::Plan;
+use crate::batch::one_row::step::Plan;
 use crate::error::{Error, number};
 use crate::estimate::Method;
 use crate::rover::Rover;

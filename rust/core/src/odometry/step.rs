@@ -6,7 +6,7 @@ use super::noise::Noise;
 use super::spread::Spread;
 use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
-use crate::batch::single_step::COLUMNS;
+use crate::batch::one_row::step::COLUMNS;
 use crate::error::{Error, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};

@@ -6,16 +6,26 @@
 use super::{Health, Odometry, Readings, Refusal, Sample};
 use crate::error::Error;
 
-/// The row left out last, and what is owed to the next one.
+/// What is remembered of rows that were left out, until a row is taken in again.
+///
+/// - `flag` is [`Health::BACKWARDS`] or [`Health::JUMP`] if a row was left out for that since the last good one, and
+///   then `stamp`, `wheels` and `steering` are the readings of the last such row; otherwise it is [`Health::GOOD`] and
+///   they mean nothing.
+/// - `owed` is not zero only where the readings are increments: the sum of those in rows left out because of their
+///   stamps, which did happen and belong to the next step. In running totals the next row contains them.
+/// - Both are cleared by every row taken in ([`Self::clear`]); `marked` says that there is anything to clear, so that a
+///   good row after a good row pays one comparison.
 #[derive(Clone, Debug)]
 pub(crate) struct Suspect {
-    /// Why it was left out; nothing if the last row was good.
     flag: Health,
+    /// [s]
     stamp: f64,
+    /// As the encoders count.
     wheels: Vec<f64>,
+    /// As the encoders count.
     steering: Vec<f64>,
+    /// As the encoders count, one per wheel.
     owed: Vec<f64>,
-    /// Whether there is anything to clear.
     marked: bool,
 }
 
@@ -40,7 +50,7 @@ impl Suspect {
         }
     }
 
-    /// Increment of a wheel in rows that were left out.
+    /// Increment of a wheel in the rows left out since the last good one, as its encoder counts.
     pub fn owed(&self, wheel: usize) -> f64 {
         self.owed[wheel]
     }

@@ -1,0 +1,51 @@
+"""A rover's true dimensions from its logs: what fits them, how well it is known, what they cannot tell.
+
+`parameters` can be calibrated from `drives`; `model` says where these end, `fitting` solves, `observability`
+and `cross_validation` judge, `procedure` joins them to a `result`; `files` does it for logs on disk.
+"""
+
+from typing import TYPE_CHECKING
+
+from six_wheel.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.calibration.cross_validation import Candidate, CrossValidation
+    from six_wheel.calibration.files import Calibrated, calibrate_files, half_width, interval
+    from six_wheel.calibration.fitting import Loss
+    from six_wheel.calibration.observability import Observability
+    from six_wheel.calibration.procedure import calibrate, parameter_names
+    from six_wheel.calibration.result import Calibration
+    from six_wheel.calibration.values import Estimate, RunErrors, Windows
+
+__all__ = [
+    "Calibrated",
+    "Calibration",
+    "Candidate",
+    "CrossValidation",
+    "Estimate",
+    "Loss",
+    "Observability",
+    "RunErrors",
+    "Windows",
+    "calibrate",
+    "calibrate_files",
+    "half_width",
+    "interval",
+    "parameter_names",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "cross_validation": ("Candidate", "CrossValidation"),
+        "drives": (),
+        "files": ("Calibrated", "calibrate_files", "half_width", "interval"),
+        "fitting": ("Loss",),
+        "model": (),
+        "observability": ("Observability",),
+        "parameters": (),
+        "procedure": ("calibrate", "parameter_names"),
+        "result": ("Calibration",),
+        "values": ("Estimate", "RunErrors", "Windows"),
+    },
+)

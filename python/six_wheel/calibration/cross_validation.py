@@ -1,0 +1,177 @@
+"""Which parameters to calibrate: those that predict drives best which were left out of the fit."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from six_wheel._core import Rover
+from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.fitting import Loss, Problem, refit, solve
+from six_wheel.calibration.model import Model
+from six_wheel.calibration.parameters import Catalogue
+from six_wheel.calibration.values import RunErrors
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.poses import Floats
+
+# A set of parameters must predict better than a smaller one by this share to be worth its numbers.
+WORTH = 0.05
+# Into so many parts a single run is cut.
+PIECES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A set of parameters, the errors on what was left out of its fits, and their score.
+
+    `errors` (folds,) [m] is the mean over the runs of a fold of their root mean square position error, first
+    pose given. `score` is their root mean square over the folds as a share of that with the nominal
+    dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong counts.
+    """
+
+    parameters: tuple[str, ...]
+    count: int
+    errors: Floats
+    score: float
+
+
+@dataclass(frozen=True, eq=False)
+class CrossValidation:
+    """Errors on drives that were not fitted, for every set of parameters that was tried.
+
+    Attributes
+    ----------
+    kind : {'session', 'run', 'part'}
+        What was left out at a time.
+    folds : tuple of str
+        Their names.
+    nominal : ndarray, shape (folds,)
+        Errors with the nominal dimensions [m].
+    candidates : tuple of Candidate
+        From the best score to the worst.
+    chosen : tuple of str
+        Parameters of the smallest set whose score is within 5 % of the best; () if none beats the nominal
+        dimensions.
+    """
+
+    kind: str
+    folds: tuple[str, ...]
+    nominal: Floats
+    candidates: tuple[Candidate, ...]
+    chosen: tuple[str, ...]
+    runs: dict[str, float] = field(repr=False, default_factory=dict)
+
+    @property
+    def best(self) -> Candidate:
+        """The set that was chosen."""
+        return next(one for one in self.candidates if one.parameters == self.chosen)
+
+    def to_markdown(self) -> str:
+        """Table of the sets, their scores and their errors on every fold."""
+        head = f"| parameters | numbers | score | {' | '.join(f'{fold} [m]' for fold in self.folds)} |"
+        lines = [head, "|---" * (3 + len(self.folds)) + "|"]
+        for one in self.candidates:
+            name = ", ".join(one.parameters) or "nominal"
+            marked = f"**{name}**" if one.parameters == self.chosen else name
+            errors = " | ".join(f"{error:.4f}" for error in one.errors)
+            lines.append(f"| {marked} | {one.count} | {one.score:.3f} | {errors} |")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        name = ", ".join(self.chosen) or "nominal"
+        before, after = float(np.mean(self.nominal)), float(np.mean(self.best.errors))
+        folds = f"{len(self.folds)} {self.kind}s left out"
+        return f"CrossValidation({name}: {before:.4f} -> {after:.4f} m on {folds})"
+
+
+def candidates(catalogue: Catalogue) -> list[tuple[str, ...]]:
+    """Sets worth trying on a rover: radii together or apart, its geometry, where the truth looks."""
+    names = set(catalogue.names)
+    radii = [(name,) for name in ("wheel_radius", "side_radii", "wheel_radii") if name in names]
+    if {"wheel_radius_left", "side_radii"} <= names and len(catalogue.find(["wheel_radii"])) == 2:
+        radii.remove(("side_radii",))  # the same as one per wheel
+    if len(catalogue.find(["wheel_radii"])) < 2:
+        radii = [("wheel_radius",)]
+    if catalogue.has_rollers:
+        shapes: list[tuple[str, ...]] = [("arm_length",)]
+        if "roller_angle" in names:
+            shapes.append(("arm_length", "roller_angle"))
+    elif "steering_offset" in names:
+        lengths = tuple(name for name in ("wheelbase", "track_width") if name in names)
+        shapes = [(*lengths, "steering_offset"), (*lengths, "steering_offset", "steering_gain")]
+    else:
+        shapes = [tuple(name for name in ("track_width",) if name in names)]
+    frames: list[tuple[str, ...]] = [(), ("origin_yaw",), ("origin",)]
+    return [radius + shape + frame for radius in radii for shape in shapes for frame in frames]
+
+
+def pieces(log: Log) -> list[Log]:
+    """A single run cut into parts, as if they were runs."""
+    if log.truth is None:
+        return [log]
+    edges = np.linspace(0, len(log) - 1, PIECES + 1).astype(int)
+    parts = []
+    for number, (first, last) in enumerate(zip(edges, edges[1:] + 1, strict=False)):
+        steering = None if log.steering is None else log.steering[first:last]
+        truth = Truth(log.truth.stamps, log.truth.poses)
+        parts.append(
+            Log(log.stamps[first:last], steering, log.wheel_angles[first:last], truth, f"part {number + 1}")
+        )
+    return parts
+
+
+def cross_validate(
+    rover: Rover,
+    catalogue: Catalogue,
+    sets: Sequence[tuple[str, ...]],
+    drives: Sequence[Drive],
+    loss: Loss,
+    lengths: Floats,
+    margin: float,
+    progress: Callable[[int, int, str], object] | None,
+) -> CrossValidation | None:
+    """Every set fitted without one fold after another and tried there; None if there is but one."""
+    sessions = list(dict.fromkeys(drive.session for drive in drives))
+    by_run = len(sessions) == 1 or len(sessions) == len(drives)
+    folds = [drive.name for drive in drives] if by_run else sessions
+    keys = list(range(len(drives))) if by_run else [sessions.index(drive.session) for drive in drives]
+    if len(set(keys)) < 2:
+        return None
+    parts = len({drive.name.startswith("part ") for drive in drives}) == 1 and drives[0].name == "part 1"
+    kind = "part" if parts else "run" if by_run else "session"
+
+    empty = Model(rover, [])
+    nominal = _fold_errors(empty, empty.start, drives, keys)
+    tried = [Candidate((), 0, nominal, 1.0)]
+    done, total = 0, len(sets) * len(set(keys))
+    for names in sets:
+        model = Model(rover, catalogue.find(names))
+        whole = Problem(model, drives, loss, lengths, margin)
+        solution = solve(whole)
+        linear = whole.linearised(solution.values)
+        errors = np.empty(len(nominal))
+        for fold in range(len(nominal)):
+            if progress is not None:
+                progress(done, total, f"{', '.join(names)}, without {folds[fold]}")
+            left = [drive for drive, key in zip(drives, keys, strict=True) if key == fold]
+            values = refit(linear.only([key != fold for key in keys]), solution)
+            errors[fold] = _fold_errors(model, values, left, [0] * len(left))[0]
+            done += 1
+        tried.append(Candidate(tuple(names), len(model.names), errors, _score(errors, nominal)))
+    if progress is not None:
+        progress(total, total, "")
+    tried.sort(key=lambda one: (one.score, one.count))
+    good = [one for one in tried if one.score <= (1.0 + WORTH) * tried[0].score]
+    smallest = min(good, key=lambda one: (one.count, one.score))
+    return CrossValidation(kind, tuple(folds), nominal, tuple(tried), smallest.parameters)
+
+
+def _fold_errors(model: Model, values: Floats, drives: Sequence[Drive], keys: Sequence[int]) -> Floats:
+    errors = np.array([RunErrors.of(model, drive, values).after for drive in drives])
+    labels = np.array(keys)
+    return np.array([errors[labels == fold].mean() for fold in range(int(labels.max()) + 1)])
+
+
+def _score(errors: Floats, nominal: Floats) -> float:
+    return math.sqrt(float(np.mean(errors * errors)) / max(float(np.mean(nominal * nominal)), 1e-24))

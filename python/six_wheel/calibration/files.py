@@ -1,0 +1,207 @@
+"""Calibration of a rover from logs on disk: read them, fit, and write the rover."""
+
+import contextlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from six_wheel._core import Rover, __version__
+from six_wheel.calibration.procedure import calibrate
+from six_wheel.calibration.result import Calibration
+from six_wheel.calibration.values import Estimate
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.opening import AnyLog, LogOptions, read_log
+from six_wheel.logs.recordings import Log
+from six_wheel.logs.writing import replacing
+from six_wheel.odometry.dead_reckoning import dead_reckon
+from six_wheel.parameters.file import Parameters, parse_parameters
+from six_wheel.parameters.mending import text_for
+from six_wheel.poses import Floats, joined
+
+__all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
+
+YAML = (".yaml", ".yml")
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """A calibration and what it came from: `result`, the `logs` and what is to be said of them."""
+
+    result: Calibration
+    logs: tuple[Log, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def shown(self) -> int:
+        """The run for the picture: the one whose calibrated error is the median."""
+        errors = [run.after for run in self.result.runs]
+        return int(np.argsort(errors, kind="stable")[(len(errors) - 1) // 2])
+
+
+def calibrate_files(
+    rover: Rover,
+    paths: Sequence[Path],
+    output: Path | None = None,
+    *,
+    parameters: Parameters | None = None,
+    truths: Sequence[Path] = (),
+    finish: Callable[[Calibrated], None] | None = None,
+    log_options: LogOptions | None = None,
+    options: dict[str, Any] | None = None,
+    progress: Callable[..., None] | None = None,
+) -> Calibrated:
+    """Calibrate a rover and write what comes of it. Outputs are replaced only if all went well.
+
+    Parameters
+    ----------
+    rover : Rover
+        With its nominal dimensions.
+    paths : sequence of Path
+        Logs, see `_log_files`. Those of one folder are one session, if there are several folders.
+    output : Path, optional
+        The calibrated rover as a parameter file, .yaml.
+    parameters : Parameters, optional
+        The file the rover comes from, whose keys and comments the output keeps where they can say it.
+    truths : sequence of Path
+        One for every log, or one that holds the times of all; none if the logs say it themselves.
+    finish : callable, optional
+        Called with what came of it before the output is replaced: what it raises leaves all as it was.
+    log_options, options
+        How to read the logs, and arguments of `calibrate`.
+    progress : callable, optional
+        Called with steps done, steps in all and what is being done.
+
+    Raises
+    ------
+    TableError
+        If a log, a truth or an output cannot be used.
+    """
+    if len(truths) > 1 and len(truths) != len(paths):
+        raise ValueError(
+            f"truth must be given once, or once for every log, got {len(truths)} for {len(paths)} logs"
+        )
+    if output is not None and output.suffix.lower() not in YAML:
+        raise TableError(f'{output}: the ending must be {" or ".join(YAML)}, got "{output.suffix}"')
+    sources = [*paths, *truths, *([parameters.path] if parameters else [])]
+    reading = log_options or LogOptions()
+    with contextlib.ExitStack() as stack:
+        target = stack.enter_context(replacing(output, sources)) if output else None
+        logs, warnings = [], []
+        for number, path in enumerate(paths):
+            if progress is not None:
+                progress(number, len(paths), f"reading {path.name}")
+            truth = truths[number if len(truths) > 1 else 0] if truths else None
+            log, reader = read_log(path, rover, reading, truth=truth)
+            _check_truth(path, log, truth)
+            logs.append(log)
+            warnings += _said(reader)
+        result = calibrate(rover, logs, progress=progress, **(options or {}))
+        done = Calibrated(result, tuple(logs), tuple(warnings))
+        text = text_for(result.rover, parameters, _encoders(result, parameters), _remarks(done))
+        parse_parameters(text, node=parameters.node if parameters else None)
+        if target is not None:
+            target.write_text(text, encoding="utf-8")
+        if finish is not None:
+            finish(done)
+    return done
+
+
+def _check_truth(path: Path, log: Log, truth: Path | None) -> None:
+    if log.truth is None:
+        remedy = "give --truth, or columns x, y and yaw"
+        raise TableError(f"{path}: a calibration needs to know where the rover really was; {remedy}")
+    first, last = log.truth.stamps[0], log.truth.stamps[-1]
+    if first >= log.stamps[-1] or last <= log.stamps[0]:
+        ours = f"{log.stamps[0]:g} to {log.stamps[-1]:g} s"
+        raise TableError(
+            f"{path}: the truth must overlap the log in time, got {first:g} to {last:g} s and {ours}"
+        )
+
+
+def _said(reader: AnyLog) -> list[str]:
+    said = list(reader.warnings)
+    for findings in (reader.findings, reader.truth_findings):
+        if findings is not None and findings.rows:
+            more = f"; {findings.rows} rows left out in all" if findings.rows > 1 else ""
+            said.append(f"{findings.listed[0]}{more}")
+    return said
+
+
+# --- the calibrated rover --------------------------------------------------------------------------------
+
+
+def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, Any]:
+    """The key ``encoders`` with the factors that are no dimension of a rover."""
+    encoders = dict(parameters.encoders) if parameters else {}
+    gains = dict(encoders.get("steering_gain", {}))
+    for one in result.parameters:
+        kind, _, wheel = one.name.removesuffix("]").partition("[")
+        if kind == "encoder_scale":
+            encoders["scale"] = encoders.get("scale", 1.0) * one.value
+        elif kind == "steering_gain":
+            joints = (name for name, steered in result.rover.steering_joints.items() if steered == wheel)
+            key = next((name for name in (wheel, *joints) if name in gains), wheel)
+            gains[key] = gains.get(key, 1.0) * one.value
+    return encoders | ({"steering_gain": gains} if gains else {})
+
+
+def half_width(one: Estimate) -> float:
+    """How far the interval of a value reaches to either side."""
+    low, high = one.interval
+    return (high - low) / 2.0
+
+
+def interval(one: Estimate) -> str:
+    """The interval of a value, in as many digits as it is worth."""
+    if not one.identified:
+        return "not identified"
+    digits = max(0, 2 - math.ceil(math.log10(half_width(one)))) if half_width(one) > 0.0 else 6
+    return " to ".join(f"{end:.{digits}f}" for end in one.interval)
+
+
+def _remarks(done: Calibrated) -> list[str]:
+    """What the calibrated file says of itself."""
+    result = done.result
+    runs = ", ".join(log.name for log in done.logs[:3]) + (", ..." if len(done.logs) > 3 else "")
+    lines = [f"Calibrated by six-wheel {__version__} on {_count(len(done.logs), 'run')}: {runs}"]
+    for one in result.parameters:
+        unit = f" {one.unit}" if one.unit else ""
+        said = f"{one.name} {one.value:.6g}{unit}, was {one.nominal:.6g}"
+        lines.append(f"{said}; {100 * result.confidence:g} %: {interval(one)}")
+    lines += [f"{message}" for message in result.observability.messages]
+    return [line if line.isprintable() else repr(line) for line in lines]
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
+    """A run as dead-reckoned before and after, and the truth at the same times."""
+    result, log = done.result, done.logs[number]
+    if log.truth is None:
+        raise ValueError(f"{log.name} must have a truth, got none")  # it was checked
+    corrections = _encoders(result, None)
+    gains = corrections.get("steering_gain", {})
+    factors = np.array([gains.get(wheel, 1.0) for wheel in result.rover.steered_names])
+    corrected = replace(
+        log,
+        steering=None if log.steering is None else log.steering * factors,
+        wheel_angles=log.wheel_angles * corrections.get("scale", 1.0),
+    )
+    tracks = []
+    for rover, one, sensor in (
+        (result.nominal, log, np.zeros(3)),
+        (result.rover, corrected, result.sensor),
+    ):
+        track = dead_reckon(
+            rover, one.steering, one.wheel_angles, one.stamps, covariances=False, residuals=False
+        )
+        tracks.append(joined(track.poses, sensor))
+    truth = log.truth.at(log.stamps + result.time_offset)
+    there = np.isfinite(truth).all(axis=1)
+    return {"nominal": tracks[0][there], "calibrated": tracks[1][there]}, truth[there]

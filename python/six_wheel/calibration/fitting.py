@@ -1,0 +1,326 @@
+"""Robust nonlinear least squares over windows: values, what the data leave open, and honest covariances."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.calibration.drives import OVERLAP, STRETCHES, Drive
+from six_wheel.calibration.model import Model
+from six_wheel.poses import Floats
+
+try:
+    from scipy.optimize import least_squares
+    from scipy.special import stdtrit
+except ImportError as missing:
+    raise ModuleNotFoundError(
+        'calibration needs SciPy: pip install "six-wheel[calibrate]"', name="scipy"
+    ) from missing
+
+Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
+LOSSES = ("linear", "soft_l1", "huber", "cauchy")
+
+# A robust loss begins to doubt a window at this many times the usual error.
+DOUBT = 3.0
+# A direction is open if the data leave it wider than this share of what is plausible.
+OPEN = 0.5
+# Errors smaller than this are rounding of the recording, not knowledge [m and rad].
+SMALLEST_SCALE = 1e-6
+# First guess of the error of a motion, as a share of its length.
+FIRST_SCALE = 0.02
+ROUNDS, STEPS = 12, 8
+# How far the first, coarse fit goes: the second begins there.
+COARSE = 1e-3
+SETTLED = 1e-3  # of a standard deviation
+FEWEST_SESSIONS, FEWEST_RUNS = 4, 3
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Drives and a model whose parameters shall explain them."""
+
+    model: Model
+    drives: Sequence[Drive]
+    loss: Loss
+    lengths: Floats
+    latest: float  # largest plausible time offset [s]
+    around: tuple[Floats, Floats, Floats] | None = None
+
+    def errors(self, values: Floats) -> tuple[Floats, Floats]:
+        """Errors of all windows (m, 3) and their derivatives (m, 3, p)."""
+        if self.around is not None:
+            centre, errors, by = self.around
+            return errors + by @ (values - centre), by
+        parts = [self.model.errors(drive, values) for drive in self.drives]
+        return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+
+    def linearised(self, values: Floats) -> "Problem":
+        """The same with errors that change evenly from those at `values` on."""
+        return replace(self, around=(values, *replace(self, around=None).errors(values)))
+
+    def only(self, kept: Sequence[bool]) -> "Problem":
+        """Some of the drives, with what is known of them."""
+        rows = np.repeat(kept, [len(drive.rows) for drive in self.drives])
+        around = None if self.around is None else (self.around[0], self.around[1][rows], self.around[2][rows])
+        drives = [drive for drive, keep in zip(self.drives, kept, strict=True) if keep]
+        return replace(self, drives=drives, around=around)
+
+    @property
+    def which(self) -> NDArray[np.int64]:
+        return np.concatenate([drive.lengths for drive in self.drives])
+
+    def bounds(self) -> tuple[Floats, Floats]:
+        """As far as values may go: lengths stay lengths, and clocks within what the windows leave."""
+        low, high = np.full(len(self.model.names), -np.inf), np.full(len(self.model.names), np.inf)
+        for number, parameter in enumerate(self.model.parameters):
+            if parameter.positive:
+                low[number], high[number] = 0.2 * parameter.value, 5.0 * parameter.value
+            elif parameter.unit == "rad":
+                low[number], high[number] = parameter.value - 1.5, parameter.value + 1.5
+            elif parameter.name == "time_offset":
+                low[number], high[number] = -self.latest, self.latest
+            else:
+                low[number], high[number] = (
+                    parameter.value - 10.0 * parameter.plausible,
+                    parameter.value + 10.0 * parameter.plausible,
+                )
+        return low, high
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Values that fit best, and what is needed to say how well they are known.
+
+    `seen` (p, q) are the directions the data see, in units of what is plausible, `unseen` (p, p - q) the
+    others; `spread` (p,) says how far the data would let each direction go, in the same units, seen ones
+    first.
+    """
+
+    values: Floats
+    errors: Floats
+    weights: Floats
+    scales: Floats
+    by: Floats
+    seen: Floats
+    unseen: Floats
+    spread: Floats
+    converged: bool
+
+
+def solve(problem: Problem, start: Floats | None = None) -> Solution:
+    """Fit all parameters the data see; the others keep their nominal values.
+
+    From the nominal values the way may be long and bent: a trust region finds it, with a weak hold on them
+    that keeps what nothing is known about where it is. From there on, as from a given start, the drives are
+    simulated once per step and everything else settles on their linearisation.
+    """
+    model, which = problem.model, problem.which
+    scales = np.repeat(FIRST_SCALE * np.append(problem.lengths, problem.lengths[-1])[:, None], 2, axis=1)
+    values = model.start.copy() if start is None else start.copy()
+    if start is None and len(values):
+        values = _descend(problem, np.eye(len(values)), values, scales, hold=True, fine=False)
+    solution = _settle(problem.linearised(values), values, scales)
+    for _ in range(STEPS):
+        moved = np.abs(solution.values - values)
+        close = SETTLED * model.plausible * min(float(solution.spread.min(initial=1.0)), 1.0)
+        values = solution.values
+        linear = problem.linearised(values)
+        solution = _settle(linear, values, solution.scales)
+        if np.all(moved <= close):
+            break
+    else:
+        solution = replace(solution, converged=False)
+    errors, by = linear.errors(solution.values)
+    scales, weights = _scales(errors, which, solution.scales, problem.loss)
+    return replace(solution, errors=errors, by=by, scales=scales, weights=weights)
+
+
+def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
+    """Scales, weights, what the data see and the values that follow, until none of them changes any more."""
+    model, which = problem.model, problem.which
+    nominal, plausible = model.start, model.plausible
+    errors, by = problem.errors(values)
+    converged = False
+    for _ in range(ROUNDS):
+        scales, weights = _scales(errors, which, scales, problem.loss)
+        seen, unseen, spread = _directions(problem, by, weights, scales)
+        values = nominal + plausible * (seen @ (seen.T @ ((values - nominal) / plausible)))
+        found = _descend(problem, seen, values, scales, hold=False, fine=True)
+        moved, values = np.abs(found - values), found
+        errors, by = problem.errors(values)
+        if np.all(moved <= SETTLED * plausible * min(float(spread.min(initial=1.0)), 1.0)):
+            converged = True
+            break
+    return Solution(values, errors, weights, scales, by, seen, unseen, spread, converged)
+
+
+def _descend(
+    problem: "Problem", directions: Floats, values: Floats, scales: Floats, *, hold: bool, fine: bool
+) -> Floats:
+    """One robust least-squares fit along `directions` with fixed scales."""
+    model, which = problem.model, problem.which
+    nominal, plausible = model.start, model.plausible
+    if not directions.shape[1]:
+        return nominal.copy()
+    per_row = DOUBT * scales[which][:, [0, 0, 1]]
+    latest: dict[bytes, tuple[Floats, Floats]] = {}
+    low, high = problem.bounds()
+
+    def place(steps: Floats) -> Floats:
+        return np.clip(nominal + plausible * (directions @ steps), low, high)
+
+    def both(steps: Floats) -> tuple[Floats, Floats]:
+        key = steps.tobytes()
+        if key not in latest:
+            latest.clear()
+            errors, by = problem.errors(place(steps))
+            rows = (errors / per_row).ravel()
+            slopes = ((by * plausible) @ directions / per_row[:, :, None]).reshape(len(rows), -1)
+            if hold:
+                rows = np.concatenate((rows, steps / DOUBT))
+                slopes = np.concatenate((slopes, np.eye(len(steps)) / DOUBT))
+            latest[key] = rows, slopes
+        return latest[key]
+
+    def errors_of(steps: Floats) -> Floats:
+        return both(steps)[0]
+
+    def slopes_of(steps: Floats) -> Floats:
+        return both(steps)[1]
+
+    start = directions.T @ ((values - nominal) / plausible)
+    result = least_squares(
+        errors_of,
+        start,
+        jac=slopes_of,
+        loss=problem.loss,
+        x_scale="jac",
+        xtol=1e-8 if fine else COARSE,
+        ftol=1e-8 if fine else COARSE,
+        max_nfev=60,
+    )
+    return place(result.x)
+
+
+def _scales(errors: Floats, which: NDArray[np.int64], before: Floats, loss: Loss) -> tuple[Floats, Floats]:
+    """Usual errors per window length, in place and heading (k, 2), and robust weights (m, 3)."""
+    scales = before.copy()
+    weights = np.ones_like(errors)
+    for number in np.unique(which):
+        rows = which == number
+        for part, columns in ((0, slice(0, 2)), (1, slice(2, 3))):
+            values = errors[rows, columns]
+            scale = max(_rms(values, np.ones_like(values)), SMALLEST_SCALE)
+            for _ in range(50 if loss != "linear" else 0):
+                again = max(_rms(values, _weights(values / (DOUBT * scale), loss)), SMALLEST_SCALE)
+                if abs(again - scale) <= 1e-6 * scale:
+                    break
+                scale = again
+            scales[number, part] = scale
+            weights[rows, columns] = _weights(values / (DOUBT * scale), loss)
+    return scales, weights
+
+
+def _rms(values: Floats, weights: Floats) -> float:
+    return math.sqrt(float((weights * values * values).sum() / weights.sum()))
+
+
+def _weights(ratio: Floats, loss: Loss) -> Floats:
+    """How much a residual still counts, as a factor on its square: the derivative of the loss."""
+    if loss == "soft_l1":
+        return 1.0 / np.sqrt(1.0 + ratio * ratio)
+    if loss == "huber":
+        return 1.0 / np.maximum(np.abs(ratio), 1.0)
+    if loss == "cauchy":
+        return 1.0 / (1.0 + ratio * ratio)
+    return np.ones_like(ratio)
+
+
+def _directions(
+    problem: Problem, by: Floats, weights: Floats, scales: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Directions of the parameters the data see and do not, in units of what is plausible.
+
+    Windows that overlap tell the same story again: each counts for the share of new distance in it.
+    """
+    which, plausible = problem.which, problem.model.plausible
+    kinds = np.append(problem.lengths, problem.lengths[-1])
+    new = problem.lengths[0] / OVERLAP / kinds[which] / len(kinds)
+    factor = np.sqrt(weights * new[:, None]) / scales[which][:, [0, 0, 1]]
+    slopes = (by * plausible * factor[:, :, None]).reshape(-1, len(plausible))
+    triangle = np.linalg.qr(np.concatenate((slopes, np.zeros((len(plausible), len(plausible))))), mode="r")
+    _, sizes, rows = np.linalg.svd(triangle)
+    known = (sizes > 1.0 / OPEN) & (sizes > 1e-9 * sizes.max(initial=0.0))
+    with np.errstate(divide="ignore"):
+        spread = 1.0 / sizes
+    return _clean(rows[known].T), _clean(rows[~known].T), np.concatenate((spread[known], spread[~known]))
+
+
+def _clean(directions: Floats) -> Floats:
+    """Without the dust of the decomposition, so that what is not concerned stays exactly where it is."""
+    return np.where(np.abs(directions) < 1e-9, 0.0, directions)
+
+
+def covariance(problem: Problem, solution: Solution) -> tuple[Floats, int, str]:
+    """Covariance of the values, its degrees of freedom, and in words what it rests on.
+
+    Errors of neighbouring windows go together and have heavy tails: the usual formula would promise ten times
+    too much. What the values do when a whole cluster of windows is taken away knows no such assumption.
+    With enough sessions these are the clusters. Within one or a few, errors differ from run to run and from
+    stretch to stretch of a path that the runs repeat: both variances are added, which is never too little.
+    One or two runs say nothing about the first; then every stretch of each counts as one cluster.
+
+    Source: Cameron & Miller, A Practitioner's Guide to Cluster-Robust Inference, J. Human Resources 50(2),
+    2015: the jackknife estimate CV3 with Student's t, section VI, and two ways of clustering, section V.
+    """
+    drives = problem.drives
+    counts = [len(drive.rows) for drive in drives]
+    sessions = list(dict.fromkeys(drive.session for drive in drives))
+    runs = np.repeat(np.arange(len(drives)), counts)
+    stretches = np.concatenate([drive.blocks for drive in drives])
+    if len(sessions) >= FEWEST_SESSIONS:
+        labels = [np.repeat([sessions.index(drive.session) for drive in drives], counts)]
+        basis = f"{len(sessions)} sessions"
+    elif len(drives) >= FEWEST_RUNS:
+        labels = [runs, stretches]
+        basis = f"{len(drives)} runs and {STRETCHES} stretches of the path"
+    else:
+        labels = [STRETCHES * runs + stretches]
+        basis = f"{STRETCHES} stretches of each of {len(drives)} runs"
+    parts = [_jackknife(problem, solution, one) for one in labels]
+    return np.sum([part[0] for part in parts], axis=0), min(part[1] for part in parts), basis
+
+
+def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, int]:
+    """Covariance from leaving out one cluster of windows after another, and its degrees of freedom."""
+    which, plausible = problem.which, problem.model.plausible
+    factor = np.sqrt(solution.weights) / solution.scales[which][:, [0, 0, 1]]
+    slopes = (solution.by * plausible) @ solution.seen * factor[:, :, None]
+    pulls = np.einsum("mrq,mr->mq", slopes, solution.errors * factor)
+    curvatures = np.einsum("mrq,mrs->mqs", slopes, slopes)
+    # Where one cluster alone shows a direction, nothing is known without it but what is plausible.
+    whole = curvatures.sum(axis=0) + np.eye(solution.seen.shape[1])
+    names = np.unique(clusters)
+    moves = []
+    for name in names:
+        kept = whole - curvatures[clusters == name].sum(axis=0)
+        moves.append(np.linalg.solve(kept, pulls[clusters == name].sum(axis=0)))
+    together = np.array(moves).reshape(len(names), -1)
+    share = (len(names) - 1) / len(names)
+    outer = plausible[:, None] * solution.seen
+    inner = share * together.T @ together if len(names) > 1 else np.eye(outer.shape[1])
+    return outer @ inner @ outer.T, max(len(names) - 1, 1)
+
+
+def quantile(degrees: int, confidence: float) -> float:
+    """Of Student's t distribution: half the width of an interval in standard deviations."""
+    return float(stdtrit(degrees, 0.5 + confidence / 2.0))
+
+
+def refit(linear: Problem, start: Solution) -> Floats:
+    """Values for some of the drives of a problem that was solved for all of them, after one step in full."""
+    values = _settle(linear, start.values, start.scales).values
+    return _settle(linear.linearised(values), values, start.scales).values

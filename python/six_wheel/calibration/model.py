@@ -1,0 +1,216 @@
+"""Where the windows of a drive end by dead reckoning, and how that changes with every parameter.
+
+The derivatives of the twist come from the core (`Rover.sensitivity`); here they are carried along the drive
+by the chain rule, all rows at once.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from six_wheel._core import Rover, integrate, wrap_angle
+from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter
+from six_wheel.poses import Floats, between, inverse, joined
+from six_wheel.rebuild import with_wheels
+
+# Below this half-turn per step the derivative of sin(x)/x is its series, good to 1e-16 there.
+SMALL_TURN = 1e-2
+
+
+class Model:
+    """Parameters of a rover, and the errors of its dead reckoning as a function of their values."""
+
+    def __init__(self, nominal: Rover, parameters: Sequence[Parameter]) -> None:
+        self.nominal = nominal
+        self.parameters = tuple(parameters)
+        self.names = tuple(parameter.name for parameter in self.parameters)
+        self.start = np.array([parameter.value for parameter in self.parameters])
+        self.plausible = np.array([parameter.plausible for parameter in self.parameters])
+        self._by: dict[str, Floats] = {}
+        for quantity in WHEEL_QUANTITIES:
+            columns = [p.wheels.get(quantity, np.zeros(len(nominal.wheels))) for p in self.parameters]
+            if columns and np.any(columns):
+                self._by[quantity] = np.stack(columns, axis=1)
+        self._values = {
+            name: np.array([getattr(w, name) or 0.0 for w in nominal.wheels]) for name in WHEEL_QUANTITIES
+        }
+        self._gains = np.array(
+            [np.zeros(len(nominal.steered_names)) if p.gain is None else p.gain for p in self.parameters]
+        ).reshape(len(self.parameters), len(nominal.steered_names))
+
+    def value(self, values: Floats, name: str, default: float) -> float:
+        """The value of one parameter, or what it is when it is not calibrated."""
+        return float(values[self.names.index(name)]) if name in self.names else default
+
+    def wheels(self, values: Floats) -> Rover:
+        """The rover with these values, in the nominal body frame.
+
+        Raises
+        ------
+        ValueError
+            If a wheel may not have such a value.
+        """
+        change = values - self.start
+        moved = {name: self._values[name] + columns @ change for name, columns in self._by.items()}
+        rollers = [wheel.roller_angle is not None for wheel in self.nominal.wheels]
+        return with_wheels(
+            self.nominal,
+            (
+                {name: float(column[i]) for name, column in moved.items() if name != "roller_angle" or has}
+                for i, has in enumerate(rollers)
+            ),
+        )
+
+    def pose(self, values: Floats, kind: str) -> Floats:
+        """The sensor, or the origin that the result shall have, as a pose in the nominal body."""
+        return np.array([self.value(values, f"{kind}_{axis}", 0.0) for axis in FRAME])
+
+    def tracked(self, values: Floats) -> Floats:
+        """What the truth follows, as a pose in the nominal body: the sensor as seen from the new origin."""
+        return joined(self.pose(values, "origin"), self.pose(values, "sensor"))
+
+    def rover(self, values: Floats) -> Rover:
+        """The rover with these values, about the new origin where there is one."""
+        rover, origin = self.wheels(values), self.pose(values, "origin")
+        if not origin.any():
+            return rover
+        places = np.array([(wheel.x, wheel.y, wheel.heading) for wheel in rover.wheels])
+        seen = joined(inverse(origin), places)
+        return with_wheels(rover, ({"x": x, "y": y, "heading": yaw} for x, y, yaw in seen.tolist()))
+
+    def readings(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
+        """Steering angles and wheel speeds, as the encoders mean them under these values."""
+        gain = np.ones(drive.steering.shape[1]) + (values - self.start) @ self._gains
+        return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.speeds
+
+    def twists(self, drive: Drive, values: Floats, rover: Rover) -> tuple[Floats, Floats]:
+        """Body twists between the rows (n, 3) and their derivatives by the parameters (n, 3, p)."""
+        steering, speeds = self.readings(drive, values)
+        wanted = list(self._by)
+        if self._gains.any():
+            wanted.append("steering")
+        if "encoder_scale" in self.names:
+            wanted.append("speeds")
+        if not wanted:
+            return rover.forward(steering, speeds), np.zeros((len(speeds), 3, len(values)))
+        found = rover.sensitivity(steering, speeds, quantities=wanted)  # type: ignore[arg-type]
+        by = np.zeros((len(speeds), 3, len(values)))
+        for name, columns in self._by.items():
+            by += getattr(found, name) @ columns
+        if self._gains.any():
+            by += (found.steering * drive.steering[:, None, :]) @ self._gains.T
+        if "encoder_scale" in self.names:
+            turned = np.nan_to_num(drive.speeds)[:, None, :]
+            by[:, :, self.names.index("encoder_scale")] += (found.speeds * turned).sum(axis=2)
+        return found.twist, by
+
+    def poses(self, drive: Drive, values: Floats) -> Floats:
+        """Dead reckoning of what the truth follows, one pose per row of the drive, from anywhere."""
+        body = integrate(self.wheels(values).forward(*self.readings(drive, values)), drive.dt)
+        return joined(body, self.tracked(values))
+
+    def errors(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
+        """How far each window ends from the truth, seen from there (m, 3), and the derivatives (m, 3, p)."""
+        first, last = drive.rows.T
+        twists, by_twist = self.twists(drive, values, self.wheels(values))
+        poses = integrate(twists, drive.dt)
+        by_pose = carried(poses, twists, by_twist, drive.dt)
+        moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
+
+        tracked = self.tracked(values)
+        seen, by_seen = self._seen_from(tracked, values, moved, by_moved)
+        ends, rates = drive.truth_at_ends(self.value(values, "time_offset", 0.0))
+        wanted, by_clock = _between_with(ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None])
+        error = between(wanted, seen)
+        by_error = by_seen
+        if "time_offset" in self.names:
+            by_error = by_seen.copy()
+            by_error[:, :, self.names.index("time_offset")] -= by_clock[:, :, 0]
+        turned = _rotated(-wanted[:, 2], by_error)
+        if "time_offset" in self.names:
+            column = self.names.index("time_offset")
+            turned[:, :2, column] -= _left_of(error[:, :2]) * by_clock[:, 2]
+        return error, turned
+
+    def _seen_from(
+        self, tracked: Floats, values: Floats, moved: Floats, by_moved: Floats
+    ) -> tuple[Floats, Floats]:
+        """The motion of what is tracked, which the body carries along, with its derivatives."""
+        poses = np.broadcast_to(tracked, moved.shape)
+        seen = joined(joined(inverse(poses), moved), poses)
+        arm = _rotated(moved[:, 2], np.broadcast_to(tracked[:2, None], (len(moved), 2, 1)))[:, :, 0]
+        by = by_moved.copy()
+        by[:, :2] += _left_of(arm)[:, :, None] * by_moved[:, 2:3]
+        by = _rotated(np.full(len(moved), -tracked[2]), by)
+
+        # By the place and the yaw of what is tracked; the origin turns the sensor with it.
+        turn = wrap_angle(moved[:, 2])
+        eye = np.broadcast_to(np.eye(2), (len(moved), 2, 2))
+        by_place = _rotated(np.full(len(moved), -tracked[2]), _rotated(np.asarray(turn), eye) - eye)
+        by_yaw = -_left_of(seen[:, :2])
+        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor")
+        cos, sin = np.cos(origin[2]), np.sin(origin[2])
+        places = {"origin": np.eye(2), "sensor": np.array([[cos, -sin], [sin, cos]])}
+        carried_along = places["sensor"] @ np.array([-sensor[1], sensor[0]])
+        for kind, directions in places.items():
+            for number, axis in enumerate("xy"):
+                if (name := f"{kind}_{axis}") in self.names:
+                    by[:, :2, self.names.index(name)] += by_place @ directions[:, number]
+            if (name := f"{kind}_yaw") in self.names:
+                column = by[:, :2, self.names.index(name)]
+                column += by_yaw
+                if kind == "origin":
+                    column += by_place @ carried_along
+        return seen, by
+
+
+def carried(poses: Floats, twists: Floats, by_twist: Floats, dt: Floats) -> Floats:
+    """Derivatives of integrated poses (n + 1, 3, p) by those of the twists (n, 3, p)."""
+    half = twists[:, 2] * dt / 2.0
+    small = np.abs(half) < SMALL_TURN
+    safe = np.where(small, 1.0, half)
+    chord = np.sinc(half / np.pi)
+    square = half * half
+    bent = np.where(
+        small,
+        half * (-1.0 / 3.0 + square * (1.0 / 30.0 - square / 840.0)),
+        (safe * np.cos(safe) - np.sin(safe)) / (safe * safe),
+    )
+    # The step is chord(half) R(half) v dt; what follows is its derivative by `half`, and the step itself.
+    linear = _rotated(half, (twists[:, :2] * dt[:, None])[:, :, None])[:, :, 0]
+    by_half = bent[:, None] * linear + chord[:, None] * _left_of(linear)
+    by_step = _rotated(half, by_twist[:, :2] * (chord * dt)[:, None, None])
+    by_step += by_half[:, :, None] * (by_twist[:, 2:3] * (dt / 2.0)[:, None, None])
+
+    by_poses = np.zeros((len(poses), 3, by_twist.shape[2]))
+    np.cumsum(by_twist[:, 2] * dt[:, None], axis=0, out=by_poses[1:, 2])
+    travelled = np.diff(poses[:, :2], axis=0)
+    by_place = _rotated(poses[:-1, 2], by_step)
+    by_place += _left_of(travelled)[:, :, None] * by_poses[:-1, 2:3]
+    np.cumsum(by_place, axis=0, out=by_poses[1:, :2])
+    return by_poses
+
+
+def _between_with(
+    first: Floats, second: Floats, by_first: Floats, by_second: Floats
+) -> tuple[Floats, Floats]:
+    """`between` with its derivatives, from those of both poses."""
+    seen = between(first, second)
+    by = _rotated(-first[:, 2], by_second - by_first)
+    by[:, :2] -= _left_of(seen[:, :2])[:, :, None] * by_first[:, 2:3]
+    return seen, by
+
+
+def _left_of(vectors: Floats) -> Floats:
+    """Vectors (n, 2) turned left by a right angle: what a turn of one radian moves their tips by."""
+    return np.stack((-vectors[:, 1], vectors[:, 0]), axis=1)
+
+
+def _rotated(yaw: Floats, columns: Floats) -> Floats:
+    """A copy of columns (n, 2 or 3, p) whose first two rows are turned by `yaw` (n,)."""
+    cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+    turned = np.array(columns)
+    turned[:, 0] = cos * columns[:, 0] - sin * columns[:, 1]
+    turned[:, 1] = sin * columns[:, 0] + cos * columns[:, 1]
+    return turned

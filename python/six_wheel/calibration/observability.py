@@ -1,0 +1,120 @@
+"""What the drives do not tell, in words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.fitting import OPEN, Solution
+from six_wheel.calibration.model import Model
+from six_wheel.poses import Floats
+
+# Parts of a direction smaller than this are not worth a word, and parameters less open than that are known.
+WORTH_A_WORD = 0.1
+KNOWN = 0.05
+# A drive that turns less than this is called straight [rad].
+STRAIGHT = 0.35
+# Parameters whose values go together this closely are named.
+TOGETHER = 0.95
+# ... unless both are known to this share of what is plausible anyway.
+WELL_KNOWN = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Observability:
+    """Which parameters the drives identify.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The parameters.
+    identified : ndarray of bool, shape (p,)
+        Whether the data tell this one by itself.
+    directions : ndarray, shape (p, k)
+        Combinations that nothing in the data depends on, in units of what is plausible for each.
+    spread : ndarray, shape (p,)
+        How far each independent direction could go unnoticed, in the same units, from the best known on.
+    messages : tuple of str
+        The same in words.
+    """
+
+    names: tuple[str, ...]
+    identified: NDArray[np.bool_]
+    directions: Floats
+    spread: Floats
+    messages: tuple[str, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every parameter is identified."""
+        return bool(self.identified.all())
+
+    def __repr__(self) -> str:
+        return "Observability(" + ("; ".join(self.messages) or "everything is identified") + ")"
+
+
+def describe(model: Model, solution: Solution, drives: Sequence[Drive]) -> Observability:
+    """The open directions of a solution, and what they mean for each parameter."""
+    unseen = solution.unseen
+    openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
+    identified = openness < KNOWN
+    messages = [_alone(model, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()]
+    mixed = np.flatnonzero(~identified & (openness <= 1.0 - KNOWN))
+    if len(mixed):
+        count = unseen.shape[1] - len(messages)
+        messages.append(
+            _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
+        )
+    messages += _correlated(model, solution, identified)
+    return Observability(model.names, identified, unseen, solution.spread, tuple(messages))
+
+
+def _alone(model: Model, number: int, drives: Sequence[Drive]) -> str:
+    parameter = model.parameters[number]
+    turning = max(drive.turning for drive in drives)
+    why = f"the drives do not tell it to {OPEN * parameter.plausible:.3g} {parameter.unit}".rstrip()
+    if turning < STRAIGHT:
+        why = f"a straight run cannot identify it (turned {np.degrees(turning):.1f} deg at most)"
+    return (
+        f"{parameter.name} stays at its nominal {parameter.value:.6g} {parameter.unit}".rstrip() + f": {why}"
+    )
+
+
+def _together(names: list[str], count: int, direction: str) -> str:
+    some = "one combination" if count == 1 else f"{count} combinations"
+    return (
+        f"{', '.join(names)} are identified only together: {some} of them could change unnoticed "
+        f"({direction}); they moved from their nominal values no farther than the data ask"
+    )
+
+
+def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:
+    """The first open direction, as shares of what is plausible for each parameter."""
+    part = unseen[mixed]
+    direction = part[:, int(np.argmax(np.abs(part).max(axis=0)))]
+    direction = direction / direction[np.argmax(np.abs(direction))]
+    terms = [
+        f"{value:+.2f} {names[i]}"
+        for i, value in zip(mixed, direction, strict=True)
+        if abs(value) > WORTH_A_WORD
+    ]
+    return " ".join(terms)
+
+
+def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_]) -> list[str]:
+    """Pairs that are identified but could nearly stand for each other."""
+    kept = solution.seen.shape[1]
+    root = solution.seen * solution.spread[:kept]
+    covariance = root @ root.T
+    sizes = np.sqrt(np.diag(covariance))
+    messages = []
+    for first in np.flatnonzero(identified & (sizes > 0.0)):
+        for second in np.flatnonzero(identified & (sizes > 0.0)):
+            if first < second:
+                correlation = covariance[first, second] / (sizes[first] * sizes[second])
+                if abs(correlation) > TOGETHER and max(sizes[first], sizes[second]) > WELL_KNOWN:
+                    pair = f"{model.names[first]} and {model.names[second]}"
+                    messages.append(f"{pair} are hard to tell apart here (correlation {correlation:+.2f})")
+    return messages

@@ -1,0 +1,214 @@
+"""What can be calibrated: names, what each number does to the wheels, and how far it may plausibly be off.
+
+A parameter of the rover is a linear change of what its wheels hold (place, heading, radius, scrub, trail)
+or of what their readings mean. So any vehicle can be calibrated: nothing here knows one from another.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Rover
+from six_wheel.poses import Floats
+
+# Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
+PLAUSIBLE_SHARE = 0.2
+PLAUSIBLE_ANGLE = 0.1  # [rad]
+PLAUSIBLE_DELAY = 0.1  # [s]
+
+# Sides and angles smaller than this share are rounding.
+LEVEL = 1e-9
+
+WHEEL_QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
+FRAME = ("x", "y", "yaw")
+
+
+@dataclass(frozen=True, eq=False)
+class Parameter:
+    """One number to find.
+
+    `value` is the nominal one, `plausible` how far the true one may be from it. `wheels` holds by how much
+    the quantities of every wheel change with it, arrays of shape (wheels,); `gain` the steered wheels whose
+    angles it multiplies, shape (steered,).
+    """
+
+    name: str
+    unit: str
+    value: float
+    plausible: float
+    wheels: Mapping[str, Floats] = field(default_factory=dict)
+    gain: Floats | None = None
+    positive: bool = False
+
+
+def size(rover: Rover) -> float:
+    """The farthest pivot from the body's origin [m], or the largest wheel: what turning moves things by."""
+    return max(max(math.hypot(wheel.x, wheel.y), wheel.radius) for wheel in rover.wheels)
+
+
+class Catalogue:
+    """The parameters a rover has, by name; the names of groups stand for all their members."""
+
+    def __init__(self, rover: Rover, encoders: Sequence[bool]) -> None:
+        self._rover = rover
+        self._encoders = np.array(encoders, dtype=bool)
+        self._values = {
+            name: np.array([getattr(wheel, name) or 0.0 for wheel in rover.wheels])
+            for name in WHEEL_QUANTITIES
+        }
+        self._groups: Mapping[str, Callable[[], list[Parameter]]] = {
+            "wheel_radius": self._shared_radius,
+            "wheel_radii": self._radii,
+            "side_radii": self._side_radii,
+            "track_width": lambda: self._scaled("track_width", "y"),
+            "wheelbase": lambda: self._scaled("wheelbase", "x"),
+            "arm_length": self._arm_length,
+            "steering_offset": self._steering_offsets,
+            "steering_gain": self._steering_gains,
+            "roller_angle": self._roller_angle,
+            "encoder_scale": lambda: [self._of_readings("encoder_scale")],
+            "icr_left": lambda: self._icr("icr_left", 1.0),
+            "icr_right": lambda: self._icr("icr_right", -1.0),
+            "icr_forward": self._icr_forward,
+            "skid": lambda: [
+                *self._icr("icr_left", 1.0),
+                *self._icr("icr_right", -1.0),
+                *self._icr_forward(),
+            ],
+            "time_offset": lambda: [Parameter("time_offset", "s", 0.0, PLAUSIBLE_DELAY)],
+            "sensor": lambda: self._frame("sensor"),
+            "origin": lambda: self._frame("origin"),
+        }
+
+    @property
+    def has_rollers(self) -> bool:
+        """Whether wheels roll sideways too: then how far out they are counts, not along or across."""
+        return any(wheel.roller_angle is not None for wheel in self._rover.wheels)
+
+    @property
+    def names(self) -> list[str]:
+        """Every name `find` knows for this rover."""
+        singles = [member.name for group in self._groups.values() for member in group()]
+        return list(dict.fromkeys([name for name, group in self._groups.items() if group()] + singles))
+
+    def find(self, names: Iterable[str]) -> list[Parameter]:
+        """The parameters of these names, each once.
+
+        Raises
+        ------
+        ValueError
+            If the rover has no such parameter.
+        """
+        found: dict[str, Parameter] = {}
+        for name in names:
+            members = self._groups[name]() if name in self._groups else self._single(name)
+            if not members:
+                known = ", ".join(self.names)
+                raise ValueError(f"parameters must be some of {known} for this rover, got {name!r}")
+            found |= {member.name: member for member in members}
+        return list(found.values())
+
+    def _single(self, name: str) -> list[Parameter]:
+        everything = (member for group in self._groups.values() for member in group())
+        return [next(member for member in everything if member.name == name)] if name in self.names else []
+
+    # --- each of them ------------------------------------------------------------------------------------
+
+    def _length(self, name: str, value: float, wheels: dict[str, Floats]) -> Parameter:
+        return Parameter(name, "m", value, PLAUSIBLE_SHARE * abs(value), wheels, positive=True)
+
+    def _radius(self, name: str, chosen: NDArray[np.bool_]) -> list[Parameter]:
+        """One number for the radii of some wheels, which keep their ratio; of those with an encoder."""
+        chosen = chosen & self._encoders
+        if not chosen.any():
+            return []
+        radii = self._values["radius"]
+        value = float(radii[chosen].mean())
+        return [self._length(name, value, {"radius": np.where(chosen, radii / value, 0.0)})]
+
+    def _shared_radius(self) -> list[Parameter]:
+        return self._radius("wheel_radius", np.ones(len(self._encoders), dtype=bool))
+
+    def _radii(self) -> list[Parameter]:
+        each = np.eye(len(self._encoders), dtype=bool)
+        names = (f"wheel_radius[{name}]" for name in self._rover.wheel_names)
+        return [one for name, chosen in zip(names, each, strict=True) for one in self._radius(name, chosen)]
+
+    def _side_radii(self) -> list[Parameter]:
+        y = self._values["y"]
+        if (self._encoders & (np.abs(y) <= LEVEL * size(self._rover))).any():
+            return []
+        left, right = self._radius("wheel_radius_left", y > 0.0), self._radius("wheel_radius_right", y < 0.0)
+        return left + right if left and right else []
+
+    def _scaled(self, name: str, axis: str) -> list[Parameter]:
+        places = self._values[axis]
+        value = float(np.ptp(places))
+        return [self._length(name, value, {axis: places / value})] if value > 0.0 else []
+
+    def _arm_length(self) -> list[Parameter]:
+        x, y = self._values["x"], self._values["y"]
+        value = float(np.hypot(x, y).mean())
+        return [self._length("arm_length", value, {"x": x / value, "y": y / value})] if value > 0.0 else []
+
+    def _steered(self) -> list[tuple[int, str]]:
+        return [(i, wheel.name) for i, wheel in enumerate(self._rover.wheels) if wheel.steered]
+
+    def _steering_offsets(self) -> list[Parameter]:
+        each = np.eye(len(self._encoders))
+        return [
+            Parameter(f"steering_offset[{name}]", "rad", 0.0, PLAUSIBLE_ANGLE, {"heading": each[i]})
+            for i, name in self._steered()
+        ]
+
+    def _steering_gains(self) -> list[Parameter]:
+        steered = self._steered()
+        each = np.eye(len(steered))
+        return [
+            Parameter(f"steering_gain[{name}]", "", 1.0, PLAUSIBLE_SHARE, gain=row, positive=True)
+            for (_, name), row in zip(steered, each, strict=True)
+        ]
+
+    def _roller_angle(self) -> list[Parameter]:
+        """One number for the rollers of all wheels: where they give way they act as if at another angle."""
+        angles = self._values["roller_angle"]
+        if not (np.abs(np.sin(2.0 * angles)) > LEVEL).any():
+            return []  # rollers straight across give way the same however they stand
+        value = float(np.abs(angles[angles != 0.0]).mean())
+        return [Parameter("roller_angle", "rad", value, PLAUSIBLE_ANGLE, {"roller_angle": angles / value})]
+
+    def _of_readings(self, name: str) -> Parameter:
+        return Parameter(name, "", 1.0, PLAUSIBLE_SHARE, positive=True)
+
+    def _icr(self, name: str, side: float) -> list[Parameter]:
+        """Lateral place of the centres of rotation of one side: where its wheels act, not where they are."""
+        straight = np.array(
+            [
+                wheel.heading == 0.0 and not (wheel.steered or wheel.castor) and wheel.roller_angle is None
+                for wheel in self._rover.wheels
+            ]
+        )
+        chosen = straight & (side * self._values["y"] > 0.0)
+        if not straight.all() or not chosen.any():
+            return []
+        value = float((self._values["y"] + self._values["scrub"])[chosen].mean())
+        range_ = 2.5 * PLAUSIBLE_SHARE * abs(value)  # tracks skid by half their distance and more
+        return [Parameter(name, "m", value, range_, {"scrub": chosen.astype(np.float64)})]
+
+    def _icr_forward(self) -> list[Parameter]:
+        if not self._icr("icr_left", 1.0) or not self._icr("icr_right", -1.0):
+            return []
+        value = float((self._values["x"] - self._values["trail"]).mean())
+        every = -np.ones(len(self._encoders))
+        return [Parameter("icr_forward", "m", value, 0.5 * size(self._rover), {"trail": every})]
+
+    def _frame(self, kind: str) -> list[Parameter]:
+        reach = size(self._rover)
+        return [
+            Parameter(f"{kind}_x", "m", 0.0, reach),
+            Parameter(f"{kind}_y", "m", 0.0, reach),
+            Parameter(f"{kind}_yaw", "rad", 0.0, PLAUSIBLE_ANGLE),
+        ]

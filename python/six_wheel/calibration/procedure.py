@@ -1,0 +1,208 @@
+"""A rover's true dimensions from its logs: what fits them, how well it is known, and what they cannot tell.
+
+>>> from six_wheel import calibration
+>>> from six_wheel.logs import optiodom
+>>> rover, log = optiodom.example()
+>>> result = calibration.calibrate(rover, [log], parameters=["wheel_radius", "wheelbase", "steering_offset"])
+
+Needs SciPy (``pip install "six-wheel[calibrate]"``).
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from six_wheel._core import Rover
+from six_wheel.calibration import fitting
+from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
+from six_wheel.calibration.cross_validation import candidates as all_candidates
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
+from six_wheel.calibration.fitting import Loss, Problem
+from six_wheel.calibration.model import Model
+from six_wheel.calibration.observability import describe
+from six_wheel.calibration.parameters import Catalogue
+from six_wheel.calibration.result import Calibration
+from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.poses import Floats
+
+__all__ = ["Progress", "calibrate", "parameter_names"]
+
+Progress = Callable[[int, int, str], object]
+
+
+def parameter_names(rover: Rover, logs: Sequence[Log] = ()) -> list[str]:
+    """Names that `calibrate` takes for this rover: groups such as ``wheel_radii``, and their members.
+
+    Without logs, every wheel with a motor is taken to have an encoder.
+    """
+    heard = encoders(rover, logs) if logs else [wheel.driven for wheel in rover.wheels]
+    return Catalogue(rover, heard).names
+
+
+def calibrate(
+    rover: Rover,
+    logs: Log | Sequence[Log],
+    truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None = None,
+    parameters: Literal["auto"] | str | Iterable[str] = "auto",
+    *,
+    loss: Loss = "soft_l1",
+    window: float | Sequence[float] | None = None,
+    confidence: float = 0.95,
+    cross_validation: bool = True,
+    max_time_offset: float = 0.5,
+    progress: Progress | None = None,
+) -> Calibration:
+    """Identify a rover's dimensions from what its encoders said and how it really moved.
+
+    Least squares on the motion over windows of the drive, so that early errors do not count again in all that
+    follows: windows of several lengths, and windows from the start, each weighed by its own usual error.
+
+    Parameters
+    ----------
+    rover : Rover
+        With its nominal dimensions: what the drives do not tell stays as it is.
+    logs : Log or sequence of Log
+        Drives of this rover. `Log.session` says which belong together.
+    truth : Truth, poses, or a sequence of them, optional
+        One per log, instead of the truth the logs carry.
+    parameters : 'auto' or str or sequence of str
+        What to find; `parameter_names` lists what there is for a rover. In short: ``wheel_radius`` (shared),
+        ``side_radii``, ``wheel_radii``, ``track_width``, ``wheelbase``, ``arm_length``, ``steering_offset``,
+        ``steering_gain``, ``roller_angle``, ``encoder_scale``, ``skid``, ``time_offset`` (a stamp of the
+        truth less that of the log), ``sensor`` (where what the truth follows sits in the body) and
+        ``origin`` (the same, and the rover comes back about it). ``"auto"`` takes those that predict drives
+        best that were not fitted.
+    loss : {'soft_l1', 'linear', 'huber', 'cauchy'}
+        How much windows count in which the rover slipped: from three times the usual error on less and less.
+    window : float or sequence of float, optional
+        Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
+        10, 20 and 40 times the distance of the farthest wheel from the origin.
+    confidence : float
+        Of the intervals.
+    cross_validation : bool
+        Whether to leave out one session (run, part of a run) after another and report the errors there.
+    max_time_offset : float
+        Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
+    progress : callable, optional
+        Called with steps done, steps in all and what is being done.
+
+    Returns
+    -------
+    Calibration
+        The new rover, values with intervals, what stayed unidentified, residuals, and how it does on drives
+        that were left out.
+
+    Raises
+    ------
+    ValueError
+        If an argument breaks its rule, a log does not fit the rover or has no truth.
+    ModuleNotFoundError
+        If SciPy is not installed.
+
+    Source: relative poses as in Censi, Franchi, Marchionni & Oriolo, Simultaneous Calibration of Odometry and
+    Sensor Parameters for Mobile Robots, IEEE T-RO 29(2), 2013; intervals from leaving out clusters, see
+    `six_wheel.calibration.fitting.covariance`.
+    """
+    records = _with_truth([logs] if isinstance(logs, Log) else list(logs), truth)
+    if loss not in fitting.LOSSES:
+        raise ValueError(f"loss must be one of {', '.join(fitting.LOSSES)}, got {loss!r}")
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
+    if not (np.isfinite(max_time_offset) and max_time_offset > 0.0):
+        raise ValueError(f"max_time_offset must be finite and positive, got {max_time_offset}")
+    lengths = _lengths(rover, window)
+    catalogue = Catalogue(rover, encoders(rover, records))
+    if isinstance(parameters, str) and parameters != "auto":
+        parameters = [parameters]
+    asked = None if parameters == "auto" else tuple(parameters)
+    wanted = catalogue.find(asked) if asked is not None else []
+    if asked is not None and not wanted:
+        raise ValueError("parameters must name one at least, got none")
+    margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
+
+    def ready(parts: Sequence[Log]) -> list[Drive]:
+        return [prepare(rover, log, lengths, margin, number) for number, log in enumerate(parts)]
+
+    drives = ready(records)
+    sets = all_candidates(catalogue) if asked is None else [asked]
+    checked: CrossValidation | None = None
+    if cross_validation or asked is None:
+        folds = drives if len(drives) > 1 else ready(pieces(records[0]))
+        checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
+    chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
+    if progress is not None:
+        progress(0, 1, "fitting all drives")
+    model = Model(rover, catalogue.find(chosen))
+    result = _fit(model, drives, loss, lengths, margin, confidence, tuple(chosen), checked)
+    if progress is not None:
+        progress(1, 1, "fitting all drives")
+    return result
+
+
+def _fit(
+    model: Model,
+    drives: Sequence[Drive],
+    loss: Loss,
+    lengths: Floats,
+    margin: float,
+    confidence: float,
+    asked: tuple[str, ...],
+    checked: CrossValidation | None,
+) -> Calibration:
+    problem = Problem(model, drives, loss, lengths, margin)
+    solution = fitting.solve(problem)
+    covariance, degrees, basis = fitting.covariance(problem, solution)
+    observability = describe(model, solution, drives)
+    half = fitting.quantile(degrees, confidence)
+    estimates = []
+    for number, parameter in enumerate(model.parameters):
+        std = float(np.sqrt(covariance[number, number])) if observability.identified[number] else float("nan")
+        value = float(solution.values[number])
+        interval = (value - half * std, value + half * std)
+        estimates.append(Estimate(parameter.name, parameter.unit, parameter.value, value, std, interval))
+    before, _ = problem.errors(model.start)
+    return Calibration(
+        model.rover(solution.values),
+        model.nominal,
+        tuple(estimates),
+        covariance,
+        confidence,
+        basis,
+        observability,
+        Windows(problem.which, lengths, before, solution.errors, solution.weights, solution.scales),
+        tuple(RunErrors.of(model, drive, solution.values) for drive in drives),
+        checked,
+        model.pose(solution.values, "sensor"),
+        model.value(solution.values, "time_offset", 0.0),
+        asked,
+        loss,
+        solution.converged,
+    )
+
+
+def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
+    if window is None:
+        return default_lengths(rover)
+    lengths = np.unique(np.atleast_1d(np.asarray(window, dtype=np.float64)))
+    if not lengths.size or not (np.isfinite(lengths) & (lengths > 0.0)).all():
+        raise ValueError(f"window must be finite and positive, got {window}")
+    return lengths
+
+
+def _with_truth(logs: list[Log], truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None) -> list[Log]:
+    """The logs, each with the truth given for it."""
+    if not logs:
+        raise ValueError("logs must hold one at least, got none")
+    if truth is None:
+        return logs
+    single = isinstance(truth, Truth) or np.ndim(truth) == 2  # type: ignore[arg-type]
+    truths = [truth] if single else list(truth)  # type: ignore[arg-type]
+    if len(truths) != len(logs):
+        raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")
+    return [
+        Log(log.stamps, log.steering, log.wheel_angles, one, log.name, log.session)  # type: ignore[arg-type]
+        for log, one in zip(logs, truths, strict=True)
+    ]

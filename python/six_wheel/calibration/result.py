@@ -1,0 +1,169 @@
+"""What a calibration returns: values and how well they are known, errors before and after, a report."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from six_wheel._core import Rover
+from six_wheel.calibration.cross_validation import CrossValidation
+from six_wheel.calibration.observability import Observability
+from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.poses import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """A calibrated rover and how far it can be believed.
+
+    Attributes
+    ----------
+    rover, nominal : Rover
+        With the values found, and as it was given.
+    parameters : tuple of Estimate
+        One per number, in the order of `covariance`.
+    covariance : ndarray, shape (p, p)
+        Of the values; rows of what is not identified cover only what is.
+    confidence : float
+        Of the intervals.
+    basis : str
+        What the intervals rest on: of what one was left out after another.
+    observability : Observability
+        What the data do not tell.
+    windows : Windows
+        The residuals.
+    runs : tuple of RunErrors
+        Every run before and after, as fitted.
+    cross_validation : CrossValidation or None
+        Errors on drives left out of the fit.
+    sensor : ndarray, shape (3,)
+        Where what the truth follows sits in the body of `rover` [m, m, rad].
+    time_offset : float
+        Stamp of the truth less that of the log [s].
+    chosen : tuple of str
+        Names of the parameters as asked for, or as cross-validation chose them.
+    loss : str
+    converged : bool
+    """
+
+    rover: Rover
+    nominal: Rover
+    parameters: tuple[Estimate, ...]
+    covariance: Floats
+    confidence: float
+    basis: str
+    observability: Observability
+    windows: Windows
+    runs: tuple[RunErrors, ...]
+    cross_validation: CrossValidation | None
+    sensor: Floats
+    time_offset: float
+    chosen: tuple[str, ...] = field(default=())
+    loss: str = "soft_l1"
+    converged: bool = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(one.name for one in self.parameters)
+
+    @property
+    def values(self) -> Floats:
+        """Values found, shape (p,)."""
+        return np.array([one.value for one in self.parameters])
+
+    @property
+    def std(self) -> Floats:
+        """Their standard deviations, shape (p,); NaN where one is not identified."""
+        return np.array([one.std for one in self.parameters])
+
+    @property
+    def intervals(self) -> Floats:
+        """Their intervals, shape (p, 2)."""
+        return np.array([one.interval for one in self.parameters]).reshape(-1, 2)
+
+    def __getitem__(self, name: str) -> Estimate:
+        """One parameter by name.
+
+        Raises
+        ------
+        KeyError
+            If it was not calibrated.
+        """
+        try:
+            return next(one for one in self.parameters if one.name == name)
+        except StopIteration:
+            raise KeyError(f"{name!r} is not among {', '.join(self.names)}") from None
+
+    def __repr__(self) -> str:
+        lines = [f"Calibration of {len(self.runs)} runs{'' if self.converged else ', NOT CONVERGED'}"]
+        width = max((len(one.name) for one in self.parameters), default=0)
+        for one in self.parameters:
+            half = (one.interval[1] - one.interval[0]) / 2.0
+            known = f"± {half:.2g}" if one.identified else "not identified"
+            lines.append(
+                f"  {one.name:<{width}}  {one.value:.6g} {known} {one.unit}".rstrip()
+                + f"  (was {one.nominal:.6g})"
+            )
+        if not self.parameters:
+            lines.append("  no set of parameters predicts better than the nominal dimensions")
+        before, after = (
+            float(np.median([getattr(run, name) for run in self.runs])) for name in ("before", "after")
+        )
+        lines.append(f"  rms position error, median of the runs: {before:.4f} -> {after:.4f} m")
+        if self.cross_validation is not None and self.cross_validation.chosen == self.chosen:
+            lines.append(f"  {self.cross_validation!r}")
+        lines += [f"  {message}" for message in self.observability.messages]
+        return "\n".join(lines)
+
+    def to_markdown(self, *, title: str = "Calibration") -> str:
+        """The whole report: values, what is not identified, errors per run, residuals, cross-validation."""
+        percent = f"{100 * self.confidence:g} %"
+        lines = [f"# {title}", ""]
+        lines += [
+            f"| parameter | nominal | calibrated | standard deviation | {percent} interval |",
+            "|---|---|---|---|---|",
+        ]
+        for one in self.parameters:
+            low, high = one.interval
+            name = f"`{one.name}`" + (f" [{one.unit}]" if one.unit else "")
+            known = f"{one.std:.2g} | {low:.6g} to {high:.6g}" if one.identified else "| not identified"
+            lines.append(f"| {name} | {one.nominal:.6g} | {one.value:.6g} | {known} |")
+        lines += ["", f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."]
+        if not self.converged:
+            lines += ["", "**The fit did not settle; do not trust these values.**"]
+        if self.observability.messages:
+            lines += ["", "## What the drives do not tell", ""]
+            lines += [f"- {message}" for message in self.observability.messages]
+        lines += ["", "## Runs", "", "Root mean square position error, first pose given.", ""]
+        lines += [
+            "| run | distance [m] | nominal [m] | calibrated [m] | rows left out |",
+            "|---|---|---|---|---|",
+        ]
+        for run in self.runs:
+            lines.append(
+                f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
+            )
+        lines += [
+            "",
+            "## Windows",
+            "",
+            "Root mean square error of the motion over windows of the drives.",
+            "",
+        ]
+        lines += [
+            "| window | count | nominal [m] | calibrated [m] | nominal [deg] | calibrated [deg] |",
+            "|---|---|---|---|---|---|",
+        ]
+        for name, number, before, after, turned, turns in self.windows.table():
+            degrees = f"{math.degrees(turned):.2f} | {math.degrees(turns):.2f}"
+            lines.append(f"| {name} | {number} | {before:.4f} | {after:.4f} | {degrees} |")
+        if self.cross_validation is not None:
+            what = self.cross_validation.kind
+            lines += ["", "## Cross-validation", ""]
+            lines += [
+                f"Mean error of the runs of each {what} under a fit without it; the chosen set in bold.",
+                "",
+            ]
+            lines.append(self.cross_validation.to_markdown())
+        return "\n".join(lines) + "\n"

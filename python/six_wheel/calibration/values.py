@@ -1,0 +1,102 @@
+"""What a calibration is made of: values and how well they are known, errors of windows and of runs."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.model import Model
+from six_wheel.evaluation.paths import absolute_error
+from six_wheel.poses import Floats, interpolate
+
+__all__ = ["Estimate", "RunErrors", "Windows", "path"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter: what it was and is, standard deviation and interval; NaN where it is not identified."""
+
+    name: str
+    unit: str
+    nominal: float
+    value: float
+    std: float
+    interval: tuple[float, float]
+
+    @property
+    def identified(self) -> bool:
+        """Whether the data tell it by itself."""
+        return not math.isnan(self.std)
+
+    def __repr__(self) -> str:
+        low, high = self.interval
+        known = f"[{low:.6g}, {high:.6g}]" if self.identified else "not identified"
+        return f"Estimate({self.name} = {self.value:.6g} {self.unit}, {known}, nominal {self.nominal:.6g})"
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Errors of the motion over all windows.
+
+    `before` and `after` (m, 3) hold errors forward [m], to the left [m] and of the heading [rad]; `kind`
+    (m,) the row of `lengths` [m] a window belongs to, one more for those from the start of a drive;
+    `weights` (m, 3) what the loss left of each; `scales` (k + 1, 2) the usual errors of place and heading.
+    """
+
+    kind: NDArray[np.int64]
+    lengths: Floats
+    before: Floats
+    after: Floats
+    weights: Floats
+    scales: Floats
+
+    def table(self) -> list[tuple[str, int, float, float, float, float]]:
+        """Per length: its name, how many windows, rms before and after of place [m] and heading [rad]."""
+        rows = []
+        for kind in np.unique(self.kind).tolist():
+            name = f"{self.lengths[kind]:.3g} m" if kind < len(self.lengths) else "from the start"
+            chosen = self.kind == kind
+            figures = [
+                math.sqrt(float(np.mean(np.sum(np.square(errors[chosen][:, columns]), axis=1))))
+                for columns in (slice(0, 2), slice(2, 3))
+                for errors in (self.before, self.after)
+            ]
+            rows.append((name, int(chosen.sum()), *figures))
+        return rows  # type: ignore[return-value]
+
+    def __repr__(self) -> str:
+        said = ", ".join(
+            f"{name}: {before:.4f} -> {after:.4f} m" for name, _, before, after, *_ in self.table()
+        )
+        return f"Windows({said})"
+
+
+@dataclass(frozen=True, eq=False)
+class RunErrors:
+    """Root mean square position error of one run with the first pose given, nominal and calibrated [m]."""
+
+    name: str
+    session: str
+    distance: float
+    before: float
+    after: float
+    dropped: int
+
+    @classmethod
+    def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
+        """Of a drive with these values; `before` with the nominal ones."""
+        before = absolute_error(*path(model, drive, model.start)).rmse
+        after = absolute_error(*path(model, drive, values)).rmse
+        return cls(drive.name, drive.session, drive.distance, before, after, drive.dropped)
+
+
+def path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
+    """Dead reckoning of what the truth follows, and the truth at the same times; rows where it is known."""
+    followed = model.poses(drive, values)
+    wanted = drive.stamps + model.value(values, "time_offset", 0.0)
+    known = (wanted >= drive.truth.stamps[0]) & (wanted <= drive.truth.stamps[-1])
+    truth, _ = interpolate(drive.truth.stamps, drive.truth.poses, wanted[known])
+    return followed[known], truth

@@ -1,0 +1,184 @@
+"""`six-wheel calibrate`: a rover's true dimensions from its logs."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from six_wheel.cli.log_options import (
+    ColumnOption,
+    ExampleOption,
+    FormatOption,
+    GearOption,
+    ModulusOption,
+    PerSampleOption,
+    PlotOption,
+    ReadingOption,
+    ReportOption,
+    ResolutionOption,
+    TopicOption,
+    TruthTopicOption,
+    choose_with_logs,
+    log_options,
+)
+from six_wheel.cli.shared import NodeOption, grid, new_console, progress_bar
+from six_wheel.cli.words import PROGRAM
+
+if TYPE_CHECKING:
+    from six_wheel.calibration.files import Calibrated
+
+
+def calibrate(
+    rover: Annotated[
+        str | None, typer.Argument(metavar="ROVER", help="Parameter file, or the name of a preset.")
+    ] = None,
+    logs: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="LOG...", help="Tables (.csv, .parquet), ROS 2 bags, or OptiOdom runs."),
+    ] = None,
+    truth: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Where the rover really was: a table with time, x, y and yaw (or a quaternion), or a bag. "
+            "Once for all logs, or once for each in their order; not needed if the logs say it themselves."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The calibrated rover, a parameter file ready to use: .yaml."),
+    ] = None,
+    plot: PlotOption = None,
+    report: ReportOption = None,
+    example: ExampleOption = False,
+    parameters: Annotated[
+        str,
+        typer.Option(
+            metavar="auto|NAME,NAME,...",
+            help="What to find: wheel_radius, wheel_radii, track_width, wheelbase, steering_offset, ... "
+            "auto takes what predicts runs best that were not fitted.",
+        ),
+    ] = "auto",
+    loss: Annotated[
+        str,
+        typer.Option(
+            metavar="soft_l1|linear|huber|cauchy", help="How much stretches count in which it slipped."
+        ),
+    ] = "soft_l1",
+    window: Annotated[
+        list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
+    ] = None,
+    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
+    cross_validation: Annotated[
+        bool, typer.Option(help="Leave out one session, run or part after another, and predict it.")
+    ] = True,
+    max_time_offset: Annotated[
+        float, typer.Option(help="Largest time offset looked for, with time_offset in --parameters [s].")
+    ] = 0.5,
+    format: FormatOption = None,
+    reading: ReadingOption = None,
+    resolution: ResolutionOption = None,
+    gear: GearOption = None,
+    modulus: ModulusOption = None,
+    per_sample: PerSampleOption = False,
+    column: ColumnOption = None,
+    topic: TopicOption = None,
+    truth_topic: TruthTopicOption = None,
+    node: NodeOption = None,
+) -> None:
+    given = dict(locals())
+    chosen, paths = choose_with_logs(rover, list(logs or []), example, node)
+    # After the file of the rover is known to be good: SciPy takes its time.
+    from six_wheel.calibration.files import calibrate_files
+    from six_wheel.report.pages import CALIBRATION_PICTURES, reporting
+
+    names: Any = [name.strip() for name in parameters.split(",") if name.strip()]
+    options = {
+        "parameters": "auto" if names == ["auto"] else names,
+        "loss": loss,
+        "window": window or None,
+        "confidence": confidence,
+        "cross_validation": cross_validation,
+        "max_time_offset": max_time_offset,
+    }
+    title = chosen.name.removesuffix("_metadata")
+    sources = [*paths, *(truth or []), *([chosen.path] if chosen.path else [])]
+    with (
+        progress_bar("calibrating") as progress,
+        reporting(plot, report, sources, CALIBRATION_PICTURES) as pages,
+    ):
+
+        def finish(done: "Calibrated") -> None:
+            if pages is not None:
+                from six_wheel.report.calibration import write_calibration
+
+                write_calibration(pages, done, title, output)
+
+        done = calibrate_files(
+            chosen.rover,
+            paths,
+            output,
+            parameters=chosen.parameters,
+            truths=truth or [],
+            finish=finish,
+            log_options=log_options(chosen, given),
+            options=options,
+            progress=progress,
+        )
+    for warning in done.warnings:
+        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    _show(done, [("calibrated rover", output), ("picture", plot), ("report", report)])
+
+
+def _show(done: "Calibrated", written: list[tuple[str, Path | None]]) -> None:
+    """The values, what could not be found, and the errors before and after."""
+    from six_wheel.calibration.files import interval
+
+    result, console = done.result, new_console()
+    if result.parameters:
+        heads = ("parameter", "nominal", "calibrated", f"{100 * result.confidence:g} % interval", "unit")
+        rows = [
+            (one.name, f"{one.nominal:.6g}", f"{one.value:.6g}", interval(one), one.unit)
+            for one in result.parameters
+        ]
+        console.print(_table(heads, rows))
+    else:
+        console.print(
+            "No set of parameters predicts better than the nominal dimensions: the rover stays as it is."
+        )
+    if not result.converged:
+        console.print("The fit did not settle: do not trust these values.")
+    for message in result.observability.messages:
+        console.print(f"- {message}")
+    runs = [(run.name, f"{run.distance:.2f}", f"{run.before:.4f}", f"{run.after:.4f}") for run in result.runs]
+    console.print(_table(("run", "distance [m]", "ATE nominal [m]", "calibrated [m]"), runs))
+    console.print(grid([*_predicted(done), *written]))
+
+
+def _predicted(done: "Calibrated") -> list[tuple[str, object]]:
+    """Errors where it was not fitted."""
+    checked = done.result.cross_validation
+    if checked is None:
+        return [("cross-validation", None)]
+    best = next((one for one in checked.candidates if one.parameters == done.result.chosen), None)
+    if best is None:
+        return []
+    before, after = checked.nominal.mean(), best.errors.mean()
+    what = f"{before:.4f} m nominal, {after:.4f} m calibrated, mean over {len(checked.folds)} {checked.kind}s"
+    return [
+        ("cross-validation", f"{what}, each predicted by a fit without it"),
+        ("chosen", ", ".join(done.result.chosen) or "nominal dimensions"),
+    ]
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Any:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE)
+    for number, head in enumerate(heads):
+        table.add_column(head, justify="left" if number == 0 or head == "unit" else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table

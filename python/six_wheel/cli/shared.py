@@ -1,0 +1,109 @@
+"""What the commands of `six-wheel` share: the rover they are given, the console, progress, figures."""
+
+import contextlib
+import difflib
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from six_wheel._core import Rover
+    from six_wheel.parameters.file import Parameters
+
+PROGRESS_AFTER = 1.0  # [s] what is over sooner needs no bar
+
+RoverArgument = Annotated[
+    str, typer.Argument(metavar="ROVER", help="Parameter file, or the name of a preset.")
+]
+NodeOption = Annotated[
+    str | None, typer.Option(help="Node whose parameters to read, if the file has several.")
+]
+
+
+class Chosen(NamedTuple):
+    """A rover, what to call it, and the file it comes from unless it is a preset."""
+
+    rover: "Rover"
+    name: str
+    path: Path | None = None
+    parameters: "Parameters | None" = None
+
+
+def choose(argument: str, node: str | None) -> Chosen:
+    """The rover of a parameter file, or a preset if there is no such file."""
+    path = Path(argument)
+    if path.name.endswith("_metadata.csv"):
+        from six_wheel.logs.optiodom import read_rover
+
+        return Chosen(read_rover(path), path.stem, path)
+    if path.is_file() or path.suffix:
+        from six_wheel.parameters.file import read_parameters
+
+        parameters = read_parameters(path, node=node)
+        return Chosen(parameters.rover, path.stem, path, parameters)
+    from six_wheel._core import Rover
+
+    presets = list(Rover.presets())
+    if argument in presets:
+        return Chosen(Rover.preset(argument), argument)
+    close = difflib.get_close_matches(argument, presets, 1)
+    hint = f'did you mean "{close[0]}"? ' if close else ""
+    known = ", ".join(presets)
+    raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}presets: {known}')
+
+
+def new_console(stderr: bool = False) -> "Console":
+    """Where to print."""
+    from rich.console import Console
+
+    stream = sys.stderr if stderr else sys.stdout
+    # Names of joints and files may hold square brackets; a file or pipe has no width to keep to.
+    return Console(stderr=stderr, markup=False, highlight=False, width=None if stream.isatty() else 120)
+
+
+@contextlib.contextmanager
+def progress_bar(what: str) -> Iterator[Callable[..., None]]:
+    """A function to call with how much of how much is done, and what; it draws a bar once that is long."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    console = new_console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    task = bar.add_task(what, total=None)
+    begin = time.monotonic()
+
+    def update(done: int, total: int, doing: str | None = None) -> None:
+        bar.update(task, completed=done, total=total, description=doing or what)
+        if time.monotonic() - begin > PROGRESS_AFTER:
+            bar.start()  # which does nothing the second time
+
+    try:
+        yield update
+    finally:
+        if bar.live.is_started:  # some versions end even an unseen bar with an empty line
+            bar.stop()
+
+
+def grid(rows: Sequence[tuple[str, object]]) -> Any:
+    """A table of names and values; what is None is left out."""
+    from rich.table import Table
+
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="bold", no_wrap=True)
+    grid.add_column(overflow="fold")
+    for name, value in rows:
+        if value is not None:
+            grid.add_row(name, str(value))
+    return grid
+
+
+def angle_text(radians: float) -> str:
+    """An angle in both units."""
+    return f"{radians:.4g} rad ({math.degrees(radians):.1f}°)"

@@ -1,0 +1,23 @@
+"""What the command line is called, and what each of its commands does: no more than the overview needs."""
+
+PROGRAM = "six-wheel"
+PURPOSE = "Kinematics of wheeled rovers: what their wheels must do, and what they did."
+INSTALL = 'pip install "six-wheel[cli]"'
+COMMANDS = {
+    "demo": "What it can do: two rovers along a real recording, with pictures.",
+    "check": "Every mistake in a parameter file at once; then what the rover can do.",
+    "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
+    "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
+    "calibrate": "The rover's true dimensions from its logs and where it really was.",
+    "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
+    "bench": "How fast the compiled core is on this machine, beside plain Python.",
+}
+
+
+def help_text() -> str:
+    """The overview: all commands, a line each."""
+    lines = [f"Usage: {PROGRAM} COMMAND [OPTIONS] [ARGUMENTS]", "", PURPOSE, "", "Commands:"]
+    lines += [f"  {name:<9} {summary}" for name, summary in COMMANDS.items()]
+    return "\n".join(
+        [*lines, "", f"{PROGRAM} COMMAND --help explains a command, {PROGRAM} --version says which this is."]
+    )

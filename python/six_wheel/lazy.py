@@ -1,0 +1,35 @@
+"""Names that a package has at once and loads when they are first used."""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+
+Lookup = tuple[Callable[[str], object], Callable[[], list[str]]]
+
+
+def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
+    """`__getattr__` and `__dir__` of a package.
+
+    Parameters
+    ----------
+    package : str
+        Its full name.
+    modules : mapping of str to sequence of str
+        Its modules, and of each the names that the package shows as its own.
+    """
+    places = {name: module for module, names in modules.items() for name in names}
+
+    def get(name: str) -> object:
+        if name in places:
+            value = getattr(import_module(f"{package}.{places[name]}"), name)
+        elif name in modules:
+            value = import_module(f"{package}.{name}")
+        else:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        setattr(sys.modules[package], name, value)  # from now on without a detour
+        return value
+
+    def names() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *modules, *places})
+
+    return get, names

@@ -1,0 +1,412 @@
+"""ROS 2 bags, MCAP or sqlite3: joint states and poses in, joint commands out. Needs rosbags.
+
+Joints come in any order, in messages of their own, with positions or velocities. A row is made for every
+message of the first wheel that has any; what comes in other messages is interpolated between the two around.
+"""
+
+import math
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Rover
+from six_wheel.logs.bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel.logs.columns import TIME_UNITS, TableError
+from six_wheel.logs.joint_columns import Reading, did_you_mean
+from six_wheel.logs.tolerant import Batch, Findings
+
+if TYPE_CHECKING:
+    from rosbags.highlevel import AnyReader
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+POSES = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseStamped",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "geometry_msgs/msg/TransformStamped",
+)
+LONGEST_GAP = 500_000_000  # [ns] between two messages of a joint, across which it is not interpolated
+LOOK_AHEAD = 1000  # messages in which to look for the joints
+LINE = 0  # messages have no line
+
+
+class Bag:
+    """A bag on disk, open for reading the messages of some topics.
+
+    Raises
+    ------
+    TableError
+        If it cannot be read.
+    ModuleNotFoundError
+        If rosbags is not installed.
+    """
+
+    time_unit = TIME_UNITS[-1]
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.findings = Findings(path)
+        self.position = 0
+        self._topics: list[Any] = []
+        self._whole: tempfile.TemporaryDirectory[str] | None = None
+        rosbags = rosbags_names()
+        try:
+            self._reader = self._open(rosbags)
+        except BaseException:
+            self._forget()
+            raise
+
+    def _open(self, rosbags: Any) -> "AnyReader":
+        """A reader of the bag, or of what is whole of it."""
+        store = rosbags.get_typestore(rosbags.Stores.LATEST)
+
+        def reader(paths: Sequence[Path]) -> "AnyReader":
+            opened: AnyReader = rosbags.AnyReader(paths, default_typestore=store)
+            opened.open()
+            return opened
+
+        if not self.path.exists():
+            raise TableError(f"{self.path}: no such file")
+        files = files_of(self.path)
+        # The index of a folder is written when the recorder stops; the files serve without.
+        bags = files if self.path.is_dir() and not (self.path / "metadata.yaml").exists() else [self.path]
+        if not bags:
+            raise TableError(
+                f"{self.path}: the folder must hold metadata.yaml or .mcap or .db3 files, got none"
+            )
+        try:
+            return reader(bags)
+        except Exception as error:  # sqlite, YAML and zstd have their own, and a cut file meets all of them
+            refused = TableError(f"{self.path}: not a readable bag: {one_line(error)}")
+        self._whole = tempfile.TemporaryDirectory()
+        try:
+            return reader([whole_part(file, Path(self._whole.name)) for file in files])
+        except Exception:
+            raise refused from None
+
+    def close(self) -> None:
+        """Close the files."""
+        self._reader.close()
+        self._forget()
+
+    def _forget(self) -> None:
+        if self._whole is not None:
+            self._whole.cleanup()
+
+    @property
+    def size(self) -> int:
+        """Messages to read; `position` of them have been."""
+        return sum(connection.msgcount for connection in self._topics)
+
+    def _choose(self, types: Sequence[str], topics: Sequence[str] | None, usual: str = "") -> None:
+        """The topics to read: those asked for, or the only one, or all that end as usual."""
+        there = [c for c in self._reader.connections if c.msgtype in types]
+        names = sorted({c.topic for c in there})
+        wanted = set(topics or [])
+        if topics is None:
+            wanted = set(names) if len(names) == 1 else {n for n in names if usual and n.endswith(usual)}
+        unknown = sorted(wanted - set(names))
+        if unknown or not wanted:
+            kinds = ", ".join(each.rpartition("/")[2] for each in types)
+            listed = ", ".join(names) or "none"
+            got = unknown[0] if unknown else "no choice"
+            self.close()
+            raise TableError(f"{self.path}: the topic must be one of {listed} ({kinds}), got {got}")
+        self._topics = [c for c in there if c.topic in wanted]
+
+    def _messages(self) -> Iterator[tuple[int, int, Any]]:
+        """Number from 1, stamp [ns] and content of every message; its own stamp, or when it was received."""
+        number = 0
+        try:
+            for connection, received, data in self._reader.messages(self._topics):
+                number += 1
+                try:
+                    message: Any = self._reader.deserialize(data, connection.msgtype)
+                except Exception as error:  # struct.error and IndexError among them
+                    self.findings.add(number, f"the message must be readable, got: {one_line(error)}")
+                    continue
+                stamp = message.header.stamp
+                yield number, (stamp.sec * 1_000_000_000 + stamp.nanosec) or received, message
+        except Exception as error:
+            self.findings.add(number + 1, f"the rest of the bag cannot be read: {one_line(error)}")
+        else:
+            if self._whole is not None:
+                self.findings.add(number + 1, "the recording was cut off here")
+
+
+class JointBag(Bag):
+    """The joint states of a rover in a bag.
+
+    Parameters
+    ----------
+    path : Path
+        A folder with metadata.yaml, a .mcap or .db3 file.
+    rover : Rover
+    reading : {"angle", "speed"}, optional
+        What to take of the wheels where both are there; angles without it.
+    topics : sequence of str, optional
+
+    Attributes
+    ----------
+    names : list of str
+        ``"steering NAME"`` and ``"wheel NAME"`` of what is in the bag.
+    reading : {"angle", "speed"}
+    """
+
+    def __init__(
+        self, path: Path, rover: Rover, reading: Reading | None = None, topics: Sequence[str] | None = None
+    ) -> None:
+        super().__init__(path)
+        self._choose([JOINT_STATE], topics, usual="joint_states")
+        self._joints = {wheel: f"wheel {wheel}" for wheel in rover.wheel_names}
+        self._joints |= {joint: f"wheel {wheel}" for joint, wheel in rover.traction_joints.items()}
+        self._joints |= {joint: f"steering {wheel}" for joint, wheel in rover.steering_joints.items()}
+        try:
+            self.reading = self._look(rover, reading)
+        except BaseException:
+            self.close()
+            raise
+
+    def _look(self, rover: Rover, reading: Reading | None) -> Reading:
+        """Which joints there are, and what is known of every wheel."""
+        kinds: dict[str, set[Reading]] = {}
+        strangers: dict[str, None] = {}
+        for number, _, message in self._messages():
+            for joint, position, velocity in _states(message):
+                if (name := self._joints.get(joint)) is None:
+                    strangers[joint] = None
+                    continue
+                known = kinds.setdefault(name, set())
+                known |= {"angle"} if math.isfinite(position) else set()
+                known |= {"speed"} if math.isfinite(velocity) else set()
+            lacking = [j for j, wheel in rover.steering_joints.items() if not kinds.get(f"steering {wheel}")]
+            if number >= LOOK_AHEAD and not lacking:
+                break
+        self.findings = Findings(self.path)  # all of it is read again
+        listed = ", ".join([*(j for j, name in self._joints.items() if name in kinds), *strangers]) or "none"
+        for joint, wheel in rover.steering_joints.items():
+            if "angle" not in kinds.get(f"steering {wheel}", ()):
+                hint = did_you_mean([joint], [*strangers])
+                raise TableError(f"{self.path}: no position of joint {joint} among {listed}{hint}")
+        wheels = {name: known for name, known in kinds.items() if name.startswith("wheel ") and known}
+        if not wheels:
+            joints = ", ".join(rover.traction_joints)
+            hint = did_you_mean([*rover.traction_joints], [*strangers])
+            raise TableError(f"{self.path}: no joint of any wheel ({joints}) among {listed}{hint}")
+        self.names = [name for name in dict.fromkeys(self._joints.values()) if kinds.get(name)]
+        choices: tuple[Reading, ...] = ("angle", "speed") if reading is None else (reading,)
+        for choice in choices:
+            if all(choice in known for known in wheels.values()):
+                return choice
+        raise TableError(
+            f"{self.path}: wheels must be read in one way, all as {' or '.join(choices)}, got "
+            + ", ".join(f"{name} ({' and '.join(sorted(known))})" for name, known in wheels.items())
+        )
+
+    def batches(self, chunk_rows: int) -> Iterator[Batch]:
+        """Rows at the messages of the first wheel, numbered as those messages are."""
+        series = {name: _Series() for name in self.names}
+        first = next(name for name in self.names if name.startswith("wheel "))
+        for number, stamp, message in self._messages():
+            self.position = number
+            for joint, position, velocity in _states(message):
+                if (name := self._joints.get(joint)) in series:
+                    speed = name.startswith("wheel ") and self.reading == "speed"
+                    flaw = series[name].add(number, stamp, velocity if speed else position)
+                    if flaw and name == first:
+                        self.findings.add(*flaw)
+            if len(series[first].stamps) > chunk_rows and number % chunk_rows == 0:
+                yield from self._rows(series, first, last=False)
+        yield from self._rows(series, first, last=True)
+
+    def _rows(self, series: "Mapping[str, _Series]", first: str, last: bool) -> Iterator[Batch]:
+        pivot = series[first]
+        # The newest message of a joint may yet turn out to run ahead. A joint that has been silent for longer
+        # than can be interpolated is not waited for.
+        silent = pivot.stamps[-2] - 2 * LONGEST_GAP if len(pivot.stamps) > 1 else 0
+        ends = [each.stamps[-2] if len(each.stamps) > 1 else 0 for each in series.values()]
+        horizon = math.inf if last else max(min(ends), silent)
+        count = int(np.searchsorted(np.array(pivot.stamps, dtype=np.int64), horizon, side="right"))
+        if not count:
+            return
+        rows = np.array(pivot.numbers[:count], dtype=np.int64)
+        stamps = np.array(pivot.stamps[:count], dtype=np.int64)
+        values = {name: each.at(stamps) for name, each in series.items()}
+        for each in series.values():
+            each.forget(int(stamps[-1]), keep=each is not pivot)
+        yield Batch(rows, np.full(count, LINE), stamps, values)
+
+
+class _Series:
+    """What one joint said, as far as it is still needed."""
+
+    def __init__(self) -> None:
+        self.numbers: list[int] = []
+        self.stamps: list[int] = []
+        self._values: list[float] = []
+        self._forgotten: float = -math.inf  # the stamp of the last value that was dropped
+
+    def add(self, number: int, stamp: int, value: float) -> tuple[int, str, str] | None:
+        """Take in a value; the message that is left out, if one is, and why."""
+        if not math.isfinite(value):
+            return number, "every joint must have a finite value", f", got {value}"
+        flaw = None
+        if self.stamps and stamp <= self.stamps[-1]:
+            before = self.stamps[-2] if len(self.stamps) > 1 else self._forgotten
+            if stamp <= before or stamp == self.stamps[-1]:
+                return number, "stamps must increase", f", got {stamp} ns after {self.stamps[-1]} ns"
+            ahead = self.stamps.pop()
+            flaw = self.numbers.pop(), "stamps must not run ahead", f", got {ahead} ns before {stamp} ns"
+            self._values.pop()
+        self.numbers.append(number)
+        self.stamps.append(stamp)
+        self._values.append(value)
+        return flaw
+
+    def at(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Values at other stamps, straight from message to message; NaN across gaps and beyond the ends."""
+        result = np.full(len(stamps), np.nan)
+        if not self.stamps:
+            return result
+        own, values = np.array(self.stamps, dtype=np.int64), np.array(self._values)
+        after = np.minimum(np.searchsorted(own, stamps), len(own) - 1)
+        exact = own[after] == stamps
+        result[exact] = values[after[exact]]
+        before = after - 1
+        step = own[after] - own[before]
+        inside = ~exact & (after > 0) & (own[after] > stamps) & (step <= LONGEST_GAP)
+        b, a = before[inside], after[inside]
+        part = (stamps[inside] - own[b]) / step[inside]
+        result[inside] = values[b] + part * (values[a] - values[b])
+        return result
+
+    def forget(self, stamp: int, keep: bool) -> None:
+        """Drop what is up to `stamp`; `keep` the last of it, to interpolate from."""
+        count = int(np.searchsorted(np.array(self.stamps, dtype=np.int64), stamp, side="right"))
+        count = max(count - keep, 0)
+        if count:
+            self._forgotten = self.stamps[count - 1]
+            del self.numbers[:count], self.stamps[:count], self._values[:count]
+
+
+class TruthBag(Bag):
+    """Poses in a bag: odometry, stamped poses or transforms of one topic."""
+
+    def __init__(self, path: Path, topic: str | None = None) -> None:
+        super().__init__(path)
+        self._choose(POSES, None if topic is None else [topic])
+
+    def batches(self, chunk_rows: int) -> Iterator[Batch]:
+        """A row for every message."""
+        names = ("x", "y", "qx", "qy", "qz", "qw")
+        numbers: list[int] = []
+        stamps: list[int] = []
+        rows: list[tuple[float, ...]] = []
+
+        def batch() -> Batch:
+            columns = np.array(rows, dtype=float).reshape(-1, len(names)).T
+            values = dict(zip(names, columns, strict=True))
+            made = Batch(
+                np.array(numbers), np.full(len(rows), LINE), np.array(stamps, dtype=np.int64), values
+            )
+            for each in (numbers, stamps, rows):
+                each.clear()
+            return made
+
+        for number, stamp, message in self._messages():
+            self.position = number
+            p, q = _pose(message)
+            numbers.append(number)
+            stamps.append(stamp)
+            rows.append((p.x, p.y, q.x, q.y, q.z, q.w))
+            if len(rows) >= chunk_rows:
+                yield batch()
+        if rows:
+            yield batch()
+
+
+def _states(message: Any) -> Iterator[tuple[str, float, float]]:
+    """Joint, position and velocity; NaN for what the message leaves out."""
+    count = len(message.name)
+    nothing = [math.nan] * count
+    positions = message.position.tolist() if len(message.position) == count else nothing
+    velocities = message.velocity.tolist() if len(message.velocity) == count else nothing
+    return zip(message.name, positions, velocities, strict=True)
+
+
+def _pose(message: Any) -> tuple[Any, Any]:
+    if hasattr(message, "transform"):
+        return message.transform.translation, message.transform.rotation
+    pose = message.pose
+    pose = getattr(pose, "pose", pose)  # inside a covariance
+    return pose.position, pose.orientation
+
+
+class JointCommandWriter:
+    """Writes joint commands as joint states, one message a row, into a .mcap file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that is there is replaced.
+    steering, traction : sequence of str
+        Joints with a position [rad] and joints with a velocity [rad/s], in the order of the columns.
+    topic : str
+    """
+
+    def __init__(
+        self, path: Path, steering: Sequence[str], traction: Sequence[str], topic: str = "/joint_commands"
+    ) -> None:
+        rosbags = rosbags_names()
+        self._path, self._names = path, [*steering, *traction]
+        self._steering, self._traction = len(steering), len(traction)
+        self._store = rosbags.get_typestore(rosbags.Stores.LATEST)
+        # The writer makes a folder with an index beside the file, which is complete without.
+        self._folder = tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag")
+        plugin = rosbags.StoragePlugin.MCAP
+        self._writer = rosbags.Writer(Path(self._folder.name) / "bag", version=9, storage_plugin=plugin)
+        self._writer.open()
+        self._connection = self._writer.add_connection(topic, JOINT_STATE, typestore=self._store)
+
+    def write(self, stamps: NDArray[np.int64], joints: NDArray[np.float64]) -> None:
+        """Append rows at `stamps` (n,) [ns]: `joints` (n, steering + traction)."""
+        types = self._store.types
+        state, header, time = (
+            types[name] for name in (JOINT_STATE, "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+        )
+        empty = np.empty(0)
+        positions = np.full_like(joints, np.nan)
+        velocities = np.full_like(joints, np.nan)
+        positions[:, : self._steering] = joints[:, : self._steering]
+        velocities[:, self._steering :] = joints[:, self._steering :]
+        for stamp, position, velocity in zip(stamps.tolist(), positions, velocities, strict=True):
+            second, nanosecond = divmod(stamp, 1_000_000_000)
+            message = state(
+                header=header(stamp=time(sec=second, nanosec=nanosecond), frame_id=""),
+                name=self._names,
+                position=position,
+                velocity=velocity,
+                effort=empty,
+            )
+            self._writer.write(self._connection, stamp, self._store.serialize_cdr(message, JOINT_STATE))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if error is None:
+                self._writer.close()
+                (file,) = Path(self._folder.name).glob("bag/*.mcap")
+                file.replace(self._path)
+            else:
+                self._writer.abort()
+        finally:
+            self._folder.cleanup()

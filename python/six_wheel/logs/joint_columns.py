@@ -1,0 +1,247 @@
+"""Which column of a joint log holds which joint, and what it says about it.
+
+A wheel may be read as the angle it has turned, as its rate, or in ticks of an encoder: three quantities
+that no default can tell apart, so a header says which, by a word (``front_left_wheel_joint/velocity``) or by
+a unit (``front_left [rpm]``). Of a log that has several, the angle serves best, and ticks before rates.
+"""
+
+import difflib
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, get_args
+
+from six_wheel._core import Rover
+from six_wheel.logs.columns import (
+    BRACKETS,
+    TIME,
+    Column,
+    Quantity,
+    TableError,
+    Unit,
+    find_columns,
+    unit,
+    words,
+)
+
+Reading: TypeAlias = Literal["angle", "speed", "ticks"]
+READINGS: tuple[Reading, ...] = get_args(Reading)
+_BEST_FIRST: tuple[Reading, ...] = ("angle", "ticks", "speed")
+
+_TURN, _DEGREE = 2 * math.pi, math.pi / 180
+_ANGLES = (
+    unit("rad", 1.0, "rad rads radian radians"),
+    unit("deg", _DEGREE, "deg degs degree degrees"),
+    unit("rev", _TURN, "rev revs revolution revolutions turn turns"),
+)
+_UNITS: Mapping[Reading, tuple[Unit, ...]] = {
+    "angle": _ANGLES,
+    "speed": (
+        unit("rad/s", 1.0, "rad_s radps rad_per_s rad_s_1 radians_per_second"),
+        unit("deg/s", _DEGREE, "deg_s degps dps deg_per_s deg_s_1 degrees_per_second"),
+        unit("rev/s", _TURN, "rev_s revps rps rev_per_s revolutions_per_second"),
+        unit("rpm", _TURN / 60, "rpm rev_min revolutions_per_minute"),
+    ),
+    "ticks": (unit("ticks", 1.0, "ticks tick counts count pulses"),),
+}
+_WORDS: Mapping[Reading, tuple[str, ...]] = {
+    "angle": ("position", "pos", "angle"),
+    "speed": ("velocity", "vel", "speed", "rate"),
+    "ticks": ("encoder", "ticks", "tick", "counts", "count", "pulses"),
+}
+# What recorders put before the name of a joint.
+_BEFORE = ("", "joint_states_", "joint_state_")
+
+_LENGTHS = (unit("m", 1.0, "m metres meters"), unit("cm", 1e-2, "cm"), unit("mm", 1e-3, "mm"))
+_NONE = (unit("1", 1.0, ""),)
+_TRUTH = ("", "truth_", "true_", "gt_", "ground_truth_", "reference_", "mocap_")
+_POSITIONS = ("{0}", "position_{0}", "pose_position_{0}", "pose_pose_position_{0}", "translation_{0}")
+_HEADINGS = ("yaw", "theta", "heading")
+_QUATERNIONS = (
+    "q{0}",
+    "orientation_{0}",
+    "pose_orientation_{0}",
+    "pose_pose_orientation_{0}",
+    "rotation_{0}",
+)
+
+
+def _truth(name: str, forms: Sequence[str], units: tuple[Unit, ...], axis: str = "") -> Quantity:
+    spellings = tuple(before + form.format(axis) for form in forms for before in _TRUTH)
+    return Quantity(name, spellings, units, required=False)
+
+
+POSITION = (_truth("x", _POSITIONS, _LENGTHS, "x"), _truth("y", _POSITIONS, _LENGTHS, "y"))
+YAW = _truth("yaw", _HEADINGS, _ANGLES)
+QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xyzw")
+
+
+@dataclass(frozen=True)
+class JointColumns:
+    """Columns by what they hold.
+
+    Attributes
+    ----------
+    columns : dict
+        ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, and those of the truth.
+    reading : {"angle", "speed", "ticks"}
+        What the wheels' columns are.
+    silent : tuple of str
+        Wheels with a motor but without a column.
+    """
+
+    columns: dict[str, Column]
+    reading: Reading
+    silent: tuple[str, ...]
+
+
+def joint_columns(
+    headers: Sequence[str],
+    rover: Rover,
+    reading: Reading | None = None,
+    field_units: Mapping[int, str] | None = None,
+) -> JointColumns:
+    """Find the columns of a joint log.
+
+    Parameters
+    ----------
+    headers : sequence of str
+    rover : Rover
+        Whose joints and wheels the headers name.
+    reading : {"angle", "speed", "ticks"}, optional
+        What a wheel's column is if its header does not say, and which to take if there are several.
+    field_units : mapping, optional
+        Column to unit, for headers that state none.
+
+    Raises
+    ------
+    TableError
+        If there is no time, no wheel, a steered wheel without its angle, two columns for one joint or wheels
+        read in different ways.
+    """
+    if reading is not None and reading not in READINGS:
+        raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
+    found = find_columns(headers, (TIME,)) | truth_columns(headers)
+    taken = {column.index for column in found.values()}
+    steering = _stems(
+        rover.steered_names, rover.steering_joints, ("{0}_steering", "{0}_steer", "steering_{0}")
+    )
+    wheels = _stems(rover.wheel_names, rover.traction_joints, ("{0}", "{0}_wheel"))
+    by_reading: dict[str, dict[Reading, Column]] = {}
+    doubts: dict[str, str] = {}
+    for index, header in enumerate(headers):
+        if index in taken:
+            continue
+        bracketed = BRACKETS.match(header)
+        text, given = (bracketed[1], bracketed[2]) if bracketed else (header, (field_units or {}).get(index))
+        for part, stems in (("steering", steering), ("wheel", wheels)):
+            named = _named(words(text), stems)
+            if named is None:
+                continue
+            name, rest = f"{part} {named[0]}", named[1]
+            meaning = _reading(rest, given, "angle" if part == "steering" else reading)
+            if meaning is None or (part == "steering" and meaning[0] == "speed"):
+                if meaning is None and (given or not rest):
+                    doubts.setdefault(name, _doubt(header, text, given, part))
+                break
+            columns = by_reading.setdefault(name, {})
+            if meaning[0] in columns:
+                rule = f'{name} must be in one column, got "{columns[meaning[0]].header}" and "{header}"'
+                raise TableError(f"{rule}; rename or drop all but one")
+            columns[meaning[0]] = Column(index, header, meaning[1], stated=True)
+            break
+    for name, doubt in doubts.items():
+        if name not in by_reading:
+            raise TableError(doubt)
+    _refuse_missing(by_reading, headers, rover)
+    wheel_columns = {name: kinds for name, kinds in by_reading.items() if name.startswith("wheel ")}
+    choices = _BEST_FIRST if reading is None else (reading, *_BEST_FIRST)
+    chosen = next((kind for kind in choices if all(kind in kinds for kinds in wheel_columns.values())), None)
+    if chosen is None:
+        shown = ", ".join(
+            f'"{column.header}" ({kind})'
+            for kinds in wheel_columns.values()
+            for kind, column in kinds.items()
+        )
+        raise TableError(f"wheels must be read in one way, all as angle, speed or ticks, got {shown}")
+    found |= {
+        name: kinds.get("angle") or kinds["ticks"]
+        for name, kinds in by_reading.items()
+        if name not in wheel_columns
+    }
+    found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
+    silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
+    return JointColumns(found, chosen, silent)
+
+
+def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
+    """The columns of a pose: all of ``x``, ``y`` and ``yaw``, or ``qx`` to ``qw``; none if one is missing."""
+    found = find_columns(headers, (*POSITION, YAW, *QUATERNION))
+    names = {"yaw"} if "yaw" in found else {quantity.name for quantity in QUATERNION}
+    names |= {"x", "y"}
+    return {name: found[name] for name in found if name in names} if names <= found.keys() else {}
+
+
+def _stems(wheels: Sequence[str], joints: Mapping[str, str], forms: Sequence[str]) -> dict[str, str]:
+    """What a header may begin with, and the wheel that it means."""
+    named = {words(form.format(wheel)): wheel for wheel in wheels for form in forms}
+    return named | {words(joint): wheel for joint, wheel in joints.items()}
+
+
+def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str] | None:
+    """The wheel a header names, and what comes behind; of "rear" and "rear_left" the longer."""
+    rests = {
+        text[len(before + stem) :].lstrip("_"): wheel
+        for stem, wheel in stems.items()
+        for before in _BEFORE
+        if text == before + stem or text.startswith(before + stem + "_")
+    }
+    rest = min(rests, key=len, default=None)
+    return None if rest is None else (rests[rest], rest)
+
+
+def _doubt(header: str, text: str, given: str | None, part: str) -> str:
+    kinds: Sequence[Reading] = ("angle", "ticks") if part == "steering" else READINGS
+    known = ", ".join(each.symbol for kind in kinds for each in _UNITS[kind])
+    such = f'"{text.strip()} [{"rad" if part == "steering" else "rad/s"}]"'
+    got = "none" if given is None else f'"{given}"'
+    return f'column "{header}" must state its unit, one of {known}, such as {such}, got {got}'
+
+
+def _reading(rest: str, given: str | None, default: Reading | None) -> tuple[Reading, Unit] | None:
+    """What the words behind a name and a unit in brackets say together; None if nothing, or not the same."""
+    given = words(given) if given else None
+    for kind in READINGS:
+        for each in _UNITS[kind]:
+            if given is not None:
+                if given in each.spellings and rest in ("", *_WORDS[kind]):
+                    return kind, each
+            elif any(rest in (ending, *(f"{w}_{ending}" for w in _WORDS[kind])) for ending in each.spellings):
+                return kind, each
+        if given is None and rest in _WORDS[kind]:
+            return kind, _UNITS[kind][0]
+    return (default, _UNITS[default][0]) if default and not rest and given is None else None
+
+
+def _refuse_missing(found: Collection[str], headers: Sequence[str], rover: Rover) -> None:
+    listed = ", ".join(f'"{header}"' for header in headers)
+    for joint, wheel in rover.steering_joints.items():
+        if f"steering {wheel}" not in found:
+            hint = did_you_mean([joint, f"{wheel}_steering"], headers)
+            missing = f'no column for the steering angle of {wheel} ("{joint}")'
+            raise TableError(f"{missing} among {listed}{hint}")
+    if not any(name.startswith("wheel ") for name in found):
+        named = ", ".join(f'"{joint}"' for joint in rover.traction_joints)
+        hint = did_you_mean([*rover.traction_joints, *rover.wheel_names], headers)
+        raise TableError(f"no column for any wheel ({named}) among {listed}{hint}")
+
+
+def did_you_mean(names: Sequence[str], given: Sequence[str]) -> str:
+    """The pair of a name that is missing and one that is there which are most alike, as a question."""
+    likeness = {
+        (difflib.SequenceMatcher(None, words(BRACKETS.sub(r"\1", there)), words(name)).ratio(), name, there)
+        for name in names
+        for there in given
+    }
+    best, name, there = max(likeness, default=(0.0, "", ""))
+    return f'; did you mean "{there}" for "{name}"?' if best > 0.6 else ""

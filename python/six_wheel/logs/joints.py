@@ -1,0 +1,429 @@
+"""Joint logs: what wheels and steering joints did and where the rover was, for odometry and calibration.
+
+A log is a table (CSV or Parquet, see `docs/logs.md` for its columns) or a ROS 2 bag. It is read in chunks, in
+constant memory. A row that cannot be used is left out and reported with its number; no other row is lost.
+"""
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Encoder, Rover
+from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
+from six_wheel.logs.joint_columns import Reading, joint_columns, truth_columns
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
+
+__all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
+
+TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
+BAGS = (".mcap", ".db3")
+# Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
+LONGEST_RUN = 1e6  # [s]
+Floats = NDArray[np.float64]
+Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
+
+
+@dataclass(frozen=True)
+class JointRows:
+    """Consecutive rows of a log.
+
+    Attributes
+    ----------
+    rows : array, shape (n,)
+        Numbers of the rows in the file, from 1; those left out are missing.
+    stamps : array, shape (n,)
+        Seconds since the log's `origin`, increasing.
+    steering : array, shape (n, steered wheels), or None
+        Steering angles in the order of `Rover.steered_names` [rad]; None if no wheel steers.
+    wheel_angles : array, shape (n, wheels)
+        Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a reading.
+    truth : array, shape (n, 3), or None
+        Poses x, y, yaw [m, m, rad], NaN in rows without one; None if the log has no such columns.
+    """
+
+    rows: NDArray[np.int64]
+    stamps: Floats
+    steering: Floats | None
+    wheel_angles: Floats
+    truth: Floats | None
+
+
+class JointLog:
+    """A joint log on disk.
+
+    Parameters
+    ----------
+    path : Path
+        A .csv or .parquet file; a ROS 2 bag as a folder, .mcap or .db3 file.
+    rover : Rover
+        Whose joints and wheels the columns or messages name.
+    reading : {"angle", "speed", "ticks"}, optional
+        What the wheels' columns hold if their headers do not say, and what to take where there are several.
+    wheel_encoders, steering_encoders : Encoder or mapping of wheel to Encoder, optional
+        For readings that are no running total in radians; needed for ticks.
+    increments : bool
+        Whether a row holds what a wheel has turned since the row before, and not the total.
+    columns : mapping, optional
+        Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``.
+    topics : sequence of str, optional
+        Topics of a bag that hold joint states.
+
+    Attributes
+    ----------
+    findings : Findings
+        What was left out so far: `listed`, and how many `rows`.
+    warnings : list of str
+        What looks wrong, but can be read.
+    origin : int
+        The second from which stamps are counted: 0, unless the times are too large for that.
+    truth_findings : Findings or None
+        What was left out of a truth of its own, after `read`.
+
+    Raises
+    ------
+    TableError
+        If the file is no such log.
+    ModuleNotFoundError
+        If what reads it is not installed; the message has the install line.
+    """
+
+    origin = 0
+    truth_findings: Findings | None = None
+
+    def __init__(
+        self,
+        path: Path | str,
+        rover: Rover,
+        *,
+        reading: Reading | None = None,
+        wheel_encoders: Encoders = None,
+        steering_encoders: Encoders = None,
+        increments: bool = False,
+        columns: Mapping[str, str] | None = None,
+        topics: Sequence[str] | None = None,
+    ) -> None:
+        self.path, self.rover = Path(path), rover
+        self.warnings: list[str] = []
+        self._stated = True
+        self._names: Sequence[str] = ()
+        self._counted: set[str] = set()  # steered wheels whose angle is read in ticks
+        self._source: Source
+        if self.path.is_dir() or self.path.suffix.lower() in BAGS:
+            from six_wheel.logs.bags import JointBag
+
+            bag = JointBag(self.path, rover, reading, topics)
+            self._source, self.reading, self._names = bag, bag.reading, bag.names
+            silent = [w for w in rover.traction_joints.values() if f"wheel {w}" not in bag.names]
+        else:
+            table, found = _joint_table(self.path, rover, reading, columns)
+            self._source, self.reading, self._names = table, found.reading, list(found.columns)
+            self._stated = found.columns["time"].stated
+            columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
+            self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
+            self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
+            silent = list(found.silent)
+        self.findings = self._source.findings
+        if silent:
+            self.warnings.append(f"{self.path}: no readings of {', '.join(silent)}: taken as without encoder")
+        ticks = self.reading == "ticks"
+        try:
+            if self.reading == "speed" and (wheel_encoders is not None or increments):
+                rule = "wheel_encoders and increments must be left out where wheels are read as speeds"
+                raise ValueError(rule)
+            self._wheels = {
+                wheel: _Total(encoder, increments) if self.reading != "speed" else _Integral()
+                for wheel in rover.wheel_names
+                if f"wheel {wheel}" in self._names
+                for encoder in [_encoder_of("wheel_encoders", wheel_encoders, wheel, ticks)]
+            }
+            counted = self._counted
+            self._steering = {
+                wheel: _Total(encoder, increments=False, absolute=True)
+                for wheel in rover.steered_names
+                for encoder in [_encoder_of("steering_encoders", steering_encoders, wheel, wheel in counted)]
+            }
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._source.close()
+
+    @property
+    def size(self) -> int:
+        """What `position` counts up to: bytes of a CSV file, rows or messages of others."""
+        return self._source.size
+
+    @property
+    def position(self) -> int:
+        """How far reading has come, in the unit of `size`."""
+        return self._source.position
+
+    def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
+        """The rows that can be used, in order, some `chunk_rows` at a time.
+
+        Raises
+        ------
+        TableError
+            If there is none.
+        """
+        if chunk_rows < 1:
+            raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
+        first = True
+        sieve = Sieve(self.findings, TRUTH, self._stated)
+        for batch in sieve.pass_on(self._source.batches(chunk_rows)):
+            if first:
+                self.origin = whole_second(batch.time[0], self._source.time_unit)
+            yield self._rows(batch)
+            first = False
+        if first:
+            flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
+            raise TableError(
+                f"{self.path}: the log must have at least one row that can be used, got none{flaw}"
+            )
+
+    def read(
+        self,
+        *,
+        truth: Path | str | None = None,
+        truth_columns: Mapping[str, str] | None = None,
+        truth_topic: str | None = None,
+        session: str = "",
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Log:
+        """The whole log, named after its file, with the truth if there is one.
+
+        Parameters
+        ----------
+        truth : Path, optional
+            Where to read it from, see `read_truth`; the same bag, if that holds it. Without it the log's own
+            columns are the truth, if it has them.
+        truth_columns : mapping, optional
+            Header of that file to the header it should be read as.
+        truth_topic : str, optional
+            Topic of a bag.
+        session : str
+            Which drives belong together.
+        progress : callable, optional
+            Called after every chunk with how far it is and how far it will go.
+
+        Raises
+        ------
+        TableError
+            If log or truth have fewer than two rows that can be used.
+        """
+        parts = []
+        for part in self.chunks():
+            parts.append(part)
+            if progress is not None:
+                progress(self.position, self.size)
+        stamps, angles = (np.concatenate([getattr(p, n) for p in parts]) for n in ("stamps", "wheel_angles"))
+        steering = None if parts[0].steering is None else np.concatenate([p.steering for p in parts])
+        known = None
+        try:
+            if truth is not None:
+                options: Any = {"columns": truth_columns, "topic": truth_topic, "progress": progress}
+                times, poses, findings = read_truth(truth, origin=self.origin, **options)
+                known = Truth(times, poses)
+                self.truth_findings = findings
+            elif parts[0].truth is not None:
+                poses = np.concatenate([p.truth for p in parts])
+                there = np.isfinite(poses).all(axis=1)
+                known = Truth(stamps[there], poses[there]) if there.any() else None
+            return Log(stamps, steering, angles, known, self.path.stem, session)
+        except TableError:
+            raise
+        except ValueError as error:
+            raise TableError(f"{self.path}: {error}") from None
+
+    def _rows(self, batch: Batch) -> JointRows:
+        stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
+        steering = [
+            total.advance(batch.values[f"steering {w}"], stamps) for w, total in self._steering.items()
+        ]
+        angles = np.full((len(batch), len(self.rover.wheel_names)), np.nan)
+        for k, wheel in enumerate(self.rover.wheel_names):
+            if wheel in self._wheels:
+                angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
+        truth = poses_of(batch.values) if "x" in batch.values else None
+        return JointRows(batch.rows, stamps, np.stack(steering, axis=1) if steering else None, angles, truth)
+
+
+def read_truth(
+    path: Path | str,
+    *,
+    origin: int = 0,
+    columns: Mapping[str, str] | None = None,
+    topic: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Floats, Floats, Findings]:
+    """Read where a rover was from a file of its own.
+
+    Parameters
+    ----------
+    path : Path
+        A table with time, x, y and yaw or a quaternion; a bag.
+    origin : int
+        The second from which stamps are counted: that of the log.
+    columns : mapping, optional
+        Header to the header it should be read as.
+    topic : str, optional
+        Topic of a bag: odometry, poses or transforms. Needed where there are several.
+    progress : callable, optional
+        Called now and then with how far it is and how far it will go.
+
+    Returns
+    -------
+    stamps : array, shape (n,)
+        Seconds, increasing.
+    poses : array, shape (n, 3)
+        x, y, yaw [m, m, rad].
+    findings : Findings
+        What was left out.
+
+    Raises
+    ------
+    TableError
+        If there is no such thing in the file.
+    """
+    path = Path(path)
+    stated = True
+    source: Source
+    if path.is_dir() or path.suffix.lower() in BAGS:
+        from six_wheel.logs.bags import TruthBag
+
+        source = TruthBag(path, topic)
+    else:
+        source = TolerantTable(path, _find_truth, columns)
+        stated = source.stated
+    parts: list[tuple[Floats, Floats]] = []
+    with contextlib.closing(source):
+        for batch in Sieve(source.findings, (), stated).pass_on(source.batches(200_000)):
+            poses = poses_of(batch.values)
+            good = np.isfinite(poses).all(axis=1)
+            for k in np.flatnonzero(~good):  # numbers that are none together
+                flaw = "the quaternion of a pose must not be zero"
+                source.findings.add(int(batch.rows[k]), flaw, line=int(batch.lines[k]) or None)
+            parts.append((seconds_since(origin, batch.time[good], source.time_unit), poses[good]))
+            if progress is not None:
+                progress(source.position, source.size)
+    if not parts:
+        raise TableError(f"{path}: the truth must have at least one row that can be used, got none")
+    stamps, poses = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return stamps, poses, source.findings
+
+
+# --- columns to quantities -------------------------------------------------------------------------------
+
+
+def _joint_table(
+    path: Path, rover: Rover, reading: Reading | None, columns: Mapping[str, str] | None
+) -> tuple[TolerantTable, Any]:
+    found: list[Any] = []
+
+    def find(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
+        found.append(joint_columns(headers, rover, reading, field_units))
+        return dict(found[-1].columns)
+
+    return TolerantTable(path, find, columns, TRUTH), found[-1]
+
+
+def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
+    columns = find_columns(headers, (TIME,)) | truth_columns(headers)
+    if "x" not in columns:
+        listed = ", ".join(f'"{header}"' for header in headers)
+        raise TableError(f"the truth must have columns x, y and yaw (or qx, qy, qz, qw), got {listed}")
+    return columns
+
+
+def whole_second(time: Any, unit: Unit) -> int:
+    """The second from which to count stamps that begin at `time`: whole, so that it is exact in any unit."""
+    seconds = float(time) * unit.scale
+    return 0 if abs(seconds) < LONGEST_RUN else math.floor(seconds)
+
+
+def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> Floats:
+    """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
+    per_second = round(1 / unit.scale)
+    return np.asarray((time - origin * per_second) / per_second, dtype=float)
+
+
+def poses_of(values: Mapping[str, Floats]) -> Floats:
+    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN."""
+    if "yaw" in values:
+        yaw = values["yaw"]
+    else:
+        x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")
+        yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+        yaw = np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)
+    return np.stack([values["x"], values["y"], yaw], axis=1)
+
+
+def _encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
+    found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
+    if found is None and needed:
+        raise ValueError(f"{name} must say how many ticks a turn of {wheel} has, got none")
+    return found
+
+
+class _Total:
+    """The angle of a joint from the readings of its encoder, from one chunk to the next."""
+
+    def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
+        self._encoder, self._increments, self._absolute = encoder, increments, absolute
+        self._counts, self._last = 0.0, math.nan
+
+    def advance(self, readings: Floats, stamps: Floats) -> Floats:
+        """Angles (n,) [rad]."""
+        encoder = self._encoder
+        if encoder is None and not self._increments:
+            return readings
+        encoder = encoder or Encoder()
+        if first := math.isnan(self._last):
+            # A wheel has turned since anywhere: from zero on no digit is lost to a large count.
+            self._counts = self._first(encoder, readings[0]) if self._absolute else 0.0
+        steps = readings.copy() if self._increments else np.diff(readings, prepend=self._last)
+        if first:
+            steps[0] = 0.0  # turned before the log begins
+        if encoder.modulus is not None:
+            steps -= encoder.modulus * np.round(steps / encoder.modulus)
+        counts = self._counts + np.cumsum(steps)
+        self._counts, self._last = float(counts[-1]), float(readings[-1])
+        return counts * encoder.angle_per_count + (encoder.offset if self._absolute else 0.0)
+
+    @staticmethod
+    def _first(encoder: Encoder, reading: float) -> float:
+        """The counts to begin with: an absolute counter that starts over has no turns to tell."""
+        if encoder.modulus is None:
+            return reading
+        zero = encoder.offset / encoder.angle_per_count
+        return reading - encoder.modulus * round((reading + zero) / encoder.modulus)
+
+
+class _Integral:
+    """The angle of a wheel from its rate, from one chunk to the next."""
+
+    def __init__(self) -> None:
+        self._sum, self._last = 0.0, (math.nan, math.nan)
+
+    def advance(self, readings: Floats, stamps: Floats) -> Floats:
+        """Angles (n,) [rad]. A measured rate is that of an instant: from one to the next their mean holds."""
+        rate, stamp = (readings[0], stamps[0]) if math.isnan(self._last[0]) else self._last
+        held = np.concatenate([[rate], readings])
+        totals: Floats = self._sum + np.cumsum((held[1:] + held[:-1]) / 2 * np.diff(stamps, prepend=stamp))
+        self._sum, self._last = float(totals[-1]), (float(readings[-1]), float(stamps[-1]))
+        return totals

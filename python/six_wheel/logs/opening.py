@@ -1,0 +1,273 @@
+"""Any log that the command line reads, by what the file is: a table, a ROS 2 bag or an OptiOdom run."""
+
+import difflib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import resources
+from pathlib import Path
+from typing import Any, Literal, Self, TypeAlias, get_args
+
+import numpy as np
+
+from six_wheel._core import Encoder, Rover
+from six_wheel.logs import optiodom
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.joint_columns import Reading
+from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.tables import FORMATS
+from six_wheel.logs.tolerant import Findings
+from six_wheel.poses import Floats
+
+__all__ = [
+    "AnyLog",
+    "LogFormat",
+    "LogOptions",
+    "corrections",
+    "example_run",
+    "log_format",
+    "metadata_of",
+    "open_log",
+    "read_log",
+]
+
+# Of the keys of encoders those that hold for angles too, however they were read.
+CORRECTIONS = frozenset({"scale", "steering_gain"})
+LogFormat: TypeAlias = Literal["table", "bag", "optiodom"]
+AnyLog: TypeAlias = "JointLog | OptiOdomLog"
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """What a log does not say by itself; see `JointLog`. Encoders have the keys of a parameter file."""
+
+    format: LogFormat | None = None
+    reading: Reading | None = None
+    encoders: Mapping[str, Any] = field(default_factory=dict)
+    steering_encoders: Mapping[str, Any] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    topics: Sequence[str] = ()
+    truth_topic: str | None = None
+
+
+def metadata_of(path: Path) -> Path | None:
+    """The metadata beside an OptiOdom run, or the path itself if it is one; None for other files."""
+    if path.stem.endswith("_metadata"):
+        return path
+    session, run, _ = path.stem.rpartition("_run-")
+    metadata = path.with_name(f"{session}_metadata.csv")
+    return metadata if run and metadata.is_file() else None
+
+
+def log_format(path: Path) -> LogFormat:
+    """What a file is, by its ending and what stands beside it.
+
+    Raises
+    ------
+    TableError
+        If nothing here reads such a file.
+    """
+    if not path.exists():
+        raise TableError(f"{path}: no such file{_instead_of(path)}")
+    if metadata_of(path) is not None:
+        return "optiodom"
+    if path.is_dir() or path.suffix.lower() in BAGS:
+        return "bag"
+    if path.suffix.lower() in FORMATS:
+        return "table"
+    endings = ", ".join([*FORMATS, *BAGS])
+    raise TableError(f'{path}: a log must be a bag\'s folder or end in {endings}, got "{path.suffix}"')
+
+
+def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
+    """Open a log for reading in chunks.
+
+    Raises
+    ------
+    TableError
+        If the file is no such log of this rover.
+    """
+    kind = options.format or log_format(path)
+    if kind not in get_args(LogFormat):
+        raise ValueError(f'format must be one of {", ".join(get_args(LogFormat))}, got "{kind}"')
+    if kind == "optiodom":
+        return OptiOdomLog(path, rover)
+    if (path.is_dir() or path.suffix.lower() in BAGS) != (kind == "bag"):
+        what = (
+            "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {' or '.join(FORMATS)}"
+        )
+        raise TableError(f"{path}: the format {kind} is {what}")
+    columns, topics = options.columns or None, options.topics or None
+    given = {"wheel": options.encoders, "steering": options.steering_encoders}
+    # What counts is known from the headers: encoders with a resolution are for that, others for radians.
+    counted = dict.fromkeys(given, False)
+
+    def open_(*, radians: bool) -> JointLog:
+        found = {
+            part: encoders_of(rover, part, values)
+            for part, values in given.items()
+            if counted[part] or (radians and "resolution" not in values)
+        }
+        increments = options.encoders.get("per_sample", False) and bool(found.get("wheel"))
+        wheels, steering = found.get("wheel") or None, found.get("steering") or None
+        return JointLog(
+            path, rover, reading=options.reading, wheel_encoders=wheels, steering_encoders=steering,
+            increments=increments, columns=columns, topics=topics,
+        )  # fmt: skip
+
+    while True:
+        try:
+            log = open_(radians=False)
+        except TableError:
+            raise
+        except ValueError as error:
+            part = next((part for part in given if str(error).startswith(f"{part}_encoders must say")), None)
+            if part is None:
+                raise
+            if "resolution" not in given[part]:
+                raise TableError(f"{path}: {NO_RESOLUTION[part]}") from None
+            counted[part] = True
+        else:
+            break
+    if log.reading == "speed" or not any(given.values()):
+        return log
+    log.close()
+    return open_(radians=True)
+
+
+NO_RESOLUTION = {
+    "wheel": "the wheels are in ticks, and how many a turn has must be said; "
+    "give --resolution, or encoders.resolution in the parameter file",
+    "steering": "the steering is in ticks, and how many a turn has must be said; "
+    "give steering_encoders.resolution in the parameter file",
+}
+
+
+def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
+    """Encoders by wheel, from the keys of a parameter file; none if these say nothing about them."""
+    if not values.keys() - CORRECTIONS:
+        return {}
+    joints = rover.traction_joints if part == "wheel" else rover.steering_joints
+    wheels = rover.wheel_names if part == "wheel" else rover.steered_names
+    turned = {joints.get(name, name) for name in values.get("reversed", ())}
+    offsets = {joints.get(name, name): offset for name, offset in values.get("offsets", {}).items()}
+    resolution, gear, modulus = (values.get(key) for key in ("resolution", "gear", "modulus"))
+    return {
+        wheel: Encoder(
+            resolution,
+            gear=(1.0 if gear is None else gear) * (-1.0 if wheel in turned else 1.0),
+            modulus=modulus,
+            offset=offsets.get(wheel, 0.0),
+        )
+        for wheel in wheels
+    }
+
+
+def corrections(rover: Rover, values: Mapping[str, Any]) -> tuple[Floats, float]:
+    """Factors for the steering angles (steered wheels,) and for the wheels' angles."""
+    gains = values.get("steering_gain", {})
+    named = {rover.steering_joints.get(name, name): gain for name, gain in gains.items()}
+    return np.array([named.get(wheel, 1.0) for wheel in rover.steered_names]), values.get("scale", 1.0)
+
+
+def _instead_of(path: Path) -> str:
+    """A hint at a file whose name is like that of one that is missing."""
+    folder = path.parent
+    names = [each.name for each in folder.iterdir()] if folder.is_dir() else []
+    close = difflib.get_close_matches(path.name, names, 1)
+    return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
+
+
+def read_log(
+    path: Path,
+    rover: Rover,
+    options: LogOptions,
+    *,
+    truth: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Log, AnyLog]:
+    """A whole log with its truth, and the (closed) reader with its findings.
+
+    Raises
+    ------
+    TableError
+        If log or truth cannot be used.
+    """
+    session = str(path.parent)
+    with open_log(path, rover, options) as log:
+        whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
+    gains, scale = corrections(rover, options.encoders)
+    steering = None if whole.steering is None else whole.steering * gains
+    return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale), log
+
+
+class OptiOdomLog:
+    """An OptiOdom run, with the face of a `JointLog`.
+
+    Parameters
+    ----------
+    path : Path
+        A ``_run-NN.csv`` with its metadata beside it.
+    rover : Rover
+        With the wheels of that robot, in its order.
+
+    Raises
+    ------
+    TableError
+        If the file is no such run, or of another robot.
+    """
+
+    reading: Reading = "ticks"
+    origin = 0
+    truth_findings: Findings | None = None
+
+    def __init__(self, path: Path, rover: Rover) -> None:
+        self.path, self.rover = path, rover
+        self.findings, self.warnings = Findings(path), list[str]()
+        self.position = 0
+        try:
+            nominal = optiodom.read_rover(path)
+            self._log = optiodom.read(path)
+        except OSError as error:
+            name = Path(error.filename or path).name
+            raise TableError(f"{path}: an OptiOdom run needs its {name}: {error.strerror}") from None
+        except ValueError as error:
+            raise TableError(f"{path}: not a readable OptiOdom run: {error}") from None
+        if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+            theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
+            raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
+        self.size = len(self._log)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """The file is closed already."""
+
+    def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
+        """The rows in order, at most `chunk_rows` at a time."""
+        log, truth = self._log, self._log.truth
+        for start in range(0, len(log), chunk_rows):
+            part = slice(start, start + chunk_rows)
+            rows = np.arange(start, min(start + chunk_rows, len(log))) + 1
+            steering = None if log.steering is None else log.steering[part]
+            poses = None if truth is None else truth.poses[part]
+            self.position = int(rows[-1])
+            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses)
+
+    def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> Log:
+        """The whole run, with its own truth unless another is given."""
+        self.position = self.size
+        if truth is None:
+            return self._log
+        stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
+        return replace(self._log, truth=Truth(stamps, poses))
+
+
+def example_run() -> Path:
+    """The run that comes with this package; see data/README.md."""
+    (run,) = optiodom.runs(Path(str(resources.files("six_wheel") / "data" / "optiodom")))
+    return run

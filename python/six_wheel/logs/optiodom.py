@@ -1,0 +1,194 @@
+"""OptiOdom recordings: an example of a reader for a format of one's own.
+
+A reader turns files into `Rover` and `Log`; everything else works on those. This one reads the data set of
+Sousa, Petry, Moreira & Costa (doi 10.1007/s10846-022-01630-3): four laboratory robots, their encoders
+against an OptiTrack motion capture system. A run is a CSV file without header, one row per sample,
+
+    time, x, y, heading, reading 1, reading 2, ...
+
+whose readings count from the row before; ``<session>_metadata.csv`` beside it has the nominal robot. Which
+wheel a reading belongs to and which way it counts is in `ROBOTS`, the only part that knows one robot from
+another.
+"""
+
+import csv
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from six_wheel._core import Rover
+from six_wheel.logs.recordings import Log
+from six_wheel.poses import Floats
+from six_wheel.rebuild import with_wheels
+
+__all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
+
+Metadata = Mapping[str, list[float]]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """What a file of this robot means.
+
+    Attributes
+    ----------
+    rover : callable
+        From the numbers of the metadata to the nominal rover.
+    wheels : tuple of str
+        The wheel of every reading; a steered robot's steering angle [rad] follows them.
+    signs : tuple of float
+        +1 where a reading counts forward, or else -1.
+    steered : bool
+        Whether there is a steering angle.
+    """
+
+    rover: Callable[[Metadata], Rover]
+    wheels: tuple[str, ...]
+    signs: tuple[float, ...]
+    steered: bool = False
+
+
+def _differential(metadata: Metadata) -> Rover:
+    right, left = metadata["Di"]
+    return Rover.differential(metadata["Li"][0], (left / 2, right / 2))
+
+
+def _tricycle(metadata: Metadata) -> Rover:
+    # How far apart its rear wheels are is not told and without encoders does not matter: one stands for both.
+    return Rover.bicycle(metadata["Li"][0], metadata["Di"][0] / 2, driven="front")
+
+
+def _omni(metadata: Metadata) -> Rover:
+    reach, (headings, names) = metadata["Li"][0], _OMNI
+    directions = np.radians(headings)
+    places = reach * np.stack((-np.sin(directions), np.cos(directions)), axis=1)
+    rover = Rover.omni(places, directions, metadata["Di"][0] / 2, names=names)
+    return with_wheels(rover, ({"radius": diameter / 2} for diameter in metadata["Di"]))
+
+
+def _mecanum(metadata: Metadata) -> Rover:
+    base, track_width = metadata["Li"]
+    rover = Rover.mecanum(base / 2, track_width / 2, metadata["Di"][0] / 2)
+    return with_wheels(rover, ({"radius": diameter / 2} for diameter in metadata["Di"]))
+
+
+# Each wheel drives across its arm, so that all together turn the robot clockwise.
+_OMNI = ((-150.0, -30.0, 90.0), ("front_right", "front_left", "rear"))
+
+ROBOTS: Mapping[str, Robot] = {
+    "diff": Robot(_differential, ("right", "left"), (1, 1)),
+    "tricyc": Robot(_tricycle, ("front",), (1,), steered=True),
+    "omni3": Robot(_omni, _OMNI[1], (1, 1, 1)),
+    "omni4": Robot(_mecanum, ("front_left", "front_right", "rear_left", "rear_right"), (1, -1, 1, -1)),
+}
+
+
+def read_rover(path: str | Path) -> Rover:
+    """The nominal robot of a session.
+
+    Parameters
+    ----------
+    path : str or Path
+        A ``_metadata.csv``, or a run beside it.
+
+    Raises
+    ------
+    ValueError
+        If the robot is not one of `ROBOTS` or a dimension is missing.
+    OSError
+        If there is no such file.
+    """
+    robot, metadata = _read_metadata(Path(path))
+    return robot.rover(metadata)
+
+
+def read(path: str | Path) -> Log:
+    """One run: stamps, wheel angles as running totals, steering angles, and the truth.
+
+    Parameters
+    ----------
+    path : str or Path
+        A ``_run-NN.csv`` with its metadata beside it. Its name and the session's become those of the log.
+
+    Raises
+    ------
+    ValueError
+        If a line does not hold the numbers it must; the line is named. A last line without its end is what
+        a recorder leaves that was switched off: it is left out.
+    OSError
+        If there is no such file.
+    """
+    path = Path(path)
+    robot, metadata = _read_metadata(path)
+    table = _read_table(path, 4 + len(robot.wheels) + robot.steered)
+    rover = robot.rover(metadata)
+    per_turn = metadata["ngear"][0] * metadata["encRes"][0]
+    turned = table[:, 4 : 4 + len(robot.wheels)] * np.array(robot.signs) * (2.0 * math.pi / per_turn)
+    increments = np.full((len(table), len(rover.wheels)), math.nan)  # NaN: a wheel without encoder
+    increments[:, [rover.wheel_names.index(name) for name in robot.wheels]] = turned
+    return Log.from_increments(
+        table[:, 0],
+        table[:, -1:] if robot.steered else None,
+        increments,
+        table[:, 1:4],
+        name=path.stem,
+        session=path.stem.rpartition("_run-")[0],
+    )
+
+
+def runs(folder: str | Path) -> list[Path]:
+    """All runs under a folder, by name: those that have their metadata beside them."""
+    return sorted(path for path in Path(folder).rglob("*_run-*.csv") if _metadata_of(path).exists())
+
+
+def example() -> tuple[Rover, Log]:
+    """The nominal robot and the run that come with this package: a tricycle driven freely."""
+    folder = resources.files("six_wheel") / "data" / "optiodom"
+    with resources.as_file(folder) as real:
+        (path,) = runs(real)
+        return read_rover(path), read(path)
+
+
+def _metadata_of(path: Path) -> Path:
+    if path.stem.endswith("_metadata"):
+        return path
+    return path.with_name(path.stem.rpartition("_run-")[0] + "_metadata.csv")
+
+
+def _read_metadata(path: Path) -> tuple[Robot, Metadata]:
+    path = _metadata_of(path)
+    with open(path, newline="", encoding="utf-8") as file:
+        fields = {name: [value for value in values if value] for name, *values in csv.reader(file) if name}
+    kind = "".join(fields.pop("type", []))
+    if kind not in ROBOTS:
+        raise ValueError(f"{path.name}: type must be one of {', '.join(ROBOTS)}, got {kind!r}")
+    metadata = {name: [float(value) for value in values] for name, values in fields.items()}
+    for name in ("ngear", "encRes", "Li", "Di"):
+        if not metadata.get(name):
+            raise ValueError(f"{path.name}: {name} must be given")
+    return ROBOTS[kind], metadata
+
+
+def _read_table(path: Path, columns: int) -> Floats:
+    with open(path, encoding="utf-8", errors="replace") as file:
+        rows = [row for number, line in enumerate(file, 1) for row in _numbers(path, number, line, columns)]
+    return np.array(rows).reshape(-1, columns)
+
+
+def _numbers(path: Path, number: int, line: str, columns: int) -> Iterator[list[float]]:
+    """The row of a line; nothing for an empty or a cut one."""
+    if not line.strip():
+        return
+    try:
+        row = [float(text) for text in line.split(",")]
+    except ValueError:
+        row = []
+    if len(row) == columns and all(map(math.isfinite, row)):
+        yield row
+    elif line.endswith("\n"):
+        message = f"{path.name}, line {number} must be {columns} finite numbers, got {line.strip()[:60]!r}"
+        raise ValueError(message)

@@ -1,0 +1,141 @@
+"""Recordings of a drive: what the wheels reported and, where it was measured, how the rover really moved."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from six_wheel.poses import Floats, as_poses, interpolate
+
+__all__ = ["Log", "Truth"]
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """Poses measured from outside, with stamps of their own.
+
+    Parameters
+    ----------
+    stamps : array_like, shape (n,)
+        When, in the clock of the log up to a constant offset [s]; each later than the one before, n >= 2.
+    poses : array_like, shape (n, 3)
+        x, y, yaw of what was tracked, in a fixed frame [m, m, rad].
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit, a number is not finite or time does not go on.
+    """
+
+    stamps: Floats
+    poses: Floats
+
+    def __post_init__(self) -> None:
+        stamps = np.array(self.stamps, dtype=np.float64)
+        if stamps.ndim != 1 or len(stamps) < 2:
+            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+        poses = as_poses("poses", np.array(self.poses, dtype=np.float64), len(stamps))
+        later = np.isfinite(stamps[0]) & (np.diff(stamps) > 0.0) & np.isfinite(stamps[1:])
+        if not later.all():
+            row = int(np.argmin(later)) + 1
+            raise ValueError(f"stamps must grow, got {stamps[row]} after {stamps[row - 1]} in row {row}")
+        _freeze(self, stamps=stamps, poses=poses)
+
+    def at(self, stamps: ArrayLike) -> Floats:
+        """Poses at other times, between the recorded ones; NaN outside the recording. Shape (m, 3)."""
+        wanted = np.asarray(stamps, dtype=np.float64)
+        poses, _ = interpolate(self.stamps, self.poses, wanted)
+        poses[~((self.stamps[0] <= wanted) & (wanted <= self.stamps[-1]))] = math.nan
+        return poses
+
+    def __len__(self) -> int:
+        return len(self.stamps)
+
+    def __repr__(self) -> str:
+        return f"Truth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """What the encoders of one drive said, and the truth if it is known.
+
+    Parameters
+    ----------
+    stamps : array_like, shape (n,)
+        Time of each row [s].
+    steering : array_like, shape (n, steered wheels), or None
+        Angles of the steered wheels at those times, in the rover's order [rad]; None without such wheels.
+    wheel_angles : array_like, shape (n, wheels)
+        How far each wheel has turned since anywhere: running totals, in the rover's order [rad]. NaN all the
+        way down where a passive wheel has no encoder.
+    truth : Truth, or array_like of shape (n, 3), optional
+        The reference; bare poses are taken to be measured at `stamps`.
+    name, session : str
+        What to call the drive, and which drives belong together: same day, same floor, same load.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit each other.
+    """
+
+    stamps: Floats
+    steering: Floats | None
+    wheel_angles: Floats
+    truth: Truth | None = None
+    name: str = ""
+    session: str = field(default="")
+
+    def __post_init__(self) -> None:
+        stamps = np.array(self.stamps, dtype=np.float64)
+        if stamps.ndim != 1 or len(stamps) < 2:
+            raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+        angles = np.array(self.wheel_angles, dtype=np.float64)
+        if angles.ndim != 2 or len(angles) != len(stamps):
+            raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
+        steering = None if self.steering is None else np.array(self.steering, dtype=np.float64)
+        if steering is not None and (steering.ndim != 2 or len(steering) != len(stamps)):
+            raise ValueError(
+                f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}"
+            )
+        truth = self.truth
+        if truth is not None and not isinstance(truth, Truth):
+            truth = Truth(stamps, truth)
+        _freeze(self, stamps=stamps, steering=steering, wheel_angles=angles, truth=truth)
+
+    @classmethod
+    def from_increments(
+        cls,
+        stamps: ArrayLike,
+        steering: ArrayLike | None,
+        increments: ArrayLike,
+        truth: Truth | ArrayLike | None = None,
+        *,
+        name: str = "",
+        session: str = "",
+    ) -> Self:
+        """From how far each wheel turned since the row before [rad]; the first row counts from 0."""
+        angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
+        return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
+
+    @property
+    def duration(self) -> float:
+        """From the first row to the last [s]."""
+        return float(self.stamps[-1] - self.stamps[0])
+
+    def __len__(self) -> int:
+        return len(self.stamps)
+
+    def __repr__(self) -> str:
+        known = "with truth" if self.truth is not None else "without truth"
+        return f"Log({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
+
+
+def _freeze(record: object, **arrays: object) -> None:
+    """Put checked values into a frozen record, arrays read-only."""
+    for name, value in arrays.items():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        object.__setattr__(record, name, value)

@@ -1,0 +1,337 @@
+"""Tables of which a bad row costs that row and no other: cut lines, text among numbers, NaN, wrong order."""
+
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel.logs.columns import Column, TableError, Unit, is_number
+from six_wheel.logs.tables import LATEST_SECOND, RowError, Table
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+MOST_FINDINGS = 1000  # that are kept; more are counted
+BLOCK = 1 << 20  # [byte] that are read line by line if one of the lines is bad
+
+Find: TypeAlias = Callable[[Sequence[str], Mapping[int, str]], dict[str, Column]]
+
+
+# --- findings --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A row that was left out and why, or consecutive rows with the same flaw; ``str()`` is one line.
+
+    Rows are counted from 1; in a bag they are messages. `line` is that of `row`, in a CSV file.
+    """
+
+    path: Path
+    row: int
+    message: str
+    line: int | None = None
+    last_row: int | None = None
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f" (line {self.line})"
+        last = "" if self.last_row is None else f" to {self.last_row}"
+        return f"{self.path}: row{'s' if last else ''} {self.row}{line}{last}: {self.message}"
+
+
+@dataclass
+class Findings:
+    """What was left out: the first `MOST_FINDINGS` findings in full, and the number of `rows`."""
+
+    path: Path
+    listed: list[Finding] = field(default_factory=list)
+    rows: int = 0
+    _flaw: str = ""
+    _last: int = 0
+
+    def add(self, row: int, flaw: str, got: str = "", line: int | None = None) -> None:
+        """Report a row: `flaw` is the rule it breaks, the same for all that break it, `got` what it has."""
+        self.rows += 1
+        if flaw == self._flaw and row == self._last + 1 and self.listed:
+            if len(self.listed) < MOST_FINDINGS or self.listed[-1].last_row == self._last:
+                self.listed[-1] = replace(self.listed[-1], last_row=row)
+        elif len(self.listed) < MOST_FINDINGS:
+            self.listed.append(Finding(self.path, row, f"{flaw}{got}", line))
+        self._flaw, self._last = flaw, row
+
+
+# --- rows ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Rows with their numbers and lines (0 without), times as the file has them, and values in SI by name."""
+
+    rows: NDArray[np.int64]
+    lines: NDArray[np.int64]
+    time: NDArray[Any]
+    values: dict[str, NDArray[np.float64]]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, chosen: Any) -> "Batch":
+        values = {name: column[chosen] for name, column in self.values.items()}
+        return Batch(self.rows[chosen], self.lines[chosen], self.time[chosen], values)
+
+
+class Source(Protocol):
+    """Where batches come from: a table or a bag."""
+
+    time_unit: Unit
+    findings: Findings
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def position(self) -> int: ...
+
+    def batches(self, chunk_rows: int) -> Iterator[Batch]: ...
+
+    def close(self) -> None: ...
+
+
+class TolerantTable(Table):
+    """A table whose bad rows are reported to `findings` and left out.
+
+    Parameters
+    ----------
+    path : Path
+    find : callable
+        Headers, and units of columns whose header states none, to columns; ``"time"`` among them.
+    renamed : mapping, optional
+        Header to the header it should be read as.
+    spare : collection of str
+        Columns that may lack a value in any row.
+    """
+
+    def __init__(
+        self, path: Path, find: Find, renamed: Mapping[str, str] | None = None, spare: Collection[str] = ()
+    ) -> None:
+        self._find_in, self._renamed, self._spare = find, dict(renamed or {}), spare
+        super().__init__(path)
+        self.findings = Findings(path)
+
+    def _find(self, headers: Sequence[str]) -> dict[str, Column]:
+        unknown = [header for header in self._renamed if header not in headers]
+        if unknown:
+            listed = ", ".join(f'"{header}"' for header in headers)
+            raise TableError(f'columns must name headers of the table, got "{unknown[0]}" among {listed}')
+        return self._find_in([self._renamed.get(header, header) for header in headers], self._field_units)
+
+    @property
+    def stated(self) -> bool:
+        """Whether the header of the times states their unit, or it is the default."""
+        return self._columns["time"].stated
+
+    def batches(self, chunk_rows: int) -> Iterator[Batch]:
+        """The rows in the file's order, at most `chunk_rows` at a time, without those that are no rows."""
+        for batch in self._tolerant_lines() if self.format == "csv" else self._tolerant_groups(chunk_rows):
+            for start in range(0, len(batch), chunk_rows):
+                yield batch[start : start + chunk_rows]
+
+    def _tolerant_groups(self, chunk_rows: int) -> Iterator[Batch]:
+        import pyarrow as pa
+
+        row = 1
+        try:
+            for batch in self._parquet_batches(chunk_rows):
+                lines = np.zeros(batch.num_rows, dtype=np.int64)
+                yield self._columns_of(batch, row, lines)
+                row += batch.num_rows
+                self._rows_read = row - 1
+        except pa.ArrowException as error:
+            raise TableError(f"{self.path}: {' '.join(str(error).split())}") from None
+
+    def _tolerant_lines(self) -> Iterator[Batch]:
+        import pyarrow as pa
+
+        row, line = 1, self._skip_lines + 1
+        try:
+            for block in self._blocks(BLOCK):
+                whole, end, cut = block.rpartition(b"\n")
+                if cut.strip():  # only the last block of a file has such a rest
+                    block = whole + end
+                lines = self._numbered(block, line)
+                if len(lines):
+                    try:
+                        batches = self._parse(block)
+                        # Arrow drops lines that hold nothing but a line end, and so did the numbering.
+                        if sum(batch.num_rows for batch in batches) != len(lines):
+                            raise pa.ArrowInvalid("a cell with a line end")
+                    except pa.ArrowInvalid:
+                        yield self._line_by_line(block, row, lines)
+                    else:
+                        start = 0
+                        for batch in batches:
+                            yield self._columns_of(batch, row + start, lines[start : start + batch.num_rows])
+                            start += batch.num_rows
+                row, line = row + len(lines), line + block.count(b"\n")
+                self._rows_read = row - 1
+                if cut.strip():
+                    rule = "the last row must end in a line end, or its last number may be cut short"
+                    self.findings.add(row, rule, line=line)
+        except RowError as error:
+            self.findings.add(row, f"{error.message}; what follows is not read", line=line)
+
+    @staticmethod
+    def _numbered(block: bytes, first: int) -> NDArray[np.int64]:
+        """The numbers of the lines that hold something."""
+        count = block.count(b"\n")
+        if b"\n\n" not in block and b"\n\r\n" not in block and not block.startswith((b"\n", b"\r\n")):
+            return np.arange(first, first + count)
+        held = [bool(line.strip(b"\r")) for line in block.split(b"\n")[:count]]
+        return first + np.flatnonzero(held)
+
+    def _columns_of(self, batch: "pa.RecordBatch", row: int, lines: NDArray[np.int64]) -> Batch:
+        columns = dict(zip(self._columns, batch.columns, strict=True))
+        rows = np.arange(row, row + batch.num_rows)
+        time = columns.pop("time")
+        void = time.is_null().to_numpy(zero_copy_only=False)
+        values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
+        result = self._scaled(rows, lines, time.fill_null(0).to_numpy(zero_copy_only=False), values)
+        for k in np.flatnonzero(void):
+            self.findings.add(
+                int(rows[k]), "time must be a number, got an empty cell", line=self._line(lines[k])
+            )
+        return result[~void] if void.any() else result
+
+    def _scaled(
+        self,
+        rows: NDArray[np.int64],
+        lines: NDArray[np.int64],
+        time: NDArray[Any],
+        values: Mapping[str, NDArray[Any]],
+    ) -> Batch:
+        scaled = {
+            name: np.asarray(column, dtype=float) * self._columns[name].unit.scale
+            for name, column in values.items()
+        }
+        return Batch(rows, lines, time, scaled)
+
+    def _line_by_line(self, block: bytes, row: int, lines: NDArray[np.int64]) -> Batch:
+        """What Arrow refused as a whole: every row that is one."""
+        texts = [line for line in block.decode("utf-8", "replace").split("\n") if line.strip("\r")]
+        kept: list[int] = []
+        cells: list[list[float | int]] = []
+        for k, text in enumerate(texts):
+            try:
+                cells.append(self._numbers(text.strip("\r")))
+                kept.append(k)
+            except ValueError as error:
+                rule, _, got = str(error).partition(", got ")
+                self.findings.add(row + k, rule, f", got {got}", int(lines[k]))
+        columns = list(zip(*cells, strict=True)) or [()] * len(self._columns)
+        by_name = dict(zip(self._columns, columns, strict=True))
+        time = np.array(by_name.pop("time"), dtype=self._types["time"])
+        values = {name: np.array(column, dtype=float) for name, column in by_name.items()}
+        return self._scaled(row + np.array(kept, dtype=np.int64), lines[kept], time, values)
+
+    def _numbers(self, text: str) -> list[float | int]:
+        cells = self._cells(text)
+        if len(cells) != len(self._headers):
+            rule = f"a row must have {len(self._headers)} cells as the header has"
+            raise ValueError(f"{rule}, got {len(cells)}")
+        numbers: list[float | int] = []
+        for name, column in self._columns.items():
+            cell = cells[column.index].strip()
+            if self._types[name] == "int64":
+                if not re.fullmatch(r"[+-]?\d+", cell) or abs(int(cell)) >= 1 << 63:
+                    raise ValueError(f'{name} must be a whole number of nanoseconds, got "{cell}"')
+                numbers.append(int(cell))
+            elif is_number(cell):
+                numbers.append(float(cell))
+            elif name in self._spare or (not cell and name != "time"):
+                numbers.append(np.nan)
+            else:
+                raise ValueError(f'{name} must be a number, got "{cell}" in column "{column.header}"')
+        return numbers
+
+    @staticmethod
+    def _line(number: Any) -> int | None:
+        return int(number) or None
+
+
+# --- what is left out ------------------------------------------------------------------------------------
+
+
+class Sieve:
+    """Lets the rows through that hold numbers and whose times increase; the others are reported.
+
+    A row that is no later than the last one kept is left out. One that runs ahead, so that the next row is
+    between it and the row before, is left out instead of all that follow.
+
+    Parameters
+    ----------
+    findings : Findings
+    spare : collection of str
+        Columns that may lack a value.
+    stated : bool
+        Whether the unit of the times is stated, and not only the default.
+    """
+
+    def __init__(self, findings: Findings, spare: Collection[str], stated: bool) -> None:
+        self._findings, self._spare, self._stated = findings, spare, stated
+        self._held: Batch | None = None
+        self._last: Any = None
+
+    def pass_on(self, batches: Iterator[Batch]) -> Iterator[Batch]:
+        """The batches without the rows that are left out; none is empty."""
+        for batch in batches:
+            numbers = self._numbers_only(batch)
+            if not len(numbers):
+                continue
+            # A batch waits for the first row of the next, which may show that its last row runs ahead.
+            if self._held is not None and len(kept := self._in_order(self._held, numbers.time[:1])):
+                yield kept
+            self._held = numbers
+        if self._held is not None and len(kept := self._in_order(self._held, self._held.time[:0])):
+            yield kept
+
+    def _numbers_only(self, batch: Batch) -> Batch:
+        good = np.ones(len(batch), dtype=bool)
+        columns = {"time": batch.time} | {n: c for n, c in batch.values.items() if n not in self._spare}
+        flaws: dict[int, tuple[str, str]] = {}
+        for name, column in columns.items():
+            for k in np.flatnonzero(~np.isfinite(column)).tolist():
+                flaws.setdefault(k, (f"{name} must be a finite number", f", got {column[k]}"))
+        for k in sorted(flaws):
+            self._report(batch, k, *flaws[k])
+            good[k] = False
+        return batch if good.all() else batch[good]
+
+    def _in_order(self, batch: Batch, following: NDArray[Any]) -> Batch:
+        time = np.concatenate([batch.time, following])
+        if self._last is None and not self._stated and abs(time[0]) > LATEST_SECOND:
+            rule = "time must be in seconds unless its header states a unit, such as time_ns"
+            raise TableError(f"{self._findings.path}: row {batch.rows[0]}: {rule}, got {time[0]}")
+        late = self._last is not None and time[0] <= self._last
+        if late or (np.diff(time) <= 0).any():
+            kept = []
+            for k in range(len(batch)):
+                after = time[k + 1] if k + 1 < len(time) else np.inf
+                if self._last is not None and time[k] == self._last:
+                    self._report(batch, k, "time must increase, got the same twice", f": {time[k]}")
+                elif self._last is not None and time[k] < self._last:
+                    self._report(batch, k, "time must increase", f", got {time[k]} after {self._last}")
+                elif after < time[k] and (self._last is None or after > self._last):
+                    self._report(batch, k, "time must not run ahead", f", got {time[k]} before {after}")
+                else:
+                    kept.append(k)
+                    self._last = time[k]
+            return batch[kept]
+        self._last = batch.time[-1]
+        return batch
+
+    def _report(self, batch: Batch, k: int, rule: str, got: str) -> None:
+        self._findings.add(int(batch.rows[k]), rule, got, int(batch.lines[k]) or None)

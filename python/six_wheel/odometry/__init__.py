@@ -1,0 +1,40 @@
+"""Dead reckoning of whole logs: tracks, what the wheels say about slip, tables of readings.
+
+`Odometry` itself, sample by sample, is in the core.
+"""
+
+from typing import TYPE_CHECKING
+
+from six_wheel._core import Encoder, Noise, Odometry, OdometryState
+from six_wheel.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
+    from six_wheel.odometry.trace import Trace
+    from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
+
+__all__ = [
+    "Encoder",
+    "Health",
+    "Noise",
+    "Odometry",
+    "OdometryState",
+    "SlipReport",
+    "SlipWindow",
+    "Trace",
+    "Track",
+    "WheelSlip",
+    "dead_reckon",
+    "dead_reckon_chunks",
+    "table_columns",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
+        "tables": (),
+        "trace": ("Trace",),
+        "tracks": ("Health", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
+    },
+)

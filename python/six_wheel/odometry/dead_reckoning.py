@@ -1,0 +1,152 @@
+"""Whole logs: from arrays, tables or files to a `Track`, in one call or piece by piece."""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from six_wheel._core import Noise, Odometry, Rover
+from six_wheel.odometry import tables
+from six_wheel.odometry.tracks import Track
+
+__all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
+
+Errors = Literal["flag", "raise"]
+
+
+def dead_reckon(
+    rover: Rover,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    yaw: ArrayLike | str | None = None,
+    yaw_rate: ArrayLike | str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Track:
+    """Dead reckoning over a whole log in one call: the numbers of `Odometry.update`, row by row.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any vehicle.
+    steering : array_like of shape (n, steered wheels), or a table, or a path
+        Steering angles [rad], or counts of their encoders; None for a rover that does not steer. A table
+        (a frame of pandas or polars, a pyarrow table, a dict of columns) or the path of a Parquet file stands
+        for this and the next two; see `table_columns` for what its columns are called.
+    wheel_angles : array_like, shape (n, wheels)
+        Running totals [rad], or what the option `readings` says; NaN where a passive wheel has no encoder.
+    stamps : array_like, shape (n,)
+        When they were read [s].
+    noise : Noise, optional
+        Standard deviations of readings and slip, default ``Noise()``.
+    yaw, yaw_rate : array_like of shape (n,), or str, optional
+        Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table.
+    start : array_like, shape (3,)
+        First pose ``[x, y, yaw]`` [m, m, rad].
+    start_covariance : array_like, shape (3,) or (3, 3), optional
+        Of the first pose, default 0.
+    errors : {'flag', 'raise'}
+        Leave out rows that cannot be (NaN, time that stands still or runs backwards, jumps) and flag them in
+        `Track.health`, or raise on the first one.
+    covariances, residuals : bool
+        Whether to compute these; what is not is None.
+    columns : dict of str to str, optional
+        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise.
+    progress : callable, optional
+        Called with the rows done and all rows, after every chunk of a log.
+    **options
+        Those of `Odometry`: `readings`, `wheel_encoders`, `steering_encoders`, `method`, `inflate`, `max_gap`
+        and the others.
+
+    Returns
+    -------
+    Track
+        `poses`, `twists`, `covariances`, `residuals`, `health`, one row per sample.
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit, a column is missing or an option makes no sense; with ``errors="raise"`` on
+        the first bad row.
+    ModuleNotFoundError
+        If a Parquet file is given and what reads it is not installed.
+    """
+    odometry = Odometry(rover, noise, **options)
+    odometry.reset(start, start_covariance)
+    keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    if wheel_angles is not None and stamps is not None and progress is None:
+        return odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
+    if wheel_angles is None and stamps is None:
+        source = tables.table(rover, steering, columns, {"yaw": yaw, "yaw_rate": yaw_rate}, options)
+    elif wheel_angles is None or stamps is None:
+        raise ValueError("wheel_angles and stamps must come together, got one of them")
+    else:
+        source = tables.arrays(steering, wheel_angles, stamps, {"yaw": yaw, "yaw_rate": yaw_rate})
+    return tables.join(rover, list(tables.follow(odometry, source, keywords, progress)))
+
+
+def dead_reckon_chunks(
+    rover: Rover,
+    table: Any,
+    *,
+    noise: Noise | None = None,
+    yaw: str | None = None,
+    yaw_rate: str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    chunk_rows: int | None = None,
+    **options: Any,
+) -> Iterator[Track]:
+    """`dead_reckon` of a table or a Parquet file, a piece at a time and in constant memory.
+
+    Parameters
+    ----------
+    rover, noise, yaw, yaw_rate, start, start_covariance, errors, covariances, residuals, columns, progress
+        As in `dead_reckon`.
+    table : a table, or a path
+        A frame of pandas or polars, a pyarrow table, a dict of columns, or the path of a Parquet file.
+    chunk_rows : int, optional
+        Rows of a piece, default 65536.
+    **options
+        Those of `Odometry`.
+
+    Yields
+    ------
+    Track
+        Of consecutive rows.
+
+    Raises
+    ------
+    ValueError, ModuleNotFoundError
+        As `dead_reckon`.
+    """
+    odometry = Odometry(rover, noise, **options)
+    odometry.reset(start, start_covariance)
+    keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    sensors = {"yaw": yaw, "yaw_rate": yaw_rate}
+    source = tables.table(rover, table, columns, sensors, options, chunk_rows or tables.CHUNK_ROWS)
+    return tables.follow(odometry, source, keywords, progress)
+
+
+def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
+    """What the columns of a table may be called, by what they hold; the first that is there is taken.
+
+    Wheels and steering joints go by the rover's joint names (`Rover.traction_joints`, `steering_joints`),
+    alone or with ``.position`` or ``.velocity`` behind; wheels by their own names as well. The ``"stamp"`` is
+    in seconds, or a column of dates. A wheel without a motor may have no column.
+    """
+    return tables.names(rover)

@@ -1,0 +1,475 @@
+"""Rovers from ROS 2 parameter files, with every mistake reported at once.
+
+Three forms are read. That of a node with this package's own keys::
+
+    rover_controller:                # or /**:
+      ros__parameters:
+        traction_joints: [front_left_wheel_joint, ...]     # six, in any order
+        steering_joints: [front_left_steering_joint, ...]  # four, in any order
+        d1: 0.4                                            # d1 .. d4, wheel_radius: see `Rover.six_wheel`
+        ...
+        steering_limit: 1.2                                # optional, as are limits and the frames
+
+the same keys at the top level; and the parameters of the controllers of ros2_controllers that drive a
+vehicle (diff_drive_controller, ackermann_steering_controller, ...), as they stand. ``kind: swerve`` and so on
+takes the arguments of `Rover.swerve`; without it the keys are those of `Rover.six_wheel`, or ``preset:
+perseverance`` for a known rover. Joints that are left out are called ``<wheel>_wheel_joint`` and
+``<wheel>_steering_joint``. A joint whose name does not tell its wheel is stated, either beside the list,
+which stays as the controller needs it::
+
+    wheel_of_joint: {motor_3: middle_left}
+
+or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
+"""
+
+import math
+import os
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, NoReturn, TypeAlias
+
+from six_wheel._core import Controller, Limits, Rover, Wheel
+from six_wheel.parameters import syntax
+from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
+from six_wheel.parameters.joints import JointList, wheel_said_by, wheels_of_joints
+from six_wheel.parameters.nodes import PARAMETERS, Section, closest, section
+from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
+
+__all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
+
+# A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
+MAX_BYTES = 1 << 18
+
+Severity: TypeAlias = Literal["error", "warning"]
+_SIX = Rover.six_wheel(d1=1.0, d2=1.0, d3=1.0, d4=1.0, wheel_radius=1.0)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing to put right in a parameter file; ``str()`` is one line such as a compiler prints."""
+
+    line: int | None
+    key: str
+    message: str
+    remedy: str | None = None
+    severity: Severity = "error"
+    path: str = ""
+
+    def __str__(self) -> str:
+        place = self.path if self.line is None else f"{self.path}:{self.line}"
+        warning = "warning: " if self.severity == "warning" else ""
+        remedy = f" ({self.remedy})" if self.remedy else ""
+        return " ".join(f"{place}: {warning}{self.message}{remedy}".splitlines())
+
+
+class ParameterFileError(ValueError):
+    """A parameter file that does not describe a rover; ``str()`` has one line for each finding."""
+
+    def __init__(self, findings: Iterable[Finding]) -> None:
+        self.findings: tuple[Finding, ...] = tuple(findings)
+        super().__init__(self.findings)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.findings))
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What a parameter file says.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    node : str or None
+        The node whose parameters were read, as the file writes it; None in a file without nodes.
+    rover : Rover
+        The rover, its joints in the file's order.
+    odom_frame_id, base_frame_id : str
+        Names of the odometry frame and of the rover's frame.
+    limits : Limits
+        Those the file gives; there are no others.
+    control : dict of str to object
+        Of the keywords of `Controller` those the file gives.
+    noise, encoders, steering_encoders, odometry : dict
+        What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
+        the readings of wheels and steering joints; options of `Odometry`.
+    warnings : tuple of Finding
+        What may be a mistake, or is not part of our model, but does not keep the file from being read.
+    kind : str
+        The kind of vehicle, ``preset`` for a known rover.
+    controller : str or None
+        The controller of ROS 2 whose parameter names the file has, such as ``diff_drive_controller``.
+    """
+
+    path: Path
+    node: str | None
+    rover: Rover
+    odom_frame_id: str = "odom"
+    base_frame_id: str = "base_link"
+    limits: Limits = field(default_factory=Limits)
+    control: dict[str, Any] = field(default_factory=dict)
+    noise: dict[str, float] = field(default_factory=dict)
+    encoders: Values = field(default_factory=dict)
+    steering_encoders: Values = field(default_factory=dict)
+    odometry: Values = field(default_factory=dict)
+    warnings: tuple[Finding, ...] = ()
+    kind: str = "six_wheel"
+    controller: str | None = None
+
+    def build_controller(self, **changes: Any) -> Controller:
+        """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
+        return Controller(self.rover, self.limits, **self.control | changes)
+
+
+def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
+    """The rover that a parameter file describes.
+
+    Parameters
+    ----------
+    path : path-like
+        A ROS 2 parameter file, or this package's own keys without node and ``ros__parameters``.
+    node : str, optional
+        Which node's parameters to read, for a file that describes several rovers.
+
+    Returns
+    -------
+    Rover
+        Its ``traction_joints`` and ``steering_joints`` are in the file's order.
+
+    Raises
+    ------
+    ParameterFileError
+        With every mistake of the file, its line, the rule and a remedy. A `ValueError`.
+    """
+    return read_parameters(path, node=node).rover
+
+
+def read_parameters(path: str | os.PathLike[str], *, node: str | None = None) -> Parameters:
+    """Everything a parameter file says: the rover, frames, limits, and warnings.
+
+    Parameters, errors: see `load`.
+    """
+    path = Path(path)
+    log = _Log(str(path))
+    return _read(path, _text(path, log), node, log)
+
+
+def parse_parameters(text: str, *, node: str | None = None, path: Path = Path("rover")) -> Parameters:
+    """The same from the text of a parameter file, which messages call `path`."""
+    return _read(path, text, node, _Log(str(path)))
+
+
+def dump(
+    rover: Rover,
+    *,
+    node: str | None = None,
+    odom_frame_id: str = "odom",
+    base_frame_id: str = "base_link",
+    limits: Limits | None = None,
+    control: Mapping[str, Any] | None = None,
+) -> str:
+    """The text of a parameter file from which `load` returns an equal rover.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any; one of the layout of `Rover.six_wheel` gets the keys of that, another ``kind: custom``.
+    node : str, optional
+        Node name, for the form of ROS 2; None for this package's plain form.
+    odom_frame_id, base_frame_id : str
+        Names of the frames.
+    limits : Limits, optional
+        Of the motion.
+    control : mapping of str to object, optional
+        Keywords of `Controller`.
+
+    Raises
+    ------
+    ValueError
+        If the keys of a parameter file cannot say what this rover is, such as a name with a line break.
+    """
+    others: Values = {"odom_frame_id": odom_frame_id, "base_frame_id": base_frame_id}
+    finite = {
+        key: getattr(limits, key)
+        for key in LimitKeys.model_fields
+        if math.isfinite(getattr(limits, key, math.inf))
+    }
+    ways = {key: "none" if value is None else value for key, value in (control or {}).items()}
+    others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
+    for values in (_six_wheel_values(rover), _custom_values(rover)):
+        text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
+        # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
+        try:
+            if values and parse_parameters(text, node=node).rover == rover:
+                return text
+        except ParameterFileError:
+            continue
+    raise ValueError(f"rover must have names with visible characters, got {rover}")
+
+
+def _six_wheel_values(rover: Rover) -> Values:
+    """The keys of `Rover.six_wheel`, nothing for another layout."""
+    wheels = {wheel.name: wheel for wheel in rover.wheels}
+    if rover.wheel_names != _SIX.wheel_names:
+        return {}
+    front, middle, rear = (wheels[name] for name in ("front_left", "middle_left", "rear_left"))
+    stated = {
+        joint: wheel
+        for joints in (rover.traction_joints, rover.steering_joints)
+        for joint, wheel in joints.items()
+        if wheel_said_by(joint, wheels) != wheel
+    }
+    values: Values = {
+        "traction_joints": list(rover.traction_joints),
+        "steering_joints": list(rover.steering_joints),
+        "wheel_of_joint": stated,
+        "d1": front.y,
+        "d2": -rear.x,
+        "d3": front.x,
+        "d4": middle.y,
+        "wheel_radius": front.radius,
+        "steering_limit": list(front.steering_range or ()),
+    }
+    if front.steering_range == _SIX.wheels[0].steering_range:
+        del values["steering_limit"]
+    return {key: value for key, value in values.items() if value not in ({}, [])}
+
+
+def _custom_values(rover: Rover) -> Values:
+    """The keys of every wheel, as far as they are not as usual."""
+    usual = Wheel("usual", 0.0, 0.0, radius=1.0)
+    wheels: Values = {}
+    for wheel in rover.wheels:
+        keys: Values = {"x": wheel.x, "y": wheel.y, "radius": wheel.radius}
+        for key in ("steered", "heading", "scrub", "trail", "roller_angle", "castor"):
+            if getattr(wheel, key) != getattr(usual, key):
+                keys[key] = getattr(wheel, key)
+        if wheel.steering_range is not None:
+            keys["steering_limit"] = list(wheel.steering_range)
+        if not wheel.driven and not wheel.castor:
+            keys["driven"] = False
+        wheels[wheel.name] = keys
+    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    named = {key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value}
+    return {"kind": "custom", "wheels": wheels} | named
+
+
+class _Log:
+    """Collects findings about one file."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.findings: list[Finding] = []
+
+    def error(self, line: int | None, at: syntax.Path, message: str, remedy: str | None) -> None:
+        self._add(line, at, message, remedy, "error")
+
+    def warning(self, line: int | None, at: syntax.Path, message: str, remedy: str | None) -> None:
+        self._add(line, at, message, remedy, "warning")
+
+    def fail(self, line: int | None, message: str, remedy: str) -> NoReturn:
+        """Report what leaves nothing more to read."""
+        self.error(line, (), message, remedy)
+        raise self.failure()
+
+    def failure(self) -> ParameterFileError:
+        return ParameterFileError(self.in_order())
+
+    def in_order(self) -> tuple[Finding, ...]:
+        return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
+
+    def has_error_at(self, key: str) -> bool:
+        return any(finding.severity == "error" and finding.key == key for finding in self.findings)
+
+    @property
+    def has_errors(self) -> bool:
+        return any(finding.severity == "error" for finding in self.findings)
+
+    def _add(
+        self, line: int | None, at: syntax.Path, message: str, remedy: str | None, severity: Severity
+    ) -> None:
+        if PARAMETERS in at[:-1]:
+            at = at[at.index(PARAMETERS) + 1 :]
+        self.findings.append(Finding(line, syntax.spell(at), message, remedy, severity, self.path))
+
+
+def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
+    found = section(_tree(text, log), node, KEYS, TELLING, CONTROLLER_TYPES, log.error)
+    form = None if found is None else form_of(found, log.error)
+    if found is None or form is None:
+        raise log.failure()
+    check_keys(found, form, log.error, log.warning)
+    values = check_values(found, form, log.error)
+    form.check(found, values, log.error, log.warning)
+    values = form.complete(found, values)
+    rover = _rover(found, form, values, log)
+    if rover is not None:
+        _check_encoders(found, values, rover, log)
+    if rover is None or log.has_errors:
+        raise log.failure()
+    named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
+    if named.get("control", {}).get("align") == "none":
+        named["control"] = named["control"] | {"align": None}
+    named["limits"] = Limits(**values.get("limits", {}))
+    controller = form.name if form.controller else None
+    parameters = Parameters(
+        path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
+    )
+    _check_controller(found, parameters, log)
+    return parameters
+
+
+def _check_controller(section: Section, parameters: Parameters, log: _Log) -> None:
+    """Whether limits and ways of a controller fit each other, and the rover."""
+    if not {"limits", "control"} & section.data.keys():
+        return
+    try:
+        parameters.build_controller()
+    except ValueError as error:
+        key = str(error).partition(" ")[0]
+        at = ("limits" if key in LimitKeys.model_fields else "control", key)
+        log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+        raise log.failure() from None
+
+
+def _text(path: Path, log: _Log) -> str:
+    remedy = "give the path of a parameter file"
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        log.fail(None, f"the file cannot be read: {error.strerror or error}", remedy)
+    except ValueError as error:  # a path with a null character
+        log.fail(None, f"the path cannot be used: {error}", remedy)
+    if len(content) > MAX_BYTES:
+        log.fail(None, f"the file is larger than {MAX_BYTES} bytes", remedy)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        log.fail(
+            line, f"not UTF-8 text: the byte 0x{content[error.start]:02x}", "save the file as UTF-8 text"
+        )
+
+
+def _tree(text: str, log: _Log) -> syntax.Tree:
+    try:
+        tree = syntax.parse(text, log.error)
+    except syntax.YamlSyntaxError as error:
+        log.fail(error.line, error.message, error.remedy)
+    if tree.data is None:
+        log.fail(
+            None,
+            "the file is empty",
+            "give it the keys d1, d2, d3, d4 and wheel_radius, a kind and its keys, or a preset",
+        )
+    if not isinstance(tree.data, dict):
+        what = "a list" if isinstance(tree.data, list) else "a single value"
+        log.fail(1, f"the file must be a mapping, got {what}", "write lines such as `d1: 0.4`")
+    return tree
+
+
+def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
+    """The rover, if nothing is wrong; joints are checked even if the rest is."""
+    layout = _layout(section, form, values, log)
+    if layout is None:
+        return None  # whose wheels are not known
+    joints = _joints(section, form, values, layout, log)
+    if log.has_errors:
+        return None
+    try:
+        return Rover(layout.wheels, **joints)
+    except ValueError as error:
+        log.fail(section.line, str(error), "see the keys it names")
+
+
+def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
+    """Wheels without the file's joints; None, with the reason reported, if the file does not say enough."""
+    limit = as_argument(values.get("steering_limit"))
+    largest = max(map(abs, limit)) if isinstance(limit, tuple) else limit or 0.0
+    if largest > math.pi * (10 if form.kind == "swerve" else 1):  # a module may count its turns
+        at = ("steering_limit",)
+        degrees = f"{largest:g} degrees are {math.radians(largest):.4g} radians"
+        turns = f"{largest / math.tau:.3g} turns"
+        log.warning(section.line_of(at), at, f"steering_limit is {turns}, got {limit}", degrees)
+    if not form.needed <= form.stand_in.keys() | values.keys():
+        return None
+    try:
+        return form.layout(form.stand_in | values if log.has_errors else values)
+    except ValueError as error:
+        if form.needed <= values.keys():
+            named = re.match(r"\w+", str(error))
+            key = named[0] if named and named[0] in section.data else ""
+            if not log.has_error_at(key) if key else not log.has_errors:
+                line = section.line_of((key,)) if key else section.line
+                log.error(line, (key,) if key else (), str(error), "see the keys it names")
+        return None
+
+
+def _joints(
+    section: Section, form: Form, values: Values, layout: Rover, log: _Log
+) -> dict[str, dict[str, str]]:
+    """Joint to wheel for those that drive and those that steer, in the file's order."""
+    stated: dict[str, str] = values.get("wheel_of_joint", {})
+    joints: dict[str, dict[str, str]] = {}
+    lists = form.joint_lists(values, layout)
+    key_of: dict[str, tuple[str, int | None]] = {}
+    named: set[str] = set()
+    for here in sorted(
+        lists, key=lambda here: list(section.data).index(here.key) if here.key in section.data else 0
+    ):
+        if here.key not in values:
+            continue
+        given = values[here.key]
+        given = [given] if isinstance(given, str) else given
+        found = wheels_of_joints(section, here, given, stated, log.error)
+        joints.setdefault("steering_joints" if here.steers else "traction_joints", {}).update(found)
+        _check_order(section, here, found, log)
+        places = given.items() if isinstance(given, dict) else enumerate(given)
+        lines = {joint: section.line_of((here.key, place)) for place, joint in places}
+        for joint in [joint for joint in lines if joint in key_of and joint in found]:
+            first = "in {} on line {}".format(*key_of[joint])
+            message = f"{syntax.one_line(joint)} is named both {first} and in {here.key}"
+            log.error(lines[joint], (here.key,), message, "a joint turns one wheel, and drives or steers it")
+        key_of |= {joint: (here.key, lines[joint]) for joint in found}
+        named |= lines.keys()
+    # With one list missing or wrong, the joints stated may be those of that list.
+    whole = all(here.key in values for here in lists) or not any(here.key in section.data for here in lists)
+    for joint in stated if lists and whole else ():
+        if joint not in named:
+            at, guess = ("wheel_of_joint", joint), closest(joint, named)
+            message = f"wheel_of_joint names {syntax.one_line(joint)}, which is in neither list of joints"
+            log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
+    return joints
+
+
+def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    """The wheels that the keys of encoders name are there."""
+    steered = (rover.steered_names, rover.steering_joints)
+    for group, key, (wheels, joints) in (
+        ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
+        ("encoders", "steering_gain", steered),
+        ("steering_encoders", "reversed", steered),
+        ("steering_encoders", "offsets", steered),
+    ):
+        given = values.get(group, {}).get(key, ())
+        places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)
+        known = [*wheels, *joints]
+        for place, wheel in places:
+            if wheel not in known:
+                at, guess = (group, key, place), closest(wheel, known)
+                message = f"{group}.{key} names {syntax.one_line(wheel)}, which is no such wheel or joint"
+                remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
+                log.error(section.line_of(at), at, message, remedy)
+
+
+def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:
+    if here.order == "expected" and len(found) == len(here.wheels) and tuple(found.values()) != here.wheels:
+        at, first = (here.key,), next(iter(found))
+        taken = f"which a controller of ROS 2 takes for {here.wheels[0]}"
+        message = f"{here.key} begins with {syntax.one_line(first)}, {taken}"
+        remedy = f"ROS 2 goes by the order {', '.join(here.wheels)}; here the names count"
+        log.warning(section.line_of(at), at, message, remedy)

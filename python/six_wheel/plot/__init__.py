@@ -1,0 +1,56 @@
+"""Pictures of rovers, drives, tracks and limits: each takes a result and returns a figure.
+
+Only matplotlib's object interface is used: no global state and no display, so the figures can be made in any
+thread and on any machine. `save` writes them as PNG, SVG or PDF.
+"""
+
+from typing import TYPE_CHECKING
+
+try:
+    import matplotlib  # noqa: F401
+except ImportError as missing:
+    raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
+
+from six_wheel.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.plot.drawing import draw_rover
+    from six_wheel.plot.drive import drive_figure, engine_figure
+    from six_wheel.plot.four_axle import four_axle_figure
+    from six_wheel.plot.limits import limits_figure
+    from six_wheel.plot.path import draw_path, path_figure
+    from six_wheel.plot.reckoning import reckoning_figure
+    from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plot.tracks import residual_figure, track_figure
+    from six_wheel.plot.twist import show_figure
+
+__all__ = [
+    "draw_path",
+    "draw_rover",
+    "drive_figure",
+    "engine_figure",
+    "four_axle_figure",
+    "limits_figure",
+    "path_figure",
+    "picture_path",
+    "reckoning_figure",
+    "residual_figure",
+    "save",
+    "show_figure",
+    "track_figure",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "drawing": ("draw_rover",),
+        "drive": ("drive_figure", "engine_figure"),
+        "four_axle": ("four_axle_figure",),
+        "limits": ("limits_figure",),
+        "path": ("draw_path", "path_figure"),
+        "reckoning": ("reckoning_figure",),
+        "saving": ("picture_path", "save"),
+        "tracks": ("residual_figure", "track_figure"),
+        "twist": ("show_figure",),
+    },
+)

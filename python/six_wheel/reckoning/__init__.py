@@ -1,0 +1,25 @@
+"""A log on disk to a track on disk, in chunks of constant memory, with what is to be said about it."""
+
+from typing import TYPE_CHECKING
+
+from six_wheel.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.reckoning.running import Count, Reckoned, Settings, reckon
+    from six_wheel.reckoning.slip import SlipSum
+
+__all__ = [
+    "Count",
+    "Reckoned",
+    "Settings",
+    "SlipSum",
+    "reckon",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "running": ("Count", "Reckoned", "Settings", "reckon"),
+        "slip": ("SlipSum",),
+    },
+)

@@ -1,0 +1,317 @@
+"""Dead reckoning of a log on disk: chunk by chunk in constant memory, with what is to be said about it.
+
+Only where the truth is known are all poses kept, for the evaluation; a thinned trace serves the pictures.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Noise, Odometry, Rover
+from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.joints import JointRows, read_truth
+from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
+from six_wheel.logs.recordings import Truth
+from six_wheel.logs.tables import table_format
+from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.odometry.trace import Trace
+from six_wheel.odometry.tracks import Health, SlipReport, Track
+from six_wheel.poses import Floats
+from six_wheel.reckoning.slip import SlipSum
+
+__all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
+
+FIRST_ROWS = 5  # of every kind of finding, that are named
+ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
+UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
+COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad]."""
+
+    noise: Noise = field(default_factory=Noise)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Count:
+    """How many rows, and the first of them."""
+
+    rows: int = 0
+    first: list[int] = field(default_factory=list)
+
+    def add(self, rows: Sequence[int]) -> None:
+        """Take in more rows."""
+        self.rows += len(rows)
+        self.first += list(rows[: FIRST_ROWS - len(self.first)])
+
+    def __str__(self) -> str:
+        more = ", ..." if self.rows > len(self.first) else ""
+        named = f"row{'' if self.rows == 1 else 's'} {', '.join(map(str, self.first))}{more}"
+        return f"{self.rows:,} ({named})"
+
+
+@dataclass
+class Reckoned:
+    """What dead reckoning of a log came to.
+
+    Attributes
+    ----------
+    name : str
+        The log.
+    rover : Rover
+    rows : int
+        Rows that were read.
+    duration, distance : float
+        From the first to the last row [s]; along the path [m].
+    pose, covariance : ndarray, shape (3,) and (3, 3)
+        At the end [m, m, rad].
+    left_out : dict of str to Count
+        Rows that were not used, by reason.
+    flags : dict of Health to Count
+        Rows that were used and that there is something to say about.
+    slip : SlipReport
+    evaluation : Evaluation or None
+        Against the truth, if it is known.
+    estimate, truth : ndarray, shape (n, 3)
+        Poses where the truth is known, for `evaluation`.
+    warnings : list of str
+    elapsed : float
+        How long it took [s].
+    """
+
+    name: str
+    rover: Rover
+    rows: int = 0
+    duration: float = 0.0
+    distance: float = 0.0
+    pose: Floats = field(default_factory=lambda: np.zeros(3))
+    covariance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    left_out: dict[str, Count] = field(default_factory=dict)
+    flags: dict[Health, Count] = field(default_factory=dict)
+    slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
+    evaluation: Evaluation | None = None
+    estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    warnings: list[str] = field(default_factory=list)
+    elapsed: float = 0.0
+    _trace: Trace = field(default_factory=Trace)
+
+    @property
+    def deviations(self) -> Floats:
+        """Standard deviations of the last pose, (3,) [m, m, rad]."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def trace(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Stamps (n,), poses (n, 3), covariances (n, 3, 3) and residuals (n, wheels), evenly thinned."""
+        poses, others = self._trace.path()
+        return others[:, 0], poses, others[:, 1:10].reshape(-1, 3, 3), others[:, 10:]
+
+
+# Why a row was not used, in words; the others come from the file's reader.
+REASONS = {
+    Health.NOT_FINITE: "a reading is not a finite number",
+    Health.DUPLICATE: "the same time twice",
+    Health.BACKWARDS: "time runs backwards",
+    Health.JUMP: "faster than the rover can be",
+    Health.UNDETERMINED: "the wheels do not determine the motion",
+}
+REMARKS = {
+    Health.GAP: "after a gap",
+    Health.WRAPPED: "a counter started over",
+    Health.SLIP: "a wheel contradicts the others",
+    Health.RESTARTED: "clock or counters restarted",
+}
+
+
+class _Run:
+    """A log on its way through odometry: what one chunk hands to the next."""
+
+    def __init__(self, log: AnyLog, settings: Settings, encoders: Mapping[str, Any]) -> None:
+        self.log = log
+        self._gains, self._scale = corrections(log.rover, encoders)
+        self.result = Reckoned(log.path.name, log.rover)
+        self._odometry = Odometry(log.rover, settings.noise, **settings.options)
+        self._odometry.reset(settings.start)
+        self._last = np.array(settings.start)
+        self._begin: float | None = None
+        self._slip = SlipSum()
+        self._known: list[tuple[Floats, Floats]] = []
+        self._used = 0
+
+    def units(self) -> dict[str, str]:
+        """Name and unit of the columns of the results; times since 1970 are whole nanoseconds."""
+        stamp = {"time_ns": "ns"} if self.log.origin else {"time": "s"}
+        pose = {"x": "m", "y": "m", "yaw": "rad"}
+        twist = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
+        squares = {
+            f"covariance_{name}": "rad^2" if name == "yaw_yaw" else "m rad" if "yaw" in name else "m^2"
+            for name in COVARIANCES
+        }
+        residuals = {f"residual_{wheel}": "m/s" for wheel in self.log.rover.wheel_names}
+        return stamp | {"row": ""} | pose | twist | squares | residuals | {"health": ""}
+
+    def advance(self, chunk: JointRows, truth: Truth | None) -> list[NDArray[Any]]:
+        """Reckon the rows of a chunk; one array (n,) for each of `units`."""
+        result = self.result
+        steering = None if chunk.steering is None else chunk.steering * self._gains
+        track = self._odometry.run(steering, chunk.wheel_angles * self._scale, chunk.stamps)
+        covariances, residuals = track.covariances, track.residuals
+        if covariances is None or residuals is None:
+            raise RuntimeError("a track without covariances or residuals")  # they were not declined
+        self._say(track, chunk.rows)
+        self._begin = float(chunk.stamps[0]) if self._begin is None else self._begin
+        result.rows += len(track)
+        result.duration = float(chunk.stamps[-1]) - self._begin
+        steps = np.diff(np.vstack([self._last, track.poses])[:, :2], axis=0)
+        result.distance += float(np.hypot(*steps.T).sum())
+        self._last = track.poses[-1]
+        result.pose, result.covariance = track.poses[-1], covariances[-1]
+        wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
+        if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
+            self._known.append((track.poses[there], wanted[there]))
+        flat = covariances.reshape(-1, 9)
+        result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
+        upper = [covariances[:, i, j] for i, j in UPPER]
+        health = track.health.astype(np.int64)
+        times = self._times(chunk.stamps)
+        return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
+
+    def _times(self, stamps: Floats) -> NDArray[Any]:
+        if not self.log.origin:
+            return stamps
+        return self.log.origin * 1_000_000_000 + np.rint(1e9 * stamps).astype(np.int64)
+
+    def _say(self, track: Track, rows: NDArray[np.int64]) -> None:
+        for flag, reason in REASONS.items():
+            if len(found := track.rows(flag)):
+                self.result.left_out.setdefault(reason, Count()).add(rows[found].tolist())
+        for flag in REMARKS:
+            if len(found := track.rows(flag)):
+                self.result.flags.setdefault(flag, Count()).add(rows[found].tolist())
+        self._used += len(track) - len(track.left_out)
+        self._slip.add(track, rows)
+
+    def finish(self, length: float, truth: Truth | None) -> Reckoned:
+        """Sum up."""
+        result, path = self.result, self.log.path
+        by_reader: dict[str, Count] = {}
+        for finding in self.log.findings.listed:
+            reason = finding.message.partition(", got ")[0]
+            rows = range(finding.row, (finding.last_row or finding.row) + 1)
+            by_reader.setdefault(reason, Count()).add(rows)
+        result.left_out = by_reader | result.left_out
+        result.warnings += self.log.warnings
+        if self._used < 2:
+            reasons = [f"; {reason}: {count}" for reason, count in result.left_out.items()]
+            why = "".join([*reasons, *(f"; {warning}" for warning in self.log.warnings)])
+            rule = "the log must have at least two rows that can be used"
+            raise TableError(f"{path}: {rule}, got {self._used}{why}")
+        result.slip = self._slip.report(result.rover)
+        if self._known:
+            result.estimate, result.truth = (np.concatenate(part) for part in zip(*self._known, strict=True))
+        if truth is not None and len(result.truth) < 2:
+            ours = (
+                f"{self._begin:g} to {self._begin + result.duration:g} s" if self._begin is not None else ""
+            )
+            theirs = f"{truth.stamps[0]:g} to {truth.stamps[-1]:g} s"
+            raise TableError(f"{path}: the truth must overlap the log in time, got {theirs} and {ours}")
+        if len(result.truth) >= 2:
+            result.evaluation = evaluate(result.estimate, result.truth, length=length)
+        return result
+
+
+def reckon(
+    rover: Rover,
+    path: Path,
+    output: Path | None = None,
+    *,
+    truth: Path | None = None,
+    finish: Callable[[Reckoned], None] | None = None,
+    log_options: LogOptions | None = None,
+    settings: Settings | None = None,
+    length: float = 0.5,
+    chunk_rows: int = 65_536,
+    sources: Sequence[Path] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> Reckoned:
+    """Dead-reckon a log and write what comes of it. Outputs are replaced only if all went well.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any vehicle.
+    path : Path
+        A log, see `_log_files`.
+    output : Path, optional
+        Times, poses, twists, covariances, residuals and health, .csv or .parquet.
+    truth : Path, optional
+        Where the rover was, if the log does not say.
+    finish : callable, optional
+        Called with the result before the output is replaced: what it raises leaves all as it was.
+    log_options, settings
+        How to read the log, and how to reckon.
+    length : float
+        Of the stretches for the relative error [m].
+    chunk_rows : int
+        Most rows in memory at a time.
+    sources : sequence of Path
+        Files that must not be overwritten, beside the log and the truth.
+    progress : callable, optional
+        Called after every chunk with how far it is and how far it will go.
+
+    Raises
+    ------
+    TableError
+        If the log, the truth or the output cannot be used.
+    """
+    if chunk_rows < 1:
+        raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
+    options, begin = log_options or LogOptions(), time.perf_counter()
+    with contextlib.ExitStack() as stack:
+        if output is not None:
+            table_format(output)
+        log: AnyLog = open_log(path, rover, options)
+        stack.callback(log.close)
+        run = _Run(log, settings or Settings(), options.encoders)
+        taken = [each for each in (path, truth, *sources) if each is not None]
+        target = stack.enter_context(replacing(output, taken)) if output else None
+        writer: TableWriter | None = None
+        known: Truth | None = None
+        for chunk in log.chunks(chunk_rows):
+            if truth is not None and known is None:
+                known = _read_truth(truth, log, options, run.result)
+            columns = run.advance(chunk, known)
+            if target is not None:
+                if writer is None:  # only now is it known how the times are written
+                    writer = stack.enter_context(TableWriter(target, run.units()))
+                writer.write(columns)
+            if progress is not None:
+                progress(log.position, log.size)
+        result = run.finish(length, known)
+        if finish is not None:
+            finish(result)
+    result.elapsed = time.perf_counter() - begin
+    return result
+
+
+def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) -> Truth:
+    stamps, poses, findings = read_truth(path, origin=log.origin, topic=options.truth_topic)
+    if findings.rows:
+        result.warnings.append(
+            f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
+        )
+    try:
+        return Truth(stamps, poses)
+    except ValueError as error:
+        raise TableError(f"{path}: {error}") from None

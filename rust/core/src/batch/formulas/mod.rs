@@ -1,0 +1,9 @@
+//! What is computed, one file a job: kernels over whole registers of rows, the same for every level.
+
+pub(crate) mod forward;
+pub(crate) mod integrate;
+pub(crate) mod inverse;
+pub(crate) mod logs;
+pub(crate) mod rollout_cost;
+pub(crate) mod steered;
+pub(crate) mod tile;

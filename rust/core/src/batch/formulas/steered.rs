@@ -1,0 +1,176 @@
+//! One steered wheel in the inverse kernel: which angles it decides itself, and the loop over a block.
+
+use pulp::Simd;
+
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::polynomials::angle;
+use crate::batch::machine::weave::{BLOCK, Column};
+use crate::steering::SteeringRange;
+use crate::wheels::{Direction, REST};
+
+/// Angles this near to an end of the reach are left to the plain core, which knows the tolerances [rad].
+pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;
+
+/// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
+pub(in crate::batch) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
+
+/// The angles that need no thought, as two half planes `across * y < along * x` of the pivot's velocity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    upper: [f64; 2],
+    lower: [f64; 2],
+    pub symmetric: bool,
+    /// Whether angles outside it may be impossible.
+    pub limited: bool,
+    /// Whether it is a quarter turn to either side at most.
+    pub folded: bool,
+    /// Sine and cosine of its lower and its upper end.
+    pub ends: [(f64, f64); 2],
+}
+
+impl Reach {
+    /// Nothing if the wheel cannot point straight ahead.
+    pub fn new(range: SteeringRange) -> Option<Self> {
+        if !(range.lower < 0.0 && range.upper > 0.0) {
+            return None;
+        }
+        let quarter = SteeringRange::default();
+        let folded = range.lower >= quarter.lower && range.upper <= quarter.upper;
+        let end = |angle: f64| {
+            let angle = if folded { angle } else { angle.min(DECIDED) };
+            let (sin, cos) = angle.sin_cos();
+            [sin - NEAR_AN_END, cos + NEAR_AN_END]
+        };
+        Some(Self {
+            upper: end(range.upper),
+            lower: end(-range.lower),
+            symmetric: range.lower == -range.upper,
+            limited: !range.is_full(),
+            folded,
+            ends: [range.lower.sin_cos(), range.upper.sin_cos()],
+        })
+    }
+
+    /// Whether the direction of `(x, y)`, turned by half where `x < 0`, is inside by more than the margin
+    /// [m/s].
+    #[inline(always)]
+    fn holds<S: Simd>(&self, simd: S, [x, y]: [Lanes<S>; 2], margin: Lanes<S>) -> Mask<S> {
+        let (along, rise) = (x.abs(), y.abs());
+        let inside = |[ahead, across]: [f64; 2]| {
+            let bound = Lanes::splat(simd, ahead) * along;
+            Lanes::splat(simd, across)
+                .mul_add(rise, margin)
+                .below(bound)
+        };
+        if self.symmetric {
+            return inside(self.upper);
+        }
+        let left = y.flip(x.sign());
+        let zero = Lanes::splat(simd, 0.0);
+        let beside = |mask: Mask<S>, end| mask | inside(end);
+        beside(left.below(zero), self.upper) & beside(zero.below(left), self.lower)
+    }
+}
+
+/// A wheel steered about its contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Steered {
+    pub x: f64,
+    pub y: f64,
+    /// `None` where it is straight ahead.
+    pub heading: Option<Direction>,
+    pub range: SteeringRange,
+    pub reach: Reach,
+}
+
+impl Steered {
+    /// Velocity of the pivot in the axes of the heading, by the same operations as the plain core.
+    #[inline(always)]
+    pub fn velocity<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
+        let ux = vx - omega * Lanes::splat(simd, self.y);
+        let uy = vy + omega * Lanes::splat(simd, self.x);
+        let Some(Direction { sin, cos }) = self.heading else {
+            return [ux, uy];
+        };
+        let (sin, cos) = (Lanes::splat(simd, sin), Lanes::splat(simd, cos));
+        [cos * ux + sin * uy, cos * uy - sin * ux]
+    }
+
+    /// Whether the pivot rests, by the same operations as the plain core.
+    #[inline(always)]
+    pub fn rests<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+        let ahead = Self {
+            heading: None,
+            ..*self
+        };
+        let [ux, uy] = ahead.velocity(simd, twist);
+        let arm = Lanes::splat(simd, self.x.abs() + self.y.abs());
+        let [vx, vy, omega] = absolute(twist);
+        let summed = vx + vy + omega * arm;
+        let rounding = Lanes::splat(simd, REST) * summed;
+        ux.abs().max(uy.abs()).at_most(rounding)
+    }
+
+    /// Whether the wheel rests or surely rolls forwards, in its half plane, inside its range.
+    #[inline(always)]
+    pub fn decides<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+        let velocity = self.velocity(simd, twist);
+        let inside = self.reach.holds(simd, velocity, Lanes::splat(simd, 0.0));
+        self.rests(simd, twist) | inside
+    }
+}
+
+#[inline(always)]
+pub(crate) fn absolute<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    [vx.abs(), vy.abs(), omega.abs()]
+}
+
+/// A register of twists.
+#[inline(always)]
+pub(crate) fn load<S: Simd>(simd: S, columns: &[Column; 3], k: usize) -> [Lanes<S>; 3] {
+    [
+        Lanes::load(simd, S::as_simd_f64s(&columns[0].0).0, k),
+        Lanes::load(simd, S::as_simd_f64s(&columns[1].0).0, k),
+        Lanes::load(simd, S::as_simd_f64s(&columns[2].0).0, k),
+    ]
+}
+
+/// One steered wheel through a block.
+pub(crate) struct Steer<'a, S: Simd> {
+    pub twists: &'a [Column; 3],
+    pub margins: &'a [S::f64s],
+    pub per_radius: Lanes<S>,
+    pub angles: &'a mut [S::f64s],
+    pub speeds: &'a mut [S::f64s],
+}
+
+impl<S: Simd> Steer<'_, S> {
+    /// Where the wheel surely moves well inside its range. What is known of it beforehand leaves the loop.
+    #[inline(always)]
+    pub fn run<const TURNED: bool, const SYMMETRIC: bool>(
+        self,
+        simd: S,
+        steered: &Steered,
+    ) -> Mask<S> {
+        let mut steered = *steered;
+        if !TURNED {
+            steered.heading = None;
+        }
+        steered.reach.symmetric = SYMMETRIC;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut sure = zero.at_most(zero);
+        for k in 0..BLOCK / S::F64_LANES {
+            let [x, y] = steered.velocity(simd, load(simd, self.twists, k));
+            let margin = Lanes::load(simd, self.margins, k);
+            sure = sure & steered.reach.holds(simd, [x, y], margin);
+            let sign = x.sign();
+            angle(simd, x.abs(), y.abs())
+                .flip(y.sign())
+                .flip(sign)
+                .store(self.angles, k);
+            let speed = x.mul_add(x, y * y).sqrt() * self.per_radius;
+            speed.flip(sign).store(self.speeds, k);
+        }
+        sure
+    }
+}

@@ -1,0 +1,10 @@
+//! How an array becomes registers and back; knows no rover.
+
+pub(crate) mod lanes;
+pub(crate) mod level;
+pub(crate) mod polynomials;
+pub(crate) mod stream;
+pub(crate) mod table;
+pub(crate) mod vector;
+pub(crate) mod weave;
+pub(crate) mod workers;

@@ -1,0 +1,5 @@
+//! One row at a time: the lanes of a register are the wheels.
+
+pub(crate) mod forward;
+pub(crate) mod inverse;
+pub(crate) mod step;

@@ -1,0 +1,147 @@
+//! What the kernel of a step of odometry needs to know of a rover and its encoders, and its memory.
+
+use nalgebra::Vector3;
+
+use crate::batch::formulas::forward::LARGEST_ROVER;
+use crate::batch::machine::level::Level;
+use crate::batch::machine::polynomials::LARGEST_ANGLE;
+use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
+use crate::odometry::Encoder;
+use crate::rover::{Mount, Rover};
+
+/// Three numbers per wheel.
+pub(super) type Triple = [Eight; 3];
+
+/// What the kernel needs to know of a rover and its encoders, and its memory.
+///
+/// What holds: the wheels stand in the lanes in [`order`], steered ones first, so steered wheel `k` of the rover is
+/// lane `k % GROUP` of group `k / GROUP`. Lanes without a wheel hold zeros: their radius, rows and shares are 0, so they
+/// roll nowhere and add nothing, and their entry of `wheels` is no index of any array. The same numbers make a castor
+/// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
+/// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(super) level: Level,
+    pub(super) groups: Vec<Group>,
+    /// One per group.
+    pub(super) rooms: Vec<Room>,
+}
+
+/// Eight wheels.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Group {
+    /// Index of each wheel in the rover; [`usize::MAX`] where there is none.
+    pub(super) wheels: [usize; GROUP],
+    /// How many there are: lanes `0..count`.
+    pub(super) count: usize,
+    /// How many of them are steered: lanes `0..steered`.
+    pub(super) steered: usize,
+    /// 1 for a steered wheel, 0 for another.
+    pub(super) steers: Eight,
+    /// Direction at steering angle 0 [rad].
+    pub(super) heading: Eight,
+    /// Angle of a wheel and of its joint per count of their encoders [rad].
+    pub(super) per_count: [Eight; 2],
+    /// [m]
+    pub(super) radius: Eight,
+    /// Place of the pivot in the body, x and y [m].
+    pub(super) pivot: [Eight; 2],
+    /// Rolling and side-slip row. Those of a steered wheel are for the wheel pointing ahead: pointing by `a` to the left,
+    /// they are `cos a` times the one and `sin a` times the other, and `cos a` times the other less `sin a` times the one.
+    pub(super) rows: [Triple; 2],
+    /// Displacement [m, m, rad] that a metre measured along either row adds to the least-squares solution.
+    pub(super) shares: [Triple; 2],
+    /// 1 where a wheel measures along the row, 0 where rollers or the lack of a wheel leave it out.
+    pub(super) has: [Eight; 2],
+}
+
+/// What is kept of eight wheels between the two halves of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Room {
+    /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
+    pub(super) shares: [Triple; 2],
+    /// Way along the wheel's heading, for a steered one along the chord [m].
+    pub(super) rolled: Eight,
+    /// The same in the axes of the rows [m].
+    pub(super) way: [Eight; 2],
+    /// Length of what the fitted displacement and the wheel disagree by [m].
+    pub(super) slid: Eight,
+    /// Variance of that [m²].
+    pub(super) variance: Eight,
+}
+
+impl Group {
+    /// Registers with a wheel in them.
+    #[inline(always)]
+    pub fn registers(&self, lanes: usize) -> usize {
+        self.count.div_ceil(lanes).min(GROUP / lanes)
+    }
+}
+
+impl Plan {
+    /// Nothing where the normal equations depend on the readings, a counter starts over, or the machine has no kernel.
+    pub fn new(
+        rover: &Rover,
+        wheel_encoder: impl Fn(usize) -> Encoder,
+        steering_encoder: impl Fn(usize) -> Encoder,
+    ) -> Option<Self> {
+        let level = level()?;
+        let solution = rover.solution?;
+        if rover.reading_bound > LARGEST_ROVER {
+            return None;
+        }
+        let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
+        let nobody = Group {
+            wheels: [usize::MAX; GROUP],
+            ..Group::default()
+        };
+        let order = order(rover);
+        let mut groups = vec![nobody; order.len().div_ceil(GROUP)];
+        for (k, &i) in order.iter().enumerate() {
+            let (wheel, group, lane) = (&rover.wheels()[i], &mut groups[k / GROUP], k % GROUP);
+            let encoder = wheel_encoder(i);
+            if encoder.modulus.is_some() {
+                return None;
+            }
+            group.wheels[lane] = i;
+            group.count = lane + 1;
+            group.per_count[0][lane] = encoder.angle_per_count();
+            let rows = match rover.mounts[i] {
+                Mount::Castor(_) => continue,
+                Mount::Fixed(rows) => [rows.rolling, rows.side_slip],
+                Mount::Steered(..) => {
+                    let encoder = steering_encoder(k);
+                    if encoder.modulus.is_some()
+                        || wheel.roller_angle.is_some()
+                        || wheel.heading.abs() > LARGEST_ANGLE / 2.0
+                    {
+                        return None;
+                    }
+                    group.steered += 1;
+                    group.steers[lane] = 1.0;
+                    group.heading[lane] = wheel.heading;
+                    group.per_count[1][lane] = encoder.angle_per_count();
+                    [
+                        Vector3::new(1.0, 0.0, -wheel.y),
+                        Vector3::new(0.0, 1.0, wheel.x),
+                    ]
+                }
+            };
+            group.radius[lane] = wheel.radius;
+            (group.pivot[0][lane], group.pivot[1][lane]) = (wheel.x, wheel.y);
+            for (which, row) in rows.into_iter().enumerate() {
+                group.has[which][lane] = f64::from(u8::from(row.x != 0.0 || row.y != 0.0));
+                let share = share(row);
+                for part in 0..3 {
+                    group.rows[which][part][lane] = row[part];
+                    group.shares[which][part][lane] = share[part];
+                }
+            }
+        }
+        Some(Self {
+            level,
+            rooms: vec![Room::default(); groups.len()],
+            groups,
+        })
+    }
+}

@@ -1,0 +1,251 @@
+"""`six-wheel calibrate`: logs and truth in; a parameter file ready to use, a picture and a report out."""
+
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("typer")
+pytest.importorskip("rich")
+pytest.importorskip("pyarrow")
+pytest.importorskip("scipy")
+
+import six_wheel as sw
+from six_wheel.calibration import Estimate
+from six_wheel.calibration.files import calibrate_files, interval
+from six_wheel.logs.opening import LogOptions, example_run
+from six_wheel.logs.optiodom import example
+from six_wheel.parameters import read_parameters
+from tests.cli_runs import Run
+from tests.odometry_logs import drive
+
+Refused = Callable[..., str]
+NOMINAL = """\
+# Measured with a tape.
+kind: differential
+track_width: 0.40  # hub to hub
+wheel_radius: 0.10
+noise: {slip: 0.01}
+"""
+TRUE = sw.Rover.differential(0.408, 0.0985)
+FIND = ("--parameters", "wheel_radius,track_width")
+
+
+def write(path: str, *, seed: int, truth: bool = True, straight: bool = False, gain: float = 1.0) -> None:
+    """A drive of `TRUE`, with truth to 0.1 mm and wheels to 1 mrad."""
+    way = drive(TRUE, n=150, turning=0.0 if straight else 0.8 - 0.1 * seed)
+    noise = np.random.default_rng(seed)
+    angles = way.angles / gain + noise.normal(0.0, 1e-3, way.angles.shape)
+    poses = way.poses + noise.normal(0.0, 1e-4, way.poses.shape)
+    columns = [way.stamps, *angles.T, *(poses.T if truth else ())]
+    header = "time,left [rad],right [rad]" + (",x,y,yaw" if truth else "")
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.9f")
+
+
+@pytest.fixture
+def drives(run: Run) -> None:
+    Path("cart.yaml").write_text(NOMINAL)
+    for seed in (1, 2, 3):
+        write(f"run{seed}.csv", seed=seed)
+
+
+def row(out: str, name: str) -> list[str]:
+    found = re.search(rf"^ *{re.escape(name)} +(.*\S)", out, re.MULTILINE)
+    assert found, f"{name} in\n{out}"
+    return found[1].split()
+
+
+def test_the_true_dimensions_are_found_and_written_into_the_file(run: Run, drives: None) -> None:
+    logs = ("run1.csv", "run2.csv", "run3.csv")
+    code, out, err = run("calibrate", "cart.yaml", *logs, *FIND, "-o", "true.yaml")
+    assert (code, err) == (0, "")
+    nominal, value, low, _, high, unit = row(out, "track_width")
+    assert (nominal, unit) == ("0.4", "m")
+    assert float(low) <= float(value) <= float(high)
+    assert float(value) == pytest.approx(0.408, abs=2e-4)  # [m], of 1 mrad and 0.1 mm
+    assert float(row(out, "wheel_radius")[1]) == pytest.approx(0.0985, abs=2e-5)
+    for name in ("run1", "run2", "run3"):
+        _, before, after = map(float, row(out, name))
+        assert after < 0.1 * before
+    assert "each predicted by a fit without it" in out
+
+    text = Path("true.yaml").read_text()
+    assert text.startswith("# Calibrated by six-wheel ")
+    for kept in ("# Measured with a tape.", "# hub to hub", "noise: {slip: 0.01}", "kind: differential"):
+        assert kept in text
+    rover = sw.load("true.yaml")
+    found = calibrate_files(
+        sw.load("cart.yaml"),
+        [Path(log) for log in logs],
+        options={"parameters": ["wheel_radius", "track_width"]},
+    )
+    for one, other in zip(rover.wheels, found.result.rover.wheels, strict=True):
+        assert (one.y, one.radius) == pytest.approx((other.y, other.radius), rel=1e-12)
+
+    _, out, _ = run("odometry", "true.yaml", "run1.csv")
+    said = re.search(r"ATE +(\S+) m", out)
+    assert said
+    assert float(said[1]) == pytest.approx(found.result.runs[0].after, abs=1e-4)  # as printed
+
+
+def test_one_command_calibrates_the_example(run: Run) -> None:
+    pytest.importorskip("matplotlib")
+    code, out, err = run("calibrate", "--example", "-o", "r.yaml", "--plot", "p.png", "--report", "r.md")
+    assert (code, err) == (0, "")
+    before, after = map(float, row(out, "140120211508_run-01")[1:])
+    assert after < 0.1 * before
+    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    assert f"errs by {before:.3f} m rms; with those found, by {after:.3f} m." in " ".join(readme.split())
+    assert Path("p.png").read_bytes().startswith(b"\x89PNG")
+    text = Path("r.md").read_text()
+    pictures = re.findall(r"!\[.*?\]\(<(.*?)>\)", text)
+    assert pictures == ["r.png", "r_windows.png"]
+    assert all(Path(picture).exists() for picture in pictures)
+    for part in (
+        "# Calibration of 140120211508",
+        "## Runs",
+        "## Cross-validation",
+        "six-wheel odometry r.yaml LOG",
+    ):
+        assert part in text
+    _, out, _ = run("odometry", "r.yaml", "--example")
+    said = re.search(r"ATE +(\S+) m", out)
+    assert said
+    assert float(said[1]) == pytest.approx(after, abs=1e-4)  # as printed
+    assert example()[0] == sw.logs.optiodom.read_rover(example_run())
+
+
+def test_a_straight_run_cannot_tell_the_track(run: Run, drives: None) -> None:
+    write("straight.csv", seed=0, straight=True)
+    code, out, _ = run("calibrate", "cart.yaml", "straight.csv", *FIND, "-o", "s.yaml")
+    assert code == 0
+    assert row(out, "track_width")[2:4] == ["not", "identified"]
+    assert re.search(r"^- track_width stays at its nominal 0\.4 m: a straight run cannot", out, re.MULTILINE)
+    assert sw.load("s.yaml").wheels[0].y == pytest.approx(0.2, abs=1e-9)
+    assert "a straight run cannot identify it" in Path("s.yaml").read_text()
+
+
+def test_truth_of_its_own_for_all_logs_or_for_each(run: Run, refused: Refused, drives: None) -> None:
+    for seed in (1, 2):
+        write(f"bare{seed}.csv", seed=seed, truth=False)
+    joint = run("calibrate", "cart.yaml", "run1.csv", "run2.csv", *FIND, "--no-cross-validation")[1]
+    truths = ("--truth", "run1.csv", "--truth", "run2.csv")
+    apart = run("calibrate", "cart.yaml", "bare1.csv", "bare2.csv", *truths, *FIND, "--no-cross-validation")[
+        1
+    ]
+    assert row(joint, "track_width") == row(apart, "track_width")
+    both = ("calibrate", "cart.yaml", "bare1.csv", "bare2.csv", "run3.csv", *truths)
+    assert "truth must be given once, or once for every log, got 2 for 3 logs" in refused(*both)
+    assert "where the rover really was; give --truth" in refused("calibrate", "cart.yaml", "bare1.csv")
+
+
+def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: None) -> None:
+    """Wheels of the right size whose encoders count 2 % too few."""
+    for seed in (1, 2):
+        write(f"few{seed}.csv", seed=seed, gain=1.02)
+    Path("cart.yaml").write_text(NOMINAL.replace("0.40 ", "0.408").replace("0.10", "0.0985"))
+    options = ("--parameters", "encoder_scale", "-o", "scaled.yaml")
+    code, _, err = run("calibrate", "cart.yaml", "few1.csv", "few2.csv", *options)
+    assert (code, err) == (0, "")
+    parameters = read_parameters("scaled.yaml")
+    assert parameters.rover == sw.load("cart.yaml")
+    assert parameters.encoders["scale"] == pytest.approx(1.02, abs=2e-4)
+    _, out, _ = run("odometry", "scaled.yaml", "few1.csv")
+    said = re.search(r"ATE +(\S+) m", out)
+    assert said
+    assert float(said[1]) < 0.01
+    # Once more: what was found is built upon, not found again.
+    run(
+        "calibrate",
+        "scaled.yaml",
+        "few1.csv",
+        "few2.csv",
+        "--parameters",
+        "encoder_scale",
+        "-o",
+        "twice.yaml",
+    )
+    again = read_parameters("twice.yaml").encoders["scale"]
+    assert again == pytest.approx(1.02, abs=2e-4)
+
+
+def test_bad_rows_are_warned_of(run: Run, drives: None) -> None:
+    lines = Path("run1.csv").read_text().splitlines()
+    lines[10] = "nan" + lines[10]
+    Path("bad.csv").write_text("\n".join(lines) + "\n")
+    code, _, err = run("calibrate", "cart.yaml", "bad.csv", *FIND, "--no-cross-validation")
+    assert code == 0
+    assert err.startswith("six-wheel: warning: bad.csv: row 10 (line 11): ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "ROVER and LOG must be given, or --example"),
+        (["cart.yaml"], "ROVER and LOG must be given, or --example"),
+        (["cart.yaml", "run1.csv", "--example"], "LOG must be left out with --example, got run1.csv"),
+        (["cart.yaml", "runs1.csv"], 'no such file; did you mean "run1.csv"?'),
+        (["cart.yaml", "run1.csv", "--parameters", "track_with"], "parameters must be some of"),
+        (["cart.yaml", "run1.csv", "--parameters", ","], "parameters must name one at least"),
+        (["cart.yaml", "run1.csv", "--loss", "l2"], "loss must be one of"),
+        (["cart.yaml", "run1.csv", "--confidence", "2"], "confidence must be between 0 and 1, got 2"),
+        (["cart.yaml", "run1.csv", "--window", "-1"], "window must be finite and positive"),
+        (["cart.yaml", "run1.csv", "-o", "r.csv"], 'the ending must be .yaml or .yml, got ".csv"'),
+        (["cart.yaml", "run1.csv", "-o", "cart.yaml"], "the output must be another file than cart.yaml"),
+        (["cart.yaml", "run1.csv", "-o", "none/r.yaml"], "the folder of the output must exist"),
+        (["cart.yaml", "run1.csv", "--report", "r.txt"], "the ending must be .md or .markdown"),
+        (["cart.yaml", "run1.csv", "--plot", "r.xyz"], "the ending must be one of .png, .svg, .pdf"),
+        (["cart.yaml", "run1.csv", "--truth", "late.csv"], "the truth must overlap the log in time"),
+    ],
+)  # fmt: skip
+def test_wrong_usage(refused: Refused, drives: None, arguments: list[str], words: str) -> None:
+    way = drive(TRUE, n=5)
+    late = "".join(
+        f"{1000 + t},{x},{y},{yaw}\n" for t, (x, y, yaw) in zip(way.stamps, way.poses, strict=True)
+    )
+    Path("late.csv").write_text("time,x,y,yaw\n" + late)
+    assert words in refused("calibrate", *arguments)
+
+
+def test_progress_names_what_is_done(run: Run, drives: None) -> None:
+    seen: list[tuple[int, int, str]] = []
+    calibrate_files(
+        sw.load("cart.yaml"),
+        [Path("run1.csv"), Path("run2.csv")],
+        log_options=LogOptions(),
+        options={"parameters": ["wheel_radius"]},
+        progress=lambda *step: seen.append(step),
+    )
+    assert seen[0] == (0, 2, "reading run1.csv")
+    assert all(done <= total for done, total, _ in seen)
+    assert len(seen) > 3
+
+
+def test_without_scipy_the_install_line_is_named(refused: Refused, drives: None, monkeypatch) -> None:
+    import sys
+
+    for name in [name for name in sys.modules if name.startswith("scipy")]:
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in [name for name in sys.modules if name.startswith("six_wheel.calibration")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delattr("six_wheel.calibration", raising=False)
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    assert "pip install" in refused("calibrate", "cart.yaml", "run1.csv")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "words"),
+    [
+        (0.19983, 0.20017, "0.19983 to 0.20017"),
+        (-0.16, 0.48, "-0.16 to 0.48"),
+        (99.0, 101.0, "99.00 to 101.00"),
+        (1.0, 1.0, "1.000000 to 1.000000"),
+    ],
+)
+def test_intervals_have_the_digits_they_are_worth(low: float, high: float, words: str) -> None:
+    middle = (low + high) / 2
+    assert interval(Estimate("a", "m", middle, middle, (high - low) / 4, (low, high))) == words
+    assert interval(Estimate("a", "m", middle, middle, math.nan, (math.nan, math.nan))) == "not identified"

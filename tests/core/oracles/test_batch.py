@@ -1,0 +1,379 @@
+"""Batches: every kernel level against the plain core, which takes the same rows one by one.
+
+`SOAK` in the environment multiplies the number of random rows (`make soak`); `-s` shows the worst cases.
+"""
+
+import math
+import os
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import six_wheel as sw
+from tests.strategies import any_twists, layouts
+
+SOAK = int(os.environ.get("SOAK", "1"))
+ROWS = 20_000 * SOAK
+KERNELS = [name for name in sw.kernels() if name != "plain"]
+ALL_KERNELS = pytest.mark.parametrize("kernel", KERNELS)
+SIZES = [0.0, -0.0, 5e-324, 1e-310, 1e-200, 1e-120, 1e-30, 1e-9, 0.1, 1.0, 3.0, 1e9, 1e90, 1e120, 1e300]
+
+SWERVE = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
+ROVERS = {
+    "perseverance": sw.Rover.preset("perseverance"),
+    "limited": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0),
+    "wide": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-2.0, 2.5)),
+    "swerve": sw.Rover.swerve(SWERVE, 0.1),
+    "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
+    "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
+    "tricycle": sw.Rover.tricycle(1.0, 0.8, 0.2),
+    "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
+    "mecanum": sw.Rover.mecanum(0.3, 0.2, 0.1),
+    "omni": sw.Rover.omni([(0.2, 0), (-0.1, 0.17), (-0.1, -0.17)], [1.57, 3.67, -0.52], 0.05),
+    "castor": sw.Rover(
+        [
+            *sw.Rover.differential(0.5, 0.1).wheels,
+            sw.Wheel("castor", 0.3, 0, radius=0.05, castor=True, trail=0.02),
+        ]
+    ),
+    "turned": sw.Rover(
+        [
+            sw.Wheel("a", 0.5, 0.3, radius=0.1, steered=True, heading=0.7),
+            sw.Wheel("b", -0.5, 0.0, radius=0.2, steered=True, heading=-2.0, steering_limit=(-0.4, 1.3)),
+            sw.Wheel("c", 0.0, -0.3, radius=0.1),
+        ]
+    ),
+}
+ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
+
+
+def corners(rover: sw.Rover) -> np.ndarray:
+    """Every combination of sizes, and turning exactly about every wheel."""
+    grid = np.array(np.meshgrid(SIZES, SIZES, SIZES)).reshape(3, -1).T
+    signs = np.array([(1, 1, 1), (-1, 1, 1), (1, -1, -1)])
+    about = [(w.y * s, -w.x * s, s) for w in rover.wheels for s in SIZES]
+    along = [(s * math.cos(a), s * math.sin(a), 0.0) for s in SIZES for a in np.arange(-8, 9) * math.pi / 8]
+    return np.concatenate([*(grid * sign for sign in signs), about, np.reshape(along, (-1, 3))])
+
+
+def random_twists(generator: np.random.Generator, count: int) -> np.ndarray:
+    """Mostly ordinary; some at rest, straight or on the spot, some of any size there is."""
+    twists = generator.normal(size=(count, 3))
+    twists[generator.random((count, 3)) < 0.2] = 0.0
+    odd = generator.random(count) < 0.1
+    return np.where(odd[:, None], twists * 10.0 ** generator.uniform(-320, 307, (count, 1)), twists)
+
+
+def possible(rover: sw.Rover, twists: np.ndarray) -> np.ndarray:
+    """The twists the rover can make: those given, or with its fixed wheels' line respected."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        fixed = [w for w in rover.wheels if not w.steered and not w.castor and w.roller_angle is None]
+        if fixed:
+            line = np.mean([w.x for w in fixed])
+            twists = np.concatenate(
+                [twists, np.stack([twists[:, 0], -line * twists[:, 2], twists[:, 2]], axis=1)]
+            )
+        finite = np.isfinite(twists).all(axis=1) & (np.abs(twists).max(axis=1) < 1e306)
+    twists = twists[finite]
+    return twists[rover.admissible(twists)]
+
+
+def worst(found: np.ndarray, expected: np.ndarray, scale: np.ndarray | float = 0.0) -> float:
+    """Largest error as a share of what is allowed: 4 ulp of the number, or of `scale`, or 1e-14."""
+    allowed = np.maximum(4 * np.spacing(np.maximum(np.abs(expected), scale)), 1e-14)
+    return float(np.max(np.abs(found - expected) / allowed, initial=0.0))
+
+
+@ALL_KERNELS
+@ALL_ROVERS
+def test_inverse(kernel, rover):
+    generator = np.random.default_rng(1)
+    twists = possible(rover, np.concatenate([corners(rover), random_twists(generator, ROWS)]))
+    expected = rover.inverse(twists, kernel="plain")
+    found = rover.inverse(twists, kernel=kernel)
+    shares = [worst(*pair) for pair in zip(found, expected, strict=True)]
+    print(f"inverse {kernel}: {len(twists)} rows, worst {max(shares):.2f} of 4 ulp or 1e-14")
+    assert max(shares) <= 1.0
+
+
+@ALL_KERNELS
+@ALL_ROVERS
+def test_forward(kernel, rover):
+    generator = np.random.default_rng(2)
+    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    steering = generator.normal(size=(ROWS, joints)) * 2
+    speeds = generator.normal(size=(ROWS, wheels)) * 10
+    odd = generator.random(ROWS) < 0.1
+    speeds[odd] *= 10.0 ** generator.uniform(-320, 300, (odd.sum(), 1))
+    steering[odd] *= 10.0 ** generator.uniform(-320, 300, (odd.sum(), 1))
+    speeds[generator.random(speeds.shape) < 0.05] = 0.0
+    expected = rover.forward(steering, speeds, kernel="plain")
+    found = rover.forward(steering, speeds, kernel=kernel)
+    # What is summed may cancel: 4 ulp of the summands, not of what is left of them.
+    scale = np.abs(speeds).max(axis=1, keepdims=True) * max(w.radius for w in rover.wheels)
+    share = worst(found, expected, scale * wheels)
+    print(f"forward {kernel}: {ROWS} rows, worst {share:.2f} of 4 ulp or 1e-14")
+    assert share <= 1.0
+
+
+@ALL_KERNELS
+@pytest.mark.parametrize("dt", [1e-3, 0.1, 3.0])
+def test_integrate(kernel, dt):
+    generator = np.random.default_rng(3)
+    twists = random_twists(generator, ROWS)
+    twists = np.where(np.abs(twists) < 1e3, twists, 1.0)
+    each = np.full(ROWS, dt)
+    expected = sw.integrate(twists, dt, (1.0, -2.0, 300.0), kernel="plain")
+    found = sw.integrate(twists, each, (1.0, -2.0, 300.0), kernel=kernel)
+    # Rounding grows with the way driven, not with the place it leads to.
+    way = np.concatenate([[3.0], 3.0 + np.cumsum(np.abs(twists).max(axis=1) * dt)])
+    shares = [worst(found[:, :2], expected[:, :2], way[:, None]), worst(found[:, 2], expected[:, 2], 300.0)]
+    print(f"integrate {kernel}: {ROWS} steps of {dt} s, worst {max(shares):.2f} of 4 ulp or 1e-14")
+    assert max(shares) <= 1.0
+
+
+@ALL_KERNELS
+@given(layouts(), st.lists(any_twists(), min_size=8, max_size=80))
+def test_inverse_of_any_layout(kernel, rover, twists):
+    twists = rover.project(twists)
+    expected = rover.inverse(twists, kernel="plain")
+    found = rover.inverse(twists, kernel=kernel)
+    assert max(worst(*pair) for pair in zip(found, expected, strict=True)) <= 1.0
+    back = rover.forward(*expected, kernel=kernel)
+    np.testing.assert_allclose(back, rover.forward(*expected, kernel="plain"), rtol=0, atol=1e-12)
+
+
+@ALL_KERNELS
+@pytest.mark.parametrize(
+    "bad", [(0.0, 1.0, 0.0), (math.nan, 0.0, 0.0), (0.0, 0.0, -math.inf), (1e308, 0, 1e308)]
+)
+@pytest.mark.parametrize("row", [0, 7, 63, 64, 130])
+def test_a_failed_inverse_writes_nothing_and_says_what_the_plain_core_says(kernel, bad, row):
+    rover = ROVERS["perseverance"]
+    twists = np.tile([0.5, 0.0, 0.2], (131, 1))
+    twists[row] = bad
+    out = np.full((131, 4), 7.0), np.full((131, 6), 7.0)
+    with pytest.raises(ValueError, match=rf"^twist\[{row}\] must") as plain:
+        rover.inverse(twists, kernel="plain")
+    with pytest.raises(type(plain.value)) as found:
+        rover.inverse(twists, out=out, kernel=kernel)
+    assert str(found.value) == str(plain.value)
+    assert all((array == 7.0).all() for array in out)
+
+
+@ALL_KERNELS
+@pytest.mark.parametrize("value", [math.nan, math.inf, 1e307])
+@pytest.mark.parametrize("row", [0, 63, 64, 130])
+def test_a_failed_forward_writes_nothing(kernel, value, row):
+    steering, speeds = np.zeros((131, 4)), np.ones((131, 6))
+    speeds[row, 3] = value
+    out = np.full((131, 3), 7.0)
+    rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 150.0)
+    with pytest.raises(ValueError, match=rf"^speeds\[{row}\] must be"):
+        rover.forward(steering, speeds, out=out, kernel=kernel)
+    assert (out == 7.0).all()
+
+
+@ALL_KERNELS
+@pytest.mark.parametrize("bad", [(math.nan, 0, 0), (0, -math.inf, 0), (1e308, 0, 0)])
+def test_a_failed_rollout_writes_nothing(kernel, bad):
+    controls, out = np.ones((5, 20, 3)), np.full((5, 21, 3), 7.0)
+    controls[3, 11] = bad
+    with pytest.raises(ValueError, match=r"^controls\[3, 11\] must"):
+        sw.rollout(controls, 10.0, out=out, kernel=kernel)
+    assert (out == 7.0).all()
+
+
+@ALL_KERNELS
+def test_wheels_without_encoder(kernel):
+    rover = sw.Rover.ackermann(2.0, 1.2, 0.3)
+    generator = np.random.default_rng(4)
+    joints, wheels = len(rover.steered_names), len(rover.wheels)
+    steering, speeds = generator.normal(size=(200, joints)), generator.normal(size=(200, wheels))
+    passive = [i for i, w in enumerate(rover.wheels) if not w.driven]
+    speeds[50:120, passive] = math.nan
+    expected = rover.forward(steering, speeds, kernel="plain")
+    assert worst(rover.forward(steering, speeds, kernel=kernel), expected, 10.0) <= 1.0
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("threads", [2, 3, 7])
+def test_threads_change_no_bit(kernel, threads):
+    rover = ROVERS["perseverance"]
+    twists = random_twists(np.random.default_rng(5), 25_001)
+    twists[:, 1] = 0.0
+    twists = twists[np.abs(twists).max(axis=1) < 1e300]
+    one = rover.inverse(twists, kernel=kernel, threads=1)
+    many = rover.inverse(twists, kernel=kernel, threads=threads)
+    for ours, theirs in zip(one, many, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    back = rover.forward(*one, kernel=kernel, threads=1)
+    np.testing.assert_array_equal(rover.forward(*one, kernel=kernel, threads=threads), back)
+    controls = np.random.default_rng(6).normal(size=(400, 64, 3))
+    poses = sw.rollout(controls, 0.1, kernel=kernel, threads=1)
+    np.testing.assert_array_equal(sw.rollout(controls, 0.1, kernel=kernel, threads=threads), poses)
+
+
+@ALL_KERNELS
+@pytest.mark.parametrize("threads", [1, 3])
+def test_what_is_too_large_for_the_caches_is_its_parts(kernel, threads):
+    rover = ROVERS["perseverance"]
+    count = 450_001  # 36 MB of output
+    twists = random_twists(np.random.default_rng(7), 9001)
+    twists = np.resize(possible(rover, twists)[:5003], (count, 3))
+    memory = np.full(10 * count + 16, np.inf)
+    first = 5  # neither output begins with a line of the caches
+    out = (
+        memory[first : first + 4 * count].reshape(count, 4),
+        memory[first + 4 * count : first + 10 * count].reshape(count, 6),
+    )
+    rover.inverse(twists, out=out, kernel=kernel, threads=threads)
+    assert np.isposinf(memory[:first]).all()
+    assert np.isposinf(memory[first + 10 * count :]).all()
+    for k in range(0, count, 100_003):
+        rows = slice(k, k + 100_003)
+        parts = rover.inverse(twists[rows], kernel=kernel)
+        assert all(np.array_equal(whole[rows], part) for whole, part in zip(out, parts, strict=True))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_first_bad_row_is_named_whatever_the_threads(threads):
+    twists = np.tile([0.5, 0.0, 0.2], (50_000, 1))
+    twists[[12_345, 45_678], 1] = 1.0
+    with pytest.raises(sw.InfeasibleMotionError, match=r"^twist\[12345\] must"):
+        ROVERS["perseverance"].inverse(twists, threads=threads)
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_a_rollout_is_its_logs(kernel):
+    generator = np.random.default_rng(7)
+    controls, starts = generator.normal(size=(5, 13, 3)), generator.normal(size=(5, 3))
+    poses = sw.rollout(controls, 0.1, starts, kernel=kernel)
+    for k in range(5):
+        np.testing.assert_array_equal(poses[k], sw.integrate(controls[k], 0.1, starts[k], kernel=kernel))
+    same = sw.rollout(controls, np.full(13, 0.1), starts[0], kernel=kernel)
+    np.testing.assert_array_equal(same[0], poses[0])
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_a_long_closed_circle_ends_where_it_began(kernel):
+    count, radius = min(1_000_000 * SOAK, 100_000_000), 5.0
+    twists = np.empty((count, 3))
+    twists[:] = radius * 2 * math.pi / count * 100, 0.0, 2 * math.pi / count * 100  # a hundred rounds
+    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 1e3 * 2 * math.pi), kernel=kernel)
+    way = 100 * 2 * math.pi * radius
+    turn = poses[-1, 2] - poses[0, 2] - 100 * 2 * math.pi
+    print(f"circle {kernel}: {count} steps, off by {np.hypot(*poses[-1, :2]) / way:.1e} of the way")
+    # The steps' own rounding, half an ulp of each, adds up to that of the turn.
+    assert np.hypot(*poses[-1, :2]) <= 1e-9 * way
+    assert abs(turn) <= 1e-9
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_a_heading_of_many_turns_loses_no_digits(kernel):
+    # Two hundred million turns, where yaws lie 2e-7 rad apart, and then once round in 64 steps of 1 m.
+    twists = np.tile([1.0, 0.0, 2 * math.pi / 64], (64, 1))
+    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 2.0**30), kernel=kernel)
+    assert np.spacing(poses[-1, 2]) > 2e-7
+    np.testing.assert_allclose(poses[-1, :2], 0, rtol=0, atol=1e-13)
+
+
+def unaligned(rows: np.ndarray) -> np.ndarray:
+    """The same numbers, one byte off."""
+    memory = np.zeros(rows.nbytes + 1, dtype=np.uint8)
+    moved = memory[1:].view(rows.dtype).reshape(rows.shape)
+    moved[:] = rows
+    return moved
+
+
+FORMS = {
+    "fortran": np.asfortranarray,
+    "every other row": lambda rows: np.repeat(rows, 2, axis=0)[::2],
+    "backwards": lambda rows: np.ascontiguousarray(rows[::-1, ::-1])[::-1, ::-1],
+    "columns of a table": lambda rows: np.concatenate([rows, rows], axis=1)[:, : rows.shape[1]],
+    "swapped": lambda rows: rows.astype(rows.dtype.newbyteorder()),
+    "unaligned": unaligned,
+    **{
+        name: lambda rows, name=name: rows.astype(name)
+        for name in ("f2", "f4", ">f4", "g", "i1", "i2", ">i4", "i8", "u1", "u2", "u4", ">u8")
+    },
+    "unaligned float32": lambda rows: unaligned(rows.astype("f4")),
+    "list": np.ndarray.tolist,
+}
+
+
+@pytest.mark.parametrize("form", FORMS.values(), ids=FORMS.keys())
+@pytest.mark.parametrize("threads", [1, 2])
+def test_numbers_in_any_form_are_the_same_numbers(form, threads):
+    # Small whole numbers: every dtype holds them. More of them than are read at a time.
+    rover, generator = sw.Rover.swerve(SWERVE, 0.1), np.random.default_rng(8)
+    for count in (5, 21_003):
+        twists, previous = (1.0 * generator.integers(0, 9, (count, width)) for width in (3, 4))
+        steering, speeds = rover.inverse(twists, previous=previous)
+        found = rover.inverse(form(twists), previous=form(previous), threads=threads)
+        np.testing.assert_array_equal(found[0], steering)
+        np.testing.assert_array_equal(found[1], speeds)
+        np.testing.assert_array_equal(rover.inverse(form(twists))[0], rover.inverse(twists)[0])
+        back = rover.forward(previous, np.rint(speeds))
+        np.testing.assert_array_equal(rover.forward(form(previous), np.rint(speeds)), back)
+        np.testing.assert_array_equal(sw.integrate(form(twists), 0.01), sw.integrate(twists, 0.01))
+        dts = 1.0 + generator.integers(0, 9, (2 * count, 1))
+        twists = np.ones((2 * count, 3))
+        in_form = np.asarray(form(dts))[:, 0]
+        np.testing.assert_array_equal(sw.integrate(twists, in_form), sw.integrate(twists, dts[:, 0]))
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("leading", [(3, 5, 1000), (7001, 1, 2), (2, 9001)])
+def test_leading_axes_in_any_order(order, leading):
+    rover, generator = ROVERS["differential"], np.random.default_rng(9)
+    twists = generator.normal(size=(*leading, 3))
+    twists[..., 1] = 0.0
+    axes = (*range(len(leading))[::-1], len(leading))
+    moved = np.asarray(np.ascontiguousarray(twists.transpose(axes)), order=order).transpose(axes)
+    for ours, theirs in zip(rover.inverse(moved), rover.inverse(twists), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(sw.integrate(moved, 0.1), sw.integrate(twists, 0.1))
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("threads", [1, 3])
+def test_whatever_is_returned_fresh_is_checked(kernel, threads):
+    twists = np.tile([0.5, 0.0, 0.2], (50_000, 1))
+    twists[[33_333, 44_444], 0] = math.nan
+    steering, speeds = np.zeros((50_000, 4)), np.ones((50_000, 6))
+    speeds[44_444, 5] = math.inf
+    options = {"kernel": kernel, "threads": threads}
+    for form in (twists, twists.astype("f4"), np.asfortranarray(twists)):
+        with pytest.raises(ValueError, match=r"^twist\[33333\] must be finite"):
+            ROVERS["perseverance"].inverse(form, **options)
+        with pytest.raises(ValueError, match=r"^twists\[33333\] must be finite"):
+            sw.integrate(form, 0.1, **options)
+        with pytest.raises(ValueError, match=r"^controls\[666, 33\] must be finite"):
+            sw.rollout(form.reshape(1000, 50, 3), 0.1, **options)
+    with pytest.raises(ValueError, match=r"^speeds\[44444\] must be"):
+        ROVERS["perseverance"].forward(steering, speeds.astype("f4"), **options)
+    with pytest.raises(ValueError, match=r"^dt\[44444\] must be finite and positive"):
+        sw.integrate(
+            np.zeros((50_000, 3)), np.where(np.arange(50_000) == 44_444, 0.0, 1.0).astype("f4"), **options
+        )
+
+
+def test_options():
+    rover, twists = ROVERS["perseverance"], np.zeros((9, 3))
+    assert sw.kernels()[0] == "plain"
+    with pytest.raises(ValueError, match=r"^kernel must be one this machine has \(\"plain\".*got \"mmx\""):
+        rover.inverse(twists, kernel="mmx")
+    for call in (lambda: sw.integrate(twists, 0.1, threads=0), lambda: sw.set_default_threads(0)):
+        with pytest.raises(ValueError, match="^threads must be at least 1, got 0"):
+            call()
+    with pytest.raises(ValueError, match=r"^controls must have shape \(..., k, t, 3\)"):
+        sw.rollout(twists, 0.1)
+    assert sw.default_threads() == 1
+    try:
+        sw.set_default_threads(2)
+        assert sw.default_threads() == 2
+    finally:
+        sw.set_default_threads(1)

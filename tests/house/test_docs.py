@@ -1,0 +1,80 @@
+"""What the pages under docs show runs and gives what they say; what they link to is there."""
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+MODELS = (DOCS / "models.md").read_text(encoding="utf-8")
+LARGEST_PICTURE = 60_000  # [B], of those drawn for a page
+
+
+class Checker(doctest.OutputChecker):
+    """Equal but for spaces and the sign of zero, in which machines may differ."""
+
+    def check_output(self, want: str, got: str, optionflags: int) -> bool:
+        same = [re.sub(r"-(0\.0*[,)\]])", r"\1", "".join(text.split())) for text in (want, got)]
+        return super().check_output(*same, optionflags)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_snippets_give_what_the_page_says(page):
+    lines, shown = [], False
+    for line in page.read_text(encoding="utf-8").splitlines():
+        fence = line.startswith("```")
+        # All but the snippets becomes empty lines, so that a failure names the line of the page.
+        lines.append(line if shown and not fence else "")
+        shown = line == "```pycon" if fence else shown
+    code = "\n".join(lines)
+    test = doctest.DocTestParser().get_doctest(code, {}, page.name, str(page), 0)
+    report: list[str] = []
+    result = doctest.DocTestRunner(Checker(), verbose=False).run(test, out=report.append)
+    assert result.failed == 0, "".join(report)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_what_a_page_links_to_is_there(page):
+    text = page.read_text(encoding="utf-8")
+    anchors = {
+        re.sub(r"[^\w -]", "", head).lower().replace(" ", "-")
+        for head in re.findall(r"^#+ (.*)$", text, re.M)
+    }
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" in link:
+            continue
+        path, _, anchor = link.partition("#")
+        assert not path or (page.parent / path).exists(), link
+        assert path or anchor in anchors, link
+
+
+def test_every_vehicle_has_a_section_with_a_small_picture():
+    pictures = set(re.findall(r"\]\(pictures/(\w+)\.png\)", MODELS))
+    assert {"six_wheel", "swerve", "differential", "tracked", "ackermann"} <= pictures
+    assert {"bicycle", "tricycle", "mecanum", "omni", "rocker_bogie", "four_axle"} <= pictures
+    for name in pictures:
+        assert (DOCS / "pictures" / f"{name}.png").stat().st_size < LARGEST_PICTURE, name
+    sections = re.split(r"^## ", MODELS, flags=re.M)[1:]
+    for section in sections:
+        if "![" in section:
+            assert "**Published" in section, section.splitlines()[0]
+            assert "**What is wrong" in section, section.splitlines()[0]
+            assert ">>>" in section, section.splitlines()[0]
+
+
+def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("scipy")
+    monkeypatch.syspath_prepend(DOCS)
+    import draw
+
+    monkeypatch.setattr(draw, "PICTURES", tmp_path)
+    draw.main()
+    drawn = {path.name for path in tmp_path.iterdir()}
+    others = ("four_axle", "transitions", "calibration", "limits", "drive")
+    assert drawn == {f"{name}.png" for name in (*draw.VEHICLES, *others)}
+    assert drawn <= {path.name for path in (DOCS / "pictures").iterdir()}
+    assert max(path.stat().st_size for path in tmp_path.iterdir()) < LARGEST_PICTURE

@@ -1,0 +1,83 @@
+"""Logs, and the OptiOdom reader on files as they are and as they should not be."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from six_wheel.logs import Log, Truth, optiodom
+
+METADATA = "type,diff,\nngear,43.7,\nencRes,64,\nLi,0.2,\nDi,0.084,0.084\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "day_metadata.csv").write_text(METADATA)
+    return tmp_path
+
+
+def write(folder, text, name="day_run-01.csv"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def test_a_run_becomes_a_log(folder):
+    path = write(folder, "0,0,0,0,0,0\n0.05,0.001,0,0.1,437,0\n0.1,0.002,0,0.2,0,-43.7\n")
+    rover, log = optiodom.read_rover(path), optiodom.read(path)
+    assert rover == optiodom.read_rover(folder / "day_metadata.csv")
+    assert rover.wheel_names == ("left", "right")  # the file has the right wheel first
+    turn = 2 * math.pi / (43.7 * 64)
+    assert_allclose(log.wheel_angles, [(0, 0), (0, 437 * turn), (-43.7 * turn, 437 * turn)])
+    assert log.steering is None
+    assert log.session == "day"
+    assert log.name == "day_run-01"
+    assert_allclose(log.truth.poses[-1], (0.002, 0.0, 0.2))
+    assert repr(log) == "Log('day_run-01', 3 rows, 0.1 s, with truth)"
+    assert optiodom.runs(folder) == [path]
+
+
+def test_a_last_line_that_was_cut_costs_no_row(folder):
+    rows = "0,0,0,0,0,0\n0.05,0,0,0,1,1\n"
+    for cut in ("", "0.1,0,0,0,1", "0.1,0,0,0,1,", "0.1,0,0,0,1,-", "0.1,0,0"):
+        assert len(optiodom.read(write(folder, rows + cut))) == 2
+
+
+def test_a_broken_line_is_named(folder):
+    for broken in ("0.05,0,0,0,1", "0.05,0,0,0,1,1,1", "0.05,0,0,0,x,1", "0.05,0,0,nan,1,1"):
+        path = write(folder, f"0,0,0,0,0,0\n{broken}\n0.1,0,0,0,1,1\n")
+        with pytest.raises(ValueError, match=r"day_run-01.csv, line 2 must be 6 finite numbers"):
+            optiodom.read(path)
+
+
+def test_a_robot_that_is_not_known_is_refused(folder):
+    path = write(folder, "0,0,0,0,0,0\n")
+    (folder / "day_metadata.csv").write_text(METADATA.replace("diff", "hexapod"))
+    with pytest.raises(ValueError, match="type must be one of diff, tricyc, omni3, omni4, got 'hexapod'"):
+        optiodom.read(path)
+    (folder / "day_metadata.csv").write_text(METADATA.replace("Li,0.2,", "Li,,"))
+    with pytest.raises(ValueError, match="Li must be given"):
+        optiodom.read(path)
+
+
+def test_the_example_is_whole():
+    rover, log = optiodom.example()
+    assert len(log) == 2401
+    assert log.duration == pytest.approx(120.0)
+    assert rover.wheels[0].steered
+    assert np.isnan(log.wheel_angles[:, 1]).all()
+    assert not log.wheel_angles.flags.writeable
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    for arguments, rule in (
+        (([0.0], None, [(0.0,)]), "stamps must have shape"),
+        (([0.0, 1.0], None, [(0.0,)]), r"wheel_angles must have shape \(2, wheels\)"),
+        (([0.0, 1.0], [(0.0,)], [(0.0,), (0.0,)]), "steering must have shape"),
+        (([0.0, 1.0], None, [(0.0,), (0.0,)], [(0.0, 0.0, 0.0)]), r"poses must have shape \(2, 3\)"),
+    ):
+        with pytest.raises(ValueError, match=rule):
+            Log(*arguments)
+    with pytest.raises(ValueError, match="poses must be finite"):
+        Truth([0.0, 1.0], [(0.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
