@@ -2,9 +2,10 @@
 
     python benches/ros_node.py [--seconds 60] [--rate 200] [--record run.mcap]
 
-A peer in this process publishes joint states at a steady rate and takes the commands; the node is a process of its own.
-Of every joint state the time of its stamp, taken just before it is published, is known; of every command the time in its
-header, when the node's callback began, and that at which the middleware of the node sent it.
+A peer in this process publishes joint states at a steady rate and takes the commands; the node is a process
+of its own. Of every joint state the time of its stamp, taken just before it is published, is known; of every
+command the time in its header, when the node's callback began, and that at which the middleware of the node
+sent it.
 """
 
 import argparse
@@ -31,7 +32,9 @@ from sensor_msgs.msg import JointState
 import six_wheel as sw
 from six_wheel.records import frames
 
-ROVER = "preset: perseverance\nlimits: {speed: 0.5, acceleration: 0.3, steering_rate: 1.0, wheel_speed: 4.0}\n"
+ROVER = (
+    "preset: perseverance\nlimits: {speed: 0.5, acceleration: 0.3, steering_rate: 1.0, wheel_speed: 4.0}\n"
+)
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -124,7 +127,9 @@ def measure(process: int, arguments: argparse.Namespace) -> None:
     peer.run(5.0)
     gc.freeze()
     peer.times.clear()
-    print("| after | memory [MB] | processor | commands | p50 [us] | p99 [us] | p99.9 [us] | inside p50 | p99 |")
+    print(
+        "| after | memory [MB] | processor | commands | p50 [us] | p99 [us] | p99.9 [us] | inside p50 | p99 |"
+    )
     print("|---|---|---|---|---|---|---|---|---|", flush=True)
     before, begin, left = processor_time(process), time.monotonic(), arguments.seconds
     while left > 0.0:
@@ -135,7 +140,10 @@ def measure(process: int, arguments: argparse.Namespace) -> None:
         whole, inside = (np.percentile((out - since) / 1e3, [50, 99, 99.9]) for since in (sent, begun))
         figures = " | ".join(f"{value:.0f}" for value in (*whole, *inside[:2]))
         elapsed = time.monotonic() - begin
-        print(f"| {elapsed:.0f} s | {resident(process):.2f} | {spent:.1%} | {len(out)} | {figures} |", flush=True)
+        print(
+            f"| {elapsed:.0f} s | {resident(process):.2f} | {spent:.1%} | {len(out)} | {figures} |",
+            flush=True,
+        )
         peer.times.clear()
 
 

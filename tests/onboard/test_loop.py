@@ -1,4 +1,4 @@
-"""The loop on a rover: what it does with good messages is Controller and Odometry, and what it does with bad ones is said."""
+"""The loop: with good messages it is Controller and Odometry, and what was wrong with others is said."""
 
 import math
 
@@ -54,7 +54,9 @@ class Robot:
         return made
 
     def said(self, area: str) -> str:
-        (text,) = [message for _, name, message, _ in statuses(self.loop, "rover") if name == f"rover: {area}"]
+        (text,) = [
+            message for _, name, message, _ in statuses(self.loop, "rover") if name == f"rover: {area}"
+        ]
         return text
 
 
@@ -174,7 +176,10 @@ def impossible(names, positions, velocities, stamp):
 @pytest.mark.parametrize(
     ("alter", "word"),
     [
-        (renamed, "front_left_wheel_joint must be in the joint states, got none; is it front_left_wheel now?"),
+        (
+            renamed,
+            "front_left_wheel_joint must be in the joint states, got none; is it front_left_wheel now?",
+        ),
         (without_one, "joint rear_right_wheel_joint must be in the joint states"),
         (not_a_number, "joint rear_right_wheel_joint must have a finite value, got nan"),
         (infinite_steering, "joint front_left_steering_joint must have a finite value, got inf"),

@@ -1,4 +1,4 @@
-"""The other side of the nodes under test: a robot, a planner and an operator in this process, real messages between."""
+"""The other side of the nodes under test: a robot, a planner and an operator in this process."""
 
 import os
 import signal

@@ -14,7 +14,9 @@ import typer
 from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, draw_limits, wheels_table
 from six_wheel.cli.drive import drive
+from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
+from six_wheel.cli.replay import replay
 from six_wheel.cli.shared import (
     NodeOption,
     RoverArgument,
@@ -80,11 +82,18 @@ def check(
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["replay"])(replay)
+# What follows --ros-args is for ROS to read.
+app.command("node", help=COMMANDS["node"], context_settings=PASSING)(node)
+app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command_filter)
 
 
 @app.command(help=COMMANDS["show"])
 def show(
-    rover: RoverArgument,
+    rover: Annotated[
+        str,
+        typer.Argument(metavar="ROVER", help="Parameter file, name of a preset, or with --layout a record."),
+    ],
     twist: Annotated[
         tuple[float, float, float] | None,
         typer.Option(metavar="VX VY OMEGA", help="Motion to draw [m/s, m/s, rad/s]. Default: a left turn."),
@@ -93,8 +102,20 @@ def show(
         Path | None,
         typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
     ] = None,
+    layout: Annotated[
+        Path | None,
+        typer.Option(
+            help="No picture, but how viewers show records of this rover: .json (Foxglove), .rbl (Rerun), "
+            "or of a record .rrd (the record for Rerun, with its layout)."
+        ),
+    ] = None,
     node: NodeOption = None,
 ) -> None:
+    if layout is not None:
+        from six_wheel.cli.layout import write_layout
+
+        print(write_layout(rover, node, layout))
+        return
     chosen = choose(rover, node)
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save

@@ -1,7 +1,7 @@
 """Joint states by name: in any order, in one message or several, with whatever is wrong with them.
 
-A message is used as far as it is good. Readings that come in messages of their own are put together: there is a new
-set when every joint that is needed has come since the last one.
+A message is used as far as it is good. Readings that come in messages of their own are put together: there is
+a new set when every joint that is needed has come since the last one.
 """
 
 import difflib
@@ -19,7 +19,7 @@ NAMED = 12  # strangers that are remembered, for a "did you mean"
 
 
 class Readings(NamedTuple):
-    """What every joint said: steering angles [rad] and wheels, in the rover's order; NaN for passive wheels."""
+    """What every joint said, in the rover's order: steering angles [rad]; wheels, NaN for passive ones."""
 
     steering: list[float]
     wheels: list[float]
@@ -62,7 +62,9 @@ class JointReader:
         self._strangers: dict[str, None] = {}
         self.known = self._joints
 
-    def read(self, names: Sequence[str], positions: Numbers, velocities: Numbers, now: int) -> Readings | None:
+    def read(
+        self, names: Sequence[str], positions: Numbers, velocities: Numbers, now: int
+    ) -> Readings | None:
         """Take in a message that came at `now` [ns]; the readings, if they are complete with it."""
         if names != self._names and not self._look(names):
             return None
@@ -73,7 +75,10 @@ class JointReader:
             if column >= len(group):
                 what = "velocity" if group is velocities and place >= self._steered else "position"
                 self._faults.add(
-                    "joints", ERROR, f"joint {self._joints[place]} must have a {what}", f"{len(group)} of them"
+                    "joints",
+                    ERROR,
+                    f"joint {self._joints[place]} must have a {what}",
+                    f"{len(group)} of them",
                 )
                 continue
             value = group[column]
@@ -85,7 +90,7 @@ class JointReader:
             values[place] = value
             fresh[place] = True
             last[place] = now
-        if not all([fresh[place] for place in self._needed]):
+        if not all(fresh[place] for place in self._needed):
             return None
         self._fresh = [False] * len(fresh)
         steering = [

@@ -1,21 +1,24 @@
 """The loop on a rover: a `Controller` and an `Odometry`, and what happens when something is wrong.
 
-Every call has the time `now` [ns]; nothing else is known of time. Steps are made when a set of joint readings is
-complete, and by `tick` where none come in time. What a fault leads to:
+Every call has the time `now` [ns]; nothing else is known of time. Steps are made when a set of joint readings
+is complete, and by `tick` where none come in time. What a fault leads to:
 
-- Without all joints for longer than `joint_state_timeout` the rover stops, its steering held, until they are back and
+- Without all joints for longer than `joint_state_timeout` the rover stops, its steering held, until they are
+back and
   a command newer than the stop has come.
-- Where time jumps back, commands and readings from before are forgotten, and the loop begins as after a start.
+- Where time jumps back, commands and readings from before are forgotten, and the loop begins as after a
+start.
 - At a start the rover may be moving. The first commands are those of the motion that odometry measures.
 """
 
 import math
 from collections import Counter
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from six_wheel._core import Controller, OdometryState
 from six_wheel.controller import Reason
-from six_wheel.odometry import Health
+from six_wheel.odometry.tracks import Health
 from six_wheel.onboard.faults import ERROR, WARN, Faults
 from six_wheel.onboard.joints import JointReader, Numbers, Readings
 from six_wheel.onboard.settings import Settings
@@ -88,7 +91,9 @@ class Loop:
         self._controller: Controller | None = None
         self._odometry = settings.odometry()
         self._reader = self._new_reader()
-        self._origin: int | None = None  # times count from here: doubles hold seconds, not nanoseconds since 1970
+        self._origin: int | None = (
+            None  # times count from here: doubles hold seconds, not nanoseconds since 1970
+        )
         self._stamp_origin: int | None = None
         self._now = 0
         self._first = 0
@@ -120,15 +125,17 @@ class Loop:
         self._give(twist, self._seconds(min(stamp, now)))
 
     def joints(
-        self, names: Numbers | Any, positions: Numbers, velocities: Numbers, stamp: int, now: int
+        self, names: Sequence[str], positions: Numbers, velocities: Numbers, stamp: int, now: int
     ) -> Step | None:
-        """Joint states that were read at `stamp` and came at `now` [ns]; stamp 0: now. A step if they are complete."""
+        """Joint states, read at `stamp` (0: now), that came at `now` [ns]. A step if they are complete."""
         now = self._move_on(now)
         stamp = stamp or now
         timeout = self._timeout
         if abs(now - stamp) > timeout:
             age = f"{(now - stamp) / SECOND:.3g} s"
-            self.faults.add("joints", ERROR, f"stamps must be within {timeout / SECOND:g} s of the clock", age)
+            self.faults.add(
+                "joints", ERROR, f"stamps must be within {timeout / SECOND:g} s of the clock", age
+            )
             return None
         readings = self._reader.read(names, positions, velocities, now)
         if readings is None:
@@ -157,7 +164,7 @@ class Loop:
             self._say_missing(missing)
         return None if self._controller is None else self._step(now, None, None)
 
-    def set_pose(self, pose: Numbers, covariance: Numbers | None, now: int) -> None:
+    def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
         """The rover is known to be here; readings count on."""
         self._move_on(now)
         self._odometry.set_pose(pose, covariance)
@@ -292,7 +299,7 @@ class Loop:
         try:
             state = self._odometry.update(steering, readings.wheels, seconds)
         except ValueError:
-            # Of many rows it is said which rule a row breaks, and a clock or counter that moved for good is followed.
+            # For rows it says which rule one breaks, and follows a clock or counter that moved for good.
             rows = None if steering is None else [steering]
             track = self._odometry.run(rows, [readings.wheels], [seconds], covariances=False, residuals=False)
             health = Health(int(track.health[0]))

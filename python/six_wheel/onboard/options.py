@@ -1,4 +1,4 @@
-"""What a loop on a rover can be told beside its parameter file; names are those of ros2_controllers where it has them."""
+"""What a loop can be told beside its parameter file; names of ros2_controllers where they have one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -32,9 +32,9 @@ class Option:
     choices: tuple[str, ...] = ()
     live: bool = False
 
-    def check(self, value: Any) -> bool | float | str:
+    def check(self, value: Any) -> Any:
         """The value, if it may be one."""
-        kind = type(self.default)
+        kind: type = type(self.default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if type(value) is not kind:
@@ -42,9 +42,8 @@ class Option:
             raise ValueError(f"{self.name} must be {names[kind]}, got {value!r}")
         if self.choices and value not in self.choices:
             raise ValueError(f'{self.name} must be one of {", ".join(self.choices)}, got "{value}"')
-        if kind is float and not (self.least is None or self.most is None or self.least <= value <= self.most):
+        if self.least is not None and self.most is not None and not self.least <= value <= self.most:
             raise ValueError(f"{self.name} must lie between {self.least:g} and {self.most:g}, got {value:g}")
-        assert isinstance(value, bool | float | str)
         return value
 
 

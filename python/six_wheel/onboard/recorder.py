@@ -43,7 +43,7 @@ class Recorder:
         self.record.tick(now)
 
     def change(self, what: Mapping[str, Any], now: int) -> None:
-        """One of ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"reset": ...}``, ``{"active": ...}``."""
+        """What was set: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"active": ...}``, ..."""
         self.record.change(now, what)
 
     def step(self, step: Step) -> None:

@@ -12,7 +12,8 @@ Status = tuple[int, str, str, dict[str, str]]
 
 
 def statuses(loop: Loop, name: str) -> list[Status]:
-    """Level, name, message and values of everything there is to say since the last report, which this is then.
+    """Level, name, message and values of everything there is to say since the last report, which this is
+    then.
 
     Parameters
     ----------

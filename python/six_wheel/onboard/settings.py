@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from six_wheel import _yaml
 from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
-from six_wheel._forms import CONTROLLER_TYPES, KEYS, TELLING
-from six_wheel._log_files import corrections, encoders_of
-from six_wheel._nodes import PARAMETERS, section
-from six_wheel._schema import GROUPS
-from six_wheel.config import Parameters, dump, parse_parameters
+from six_wheel.logs.opening import corrections, encoders_of
 from six_wheel.onboard.options import OPTIONS, Options
+from six_wheel.parameters import syntax
+from six_wheel.parameters.file import Parameters, dump, parse_parameters
+from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING
+from six_wheel.parameters.nodes import PARAMETERS, section
+from six_wheel.parameters.schema import GROUPS
 
 __all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
 
@@ -105,7 +105,7 @@ class Settings:
         return Odometry(rover, Noise(**said.noise), readings=readings, **options)  # type: ignore[arg-type]
 
     def steering_factors(self) -> list[tuple[float, float]]:
-        """For every steered wheel what its reading is multiplied by, and what is added, to make it an angle [rad]."""
+        """For every steered wheel the factor and the offset that make its reading an angle [rad]."""
         said, rover = self.parameters, self.rover
         known = encoders_of(rover, "steering", said.steering_encoders)
         gains, _ = corrections(rover, said.encoders)
@@ -132,7 +132,7 @@ def _is_set(settings: Settings, key: str, value: Any) -> bool:
 
 
 def with_changes(text: str, node: str | None, changes: Mapping[str, Any]) -> str:
-    """The text of a parameter file of the one node, with other values for some keys; None takes a key away."""
+    """The text of a parameter file of the one node, with other values; None takes a key away."""
     found = _section(text, node)
     data: dict[str, Any] = dict(found.data)
     for key, value in changes.items():
@@ -144,7 +144,7 @@ def with_changes(text: str, node: str | None, changes: Mapping[str, Any]) -> str
             data = _with(data, key, value)
     data = {key: value for key, value in data.items() if value != {}}
     name = found.node
-    return _yaml.write(data if name is None else {name: {PARAMETERS: data}})
+    return syntax.write(data if name is None else {name: {PARAMETERS: data}})
 
 
 def _with(data: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
@@ -176,13 +176,13 @@ def rover_keys(settings: Settings) -> dict[str, Any]:
 
 def read_value(text: str) -> Any:
     """A value as a parameter file would have it."""
-    tree = _yaml.parse(f"value: {text}", lambda *_: None)
+    tree = syntax.parse(f"value: {text}", lambda *_: None)
     return tree.data["value"]
 
 
 def _section(text: str, node: str | None) -> Any:
     """The parameters of the node; the text is known to have them."""
-    tree = _yaml.parse(text, lambda *_: None)
+    tree = syntax.parse(text, lambda *_: None)
     found = section(tree, node, KEYS, TELLING, CONTROLLER_TYPES, lambda *_: None)
     if found is None:
         raise ValueError(f"the parameter file must have the node, got {node}")

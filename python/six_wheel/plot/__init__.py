@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
+    from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.tracks import residual_figure, track_figure
     from six_wheel.plot.twist import show_figure
@@ -34,6 +35,7 @@ __all__ = [
     "path_figure",
     "picture_path",
     "reckoning_figure",
+    "replay_figure",
     "residual_figure",
     "save",
     "show_figure",
@@ -49,6 +51,7 @@ __getattr__, __dir__ = attach(
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
+        "replay": ("replay_figure",),
         "saving": ("picture_path", "save"),
         "tracks": ("residual_figure", "track_figure"),
         "twist": ("show_figure",),

@@ -1,8 +1,8 @@
 """Messages of ROS 2 in bytes: what stays the same is laid out once, numbers are put into their places.
 
-The bytes are those of CDR, little-endian: every value stands at a multiple of its size behind the four bytes that say
-so (OMG DDSI-RTPS 2.5, section 10). A message of a control loop has the same names and lengths every time; only its
-stamp and its numbers change.
+The bytes are those of CDR, little-endian: every value stands at a multiple of its size behind the four bytes
+that say so (OMG DDSI-RTPS 2.5, section 10). A message of a control loop has the same names and lengths every
+time; only its stamp and its numbers change.
 """
 
 import math

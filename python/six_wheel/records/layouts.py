@@ -1,7 +1,7 @@
 """Views of a record: a layout for Foxglove, a blueprint for Rerun. Both show the topics of `rover_record`.
 
-Foxglove's is JSON, imported through its menu of layouts. Rerun's is written by its own library, because its files hold
-for one version: a blueprint alone, or with the record in one file that ``rerun run.rrd`` opens.
+Foxglove's is JSON, imported through its menu of layouts. Rerun's is written by its own library, because its
+files hold for one version: a blueprint alone, or with the record in one file that ``rerun run.rrd`` opens.
 """
 
 import json
@@ -11,7 +11,7 @@ from typing import Any
 from six_wheel._core import Rover
 from six_wheel.records import rover_record as topics
 
-__all__ = ["ENDINGS", "foxglove", "rerun", "write"]
+__all__ = ["ENDINGS", "check", "foxglove", "rerun", "write"]
 
 ENDINGS = {
     ".json": "Foxglove's layout",
@@ -37,11 +37,12 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
     record : Path, optional
         The record, for an .rrd.
     """
+    check(path, record)
     if path.suffix == ".json":
         path.write_text(json.dumps(foxglove(rover), indent=2) + "\n")
     elif path.suffix == ".rbl":
         rerun(rover).save(APPLICATION, path)
-    elif path.suffix == ".rrd" and record is not None:
+    elif record is not None:
         blueprint = rerun(rover)
         import rerun as rr
 
@@ -50,10 +51,15 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
         stream.log_file_from_path(record)
         stream.flush()
         stream.disconnect()
-    else:
-        listed = ", ".join(f"{ending} ({what})" for ending, what in ENDINGS.items())
-        got = "a rover without its record" if path.suffix == ".rrd" else f'"{path.suffix}"'
-        raise ValueError(f"{path}: the ending of a layout must be one of {listed}, got {got}")
+
+
+def check(path: Path, record: Path | None) -> None:
+    """Fails unless the ending of a path is one of `ENDINGS`, and its record there if it takes one."""
+    if path.suffix in ENDINGS and (path.suffix != ".rrd" or record is not None):
+        return
+    listed = ", ".join(f"{ending} ({what})" for ending, what in ENDINGS.items())
+    got = "a rover without its record" if path.suffix == ".rrd" else f'"{path.suffix}"'
+    raise ValueError(f"{path}: the ending of a layout must be one of {listed}, got {got}")
 
 
 # Foxglove
@@ -86,7 +92,9 @@ def foxglove(rover: Rover) -> dict[str, Any]:
         "Plot!wheels": _plot("wheel speeds [rad/s]", speeds),
         "Plot!slip": _plot("slip [m/s]", slip),
         "StateTransitions!reasons": {
-            "paths": [{"value": f"{topics.REASONS}.data", "timestampMethod": "receiveTime", "label": "limited by"}],
+            "paths": [
+                {"value": f"{topics.REASONS}.data", "timestampMethod": "receiveTime", "label": "limited by"}
+            ],
             "isSynced": True,
         },
         "DiagnosticSummary!all": {"topicToRender": topics.DIAGNOSTICS, "minLevel": 0, "sortByLevel": True},

@@ -19,7 +19,7 @@ class RecordError(ValueError):
 
 
 class Message(NamedTuple):
-    """What was written: the topic, the time [ns], what it said of its own time [ns], and its content in bytes."""
+    """What was written: topic, type, time [ns], its own stamp [ns], and its content in bytes."""
 
     topic: str
     kind: str
@@ -38,6 +38,8 @@ class Record:
         What was set.
     files : dict of str to str
         Texts that go with it, by name.
+    count : int
+        Messages that there are, or 0 if the file does not say.
     cut_off : bool
         Whether the file ends before its end; known once the messages have been read.
 
@@ -52,6 +54,7 @@ class Record:
         self.settings: dict[str, str] = {}
         self.files: dict[str, str] = {}
         self.cut_off = False
+        self.count = 0
         self._libraries = libraries()
         with path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:

@@ -12,7 +12,18 @@ from six_wheel.controller import Reason
 from six_wheel.records import frames
 from six_wheel.records.writer import RecordWriter
 
-__all__ = ["CHANGES", "COMMANDS", "JOINTS", "LIMITED", "ODOMETRY", "REASONS", "SLIP", "TICK", "WANTED", "Frames"]
+__all__ = [
+    "CHANGES",
+    "COMMANDS",
+    "JOINTS",
+    "LIMITED",
+    "ODOMETRY",
+    "REASONS",
+    "SLIP",
+    "TICK",
+    "WANTED",
+    "Frames",
+]
 __all__ += ["RoverRecord", "reason_names"]
 
 # In: what decides what a loop does, written as it comes.

@@ -6,7 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Self
 
-from six_wheel import __version__
+from six_wheel._core import __version__
 
 __all__ = ["FORMAT", "SETTINGS", "RecordWriter", "libraries"]
 
@@ -80,10 +80,6 @@ class RecordWriter:
         store = self._libraries.store
         message = store.serialize_cdr(build(store.types), kind)
         self.write(self.topic(topic, kind), time, bytes(message))
-
-    def flush(self) -> None:
-        """What is written so far goes to the file."""
-        self._writer.flush()
 
     def close(self) -> None:
         """End the file."""

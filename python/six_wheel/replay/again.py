@@ -1,7 +1,7 @@
 """A record of a loop, run again event by event.
 
-What comes in is taken from the record: commands, joint states, ticks, changes. The joint states are those that were
-measured: what a rover would have measured under other commands nobody knows.
+What comes in is taken from the record: commands, joint states, ticks, changes. The joint states are those
+that were measured: what a rover would have measured under other commands nobody knows.
 """
 
 import json
@@ -17,10 +17,10 @@ from six_wheel._core import Rover
 from six_wheel.onboard import Loop, Options, Settings, Step
 from six_wheel.onboard.recorder import Recorder
 from six_wheel.records import Record, RecordError, rover_record
-from six_wheel.records.frames import JointStates
+from six_wheel.records.frames import JointStates, planar_pose
 from six_wheel.records.reader import Message
 
-__all__ = ["Replayed", "Run", "replay"]
+__all__ = ["Replayed", "Run", "replay", "settings_of"]
 
 Floats = NDArray[np.float64]
 LOOPS = ("node", "simulate")
@@ -124,7 +124,7 @@ class _Collected:
             both = (state.covariance_6x6().ravel(), state.twist_covariance_6x6().ravel())
             self.stamps.append(step.stamp)
             # The record has the yaw as a quaternion: it is compared as that.
-            pose = rover_record.frames.planar_pose(state.pose.tolist())
+            pose = planar_pose(state.pose.tolist())
             self.motion.append([*pose, *state.twist.tolist(), *both[0], *both[1]])
 
     def run(self) -> Run:
@@ -151,7 +151,7 @@ def replay(
     changes: Mapping[str, Any] | None = None,
     output: Path | None = None,
     *,
-    progress: Callable[[int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Replayed:
     """Run a record again.
 
@@ -164,7 +164,7 @@ def replay(
     output : Path, optional
         A record of the new run, .mcap.
     progress : callable, optional
-        Called now and then with the number of messages so far.
+        Called now and then with how far it is and how far it will go.
 
     Raises
     ------
@@ -176,8 +176,10 @@ def replay(
     record = Record(path)
     made_by = record.settings.get("made_by")
     if made_by not in LOOPS:
-        raise RecordError(f"{path}: only a record of {' or '.join(LOOPS)} can be replayed, got one of {made_by}")
-    before = _settings(record)
+        raise RecordError(
+            f"{path}: only a record of {' or '.join(LOOPS)} can be replayed, got one of {made_by}"
+        )
+    before = settings_of(record)
     after = before.changed(changes) if changes else before
     rover = before.rover
     if after.rover.steering_joints != rover.steering_joints or (
@@ -191,7 +193,7 @@ def replay(
     try:
         for number, message in enumerate(record.messages((*IN, *OUT))):
             if progress is not None and not number % 4096:
-                progress(number)
+                progress(number, record.count)
             if message.topic in IN:
                 given = again.take(record, message)
                 if given is not None:
@@ -289,7 +291,8 @@ class _Again:
             self._recorder.close()
 
 
-def _settings(record: Record) -> Settings:
+def settings_of(record: Record) -> Settings:
+    """What the loop of a record was told at its beginning."""
     text = record.files.get(rover_record.PARAMETERS)
     if text is None:
         raise RecordError(f"{record.path}: the record must hold the parameter file, got none")

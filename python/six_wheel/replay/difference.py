@@ -47,7 +47,8 @@ class Difference:
     differing : int
         Steps with other commands.
     twist, steering, speeds : float
-        Largest differences: of the motion's speed [m/s], of a steering angle [rad], of a wheel's speed [rad/s].
+        Largest differences: of the motion's speed [m/s], of a steering angle [rad], of a wheel's speed
+        [rad/s].
     """
 
     same_bits: bool
@@ -72,7 +73,8 @@ def compare(replayed: Replayed) -> Difference:
         return Difference(replayed.same_bits, *figures, rows=rows)
 
     def gap(name: str) -> Floats:
-        return np.abs(getattr(one, name)[left] - getattr(other, name)[right])
+        apart: Floats = np.abs(getattr(one, name)[left] - getattr(other, name)[right])
+        return apart
 
     steering, speeds, twists = gap("steering"), gap("speeds"), gap("twists")
     apart = steering.any(axis=1) | speeds.any(axis=1)

@@ -1,4 +1,4 @@
-"""Joint commands as the usual controllers of ROS 2 take them, sent as bytes: rclpy need not turn them around."""
+"""Joint commands as the usual controllers of ROS 2 take them, sent as bytes: rclpy has less to do."""
 
 import math
 from collections.abc import Sequence

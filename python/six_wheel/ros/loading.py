@@ -6,8 +6,8 @@ from typing import Any
 __all__ = ["MISSING", "rclpy"]
 
 MISSING = (
-    "the nodes need rclpy, which is not here: source a ROS 2 installation (source /opt/ros/jazzy/setup.bash, the same "
-    'Python) or pip install "six-wheel[ros]"'
+    "the nodes need rclpy: source a ROS 2 installation of this Python (. /opt/ros/jazzy/setup.bash) "
+    'or pip install "six-wheel[ros]"'
 )
 
 

@@ -1,4 +1,4 @@
-"""`six-wheel node`: commands and joint states in; joint commands, odometry, transforms and diagnostics out."""
+"""`six-wheel node`: commands and joint states in; joint commands, odometry, diagnostics out."""
 
 import math
 from typing import Any
@@ -93,7 +93,8 @@ class RoverNode(BaseNode):
         self._odom_due = step.now + (round(0.9 * SECOND / rate) if rate else 0)
         state = step.state
         place, motion = planar_pose(state.pose.tolist()), planar_twist(state.twist.tolist())
-        covariance, of_twist = state.covariance_6x6().ravel(), state.twist_covariance_6x6().ravel()
+        covariance = state.covariance_6x6().ravel().tolist()
+        of_twist = state.twist_covariance_6x6().ravel().tolist()
         self._odom.publish(self._odometry.pack(step.stamp, place, covariance, motion, of_twist))
         if self._tf is not None:
             self._tf.publish(self._transform.pack(step.stamp, place))

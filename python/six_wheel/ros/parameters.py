@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from six_wheel._core import Noise
-from six_wheel._schema import GROUPS
 from six_wheel.onboard import OPTIONS, Option, Settings
 from six_wheel.onboard.settings import NAMES, rover_keys
+from six_wheel.parameters.schema import GROUPS
 
-__all__ = ["FILTER", "NODE", "Declared", "declare"]
+__all__ = ["FILTER", "NODE", "Declared"]
 
 LARGEST = 1e6
 NONE = 0.0  # of a limit
@@ -22,8 +22,9 @@ NODE = (
     Option(
         "command_interface",
         "joint_state",
-        "joint commands: joint_state (sensor_msgs/JointState), group (std_msgs/Float64MultiArray to two group controllers) or "
-        "trajectory (trajectory_msgs/JointTrajectory for steering, a group for the wheels)",
+        "joint commands: joint_state (sensor_msgs/JointState), group (std_msgs/Float64MultiArray for "
+        "steering and for wheels) or trajectory (trajectory_msgs/JointTrajectory for steering, a group "
+        "for wheels)",
         choices=("joint_state", "group", "trajectory"),
     ),
     Option("enable_odom_tf", True, "publish the transform from odom_frame_id to base_frame_id"),
@@ -108,14 +109,16 @@ class Declared:
         timeout = said.control.get("timeout", 0.5)
         given = {"cmd_vel_timeout": NONE if timeout is None else timeout}
         limits = {name: getattr(said.limits, name) for name in GROUPS["limits"].model_fields}
-        given |= {
-            f"limits.{name}": value if math.isfinite(value) else NONE for name, value in limits.items()
-        }
+        given |= {f"limits.{name}": value if math.isfinite(value) else NONE for name, value in limits.items()}
         noise = Noise(**said.noise)
         given |= {f"noise.{name}": getattr(noise, name) for name in GROUPS["noise"].model_fields}
         for name, value in given.items():
             group, _, key = name.partition(".")
-            what = GROUPS[group].model_fields[key].description if key else "age at which a command is too old, in s"
+            what = (
+                GROUPS[group].model_fields[key].description
+                if key
+                else "age at which a command is too old, in s"
+            )
             none = "" if group == "noise" else "; 0: none"
             descriptor = self._descriptor(f"{what}{none}", read_only=False)
             _range(descriptor, 0.0, LARGEST)
@@ -126,7 +129,7 @@ class Declared:
         return changes
 
     def _keys(self, settings: Settings) -> dict[str, Any]:
-        """The other keys of the file: they can be set when the node starts, by the names that the team has."""
+        """The other keys of the file: to be set when the node starts, by the names that the team has."""
         changes: dict[str, Any] = {}
         for name, value in rover_keys(settings).items():
             if self._node.has_parameter(name):
