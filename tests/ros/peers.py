@@ -1,6 +1,5 @@
 """The other side of the nodes under test: a robot, a planner and an operator in this process."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -27,8 +26,9 @@ class Process:
 
     def __init__(self, *arguments: str, folder: Path) -> None:
         command = [sys.executable, "-m", "six_wheel", *arguments]
-        self._log = (folder / f"process_{time.monotonic_ns()}.txt").open("w+")
-        self.process = subprocess.Popen(command, cwd=folder, stdout=self._log, stderr=subprocess.STDOUT)
+        self._log = folder / f"process_{time.monotonic_ns()}.txt"
+        with self._log.open("w") as log:
+            self.process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=subprocess.STDOUT)
 
     def end(self, how: signal.Signals = signal.SIGINT) -> int:
         """Tell it to end, and wait."""
@@ -44,8 +44,7 @@ class Process:
     @property
     def said(self) -> str:
         """What it printed."""
-        self._log.flush()
-        return Path(self._log.name).read_text()
+        return self._log.read_text()
 
 
 class Peer:
@@ -81,6 +80,7 @@ class Peer:
             subscribe(TwistStamped, "cmd_vel_out", self.limited.append, 10),
         ]
         self._next = time.monotonic()
+        self._stamp = time.time_ns()
         self._count = 0
 
     def close(self) -> None:
@@ -104,7 +104,7 @@ class Peer:
     def state(self) -> JointState:
         """What the robot says now."""
         state = JointState(name=self.names)
-        state.header.stamp = self.node.get_clock().now().to_msg()
+        state.header.stamp.sec, state.header.stamp.nanosec = divmod(self._stamp, 1_000_000_000)
         state.position = [*self.steering, *self.angles]
         state.velocity = [*[0.0] * len(self.steering), *self.speeds]
         return state
@@ -119,7 +119,9 @@ class Peer:
             if now >= self._next:
                 # After a pause of this process the robot goes on from where it was.
                 self._next = max(self._next, now - 5 * PERIOD) + PERIOD
-                self.angles = [a + PERIOD * w for a, w in zip(self.angles, self.speeds, strict=True)]
+                stamp = time.time_ns()
+                step, self._stamp = (stamp - self._stamp) * 1e-9, stamp
+                self.angles = [a + step * w for a, w in zip(self.angles, self.speeds, strict=True)]
                 if (state := self.alter(self.state())) is not None:
                     self._states.publish(state)
                 self._count += 1
@@ -147,9 +149,3 @@ class Peer:
             for report in self.diagnostics
             for status in report.status
         )
-
-
-def environment() -> None:
-    """This process and those it starts talk to each other on this machine, and to nobody else."""
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")

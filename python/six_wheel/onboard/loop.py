@@ -28,6 +28,7 @@ __all__ = ["Loop", "Step"]
 SECOND = 1_000_000_000  # [ns]
 HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
 JUMP = SECOND  # of time, forward, between two calls, that is worth a word
+SETTLE = 0.03  # [s] over which it is measured at the start how the rover moves
 CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
 STALE = int(Reason.STALE)
@@ -99,6 +100,8 @@ class Loop:
         self._first = 0
         self._stepped: int | None = None
         self._measured: list[float] | None = None
+        self._moved: tuple[tuple[float, float, float], float] = (0.0, 0.0, 0.0), 0.0
+        self._seen: float | None = None
         self._command: tuple[tuple[float, float, float], float] | None = None
         self._latest = -math.inf  # the latest stamp that the controller was given
         self._wanted = (0.0, 0.0, 0.0)
@@ -265,6 +268,7 @@ class Loop:
     def _start_over(self, now: int) -> None:
         self._origin = self._first = now
         self._stamp_origin = self._stepped = self._command = self._controller = self._measured = None
+        self._moved, self._seen = ((0.0, 0.0, 0.0), 0.0), None
         self._latest = -math.inf
         self.stopping = None
         self._reader.forget()
@@ -307,7 +311,20 @@ class Loop:
             return None if health & Health.LEFT_OUT else self._odometry.state
         if health := state.health:
             self._say_health(health)
+        if self._controller is None:
+            self._measure(state)
         return state
+
+    def _measure(self, state: OdometryState) -> None:
+        """The way since the first readings, in body axes, and the time it took."""
+        ways, span = self._moved
+        before, self._seen = self._seen, state.stamp
+        if before is None or state.stamp is None or state.health & Health.FIRST:
+            self._moved = (0.0, 0.0, 0.0), 0.0
+            return
+        step = state.stamp - before
+        vx, vy, omega = state.twist.tolist()
+        self._moved = (ways[0] + step * vx, ways[1] + step * vy, ways[2] + step * omega), span + step
 
     def _say_health(self, health: Health) -> None:
         for each in health:
@@ -317,17 +334,18 @@ class Loop:
 
     def _begin(self) -> bool:
         """Make a controller from what is measured; whether there is one."""
-        state = self._odometry.state
-        if state.health & Health.FIRST:
-            return False  # the next readings tell how fast it is
+        moved, span = self._moved
+        if span < SETTLE:
+            return False  # two readings alone may have stamps that jitter
+        twist = [way / span for way in moved]
         measured, new = self._measured, self.settings.controller
         try:
             self._controller = new(steering=measured)
         except ValueError as error:
             self._say_impossible(error)
             return False
-        if state.twist.any():
-            moving = new(steering=measured, twist=state.twist)
+        if any(twist):
+            moving = new(steering=measured, twist=twist)
             errors = zip(moving.steering.tolist(), measured or (), strict=True)
             if max((abs(a - b) for a, b in errors), default=0.0) <= CLOSE:
                 self._controller = moving
@@ -341,6 +359,7 @@ class Loop:
             self.stopping = None
         if self.stopping is not None or not self.active:
             self._stop(controller, seconds)
+        resting = controller.stopped
         try:
             output = controller.step(seconds, None if self.stopping else self._measured)
         except ValueError as error:
@@ -356,7 +375,7 @@ class Loop:
         vx, vy, omega = output.twist.tolist()
         if self._open_loop:
             state = self._odometry.command((vx, vy, omega), seconds)
-        if not self.active and controller.stopped:
+        if resting and not self.active:
             return Step(now, None, None, (vx, vy, omega), reasons, stamp, state)
         steering, speeds = output.steering.tolist(), output.speeds.tolist()
         return Step(

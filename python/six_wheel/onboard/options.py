@@ -32,17 +32,18 @@ class Option:
     choices: tuple[str, ...] = ()
     live: bool = False
 
-    def check(self, value: Any) -> Any:
+    def check(self, given: Any) -> Any:
         """The value, if it may be one."""
         kind: type = type(self.default)
-        if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
+        value: Any = given
+        if kind is float and isinstance(given, int) and not isinstance(given, bool):
+            value = float(given)
         if type(value) is not kind:
             names = {bool: "true or false", float: "a number", str: "text"}
             raise ValueError(f"{self.name} must be {names[kind]}, got {value!r}")
         if self.choices and value not in self.choices:
             raise ValueError(f'{self.name} must be one of {", ".join(self.choices)}, got "{value}"')
-        if self.least is not None and self.most is not None and not self.least <= value <= self.most:
+        if self.least is not None and self.most is not None and not (self.least <= given <= self.most):
             raise ValueError(f"{self.name} must lie between {self.least:g} and {self.most:g}, got {value:g}")
         return value
 
@@ -86,7 +87,7 @@ class Options:
     def of(cls, values: Mapping[str, Any]) -> "Options":
         """Checked, the defaults for what is left out."""
         known = {option.name: option for option in OPTIONS}
-        return cls(**{name: known[name].check(value) for name, value in values.items()})  # type: ignore[arg-type]
+        return cls(**{name: known[name].check(value) for name, value in values.items()})
 
     def values(self) -> dict[str, Any]:
         """By name."""

@@ -127,6 +127,12 @@ class _Collected:
             pose = planar_pose(state.pose.tolist())
             self.motion.append([*pose, *state.twist.tolist(), *both[0], *both[1]])
 
+    def end(self, steps: int, counted: int) -> None:
+        """Leave out what comes after so many commands, and so many messages of odometry."""
+        for each in (self.times, self.joints, self.twists, self.reasons):
+            del each[steps:]
+        del self.stamps[counted:], self.motion[counted:]
+
     def run(self) -> Run:
         """All of it."""
         steered, driven = self._widths
@@ -224,6 +230,10 @@ def replay(
                 )
     finally:
         again.close()
+    if record.cut_off:  # in the middle of a step, perhaps
+        steps, counted = max(min(len(recorded.times), len(recorded.twists)) - 1, 0), len(recorded.stamps)
+        for each in (recorded, again.collected):
+            each.end(steps, counted)
     result = Replayed(
         path.name, before, after, recorded.run(), again.collected.run(), np.array(wanted).reshape(-1, 4)
     )
