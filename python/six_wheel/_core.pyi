@@ -1,8 +1,9 @@
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import disjoint_base
 
 from six_wheel.controller import Reason
 from six_wheel.four_axle import (
@@ -13,6 +14,7 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.logs import Log
 from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
@@ -25,6 +27,7 @@ __all__ = [
     "Encoder",
     "Fit",
     "FourAxle",
+    "Gyroscope",
     "IcrTransition",
     "Limits",
     "Link",
@@ -33,11 +36,14 @@ __all__ = [
     "Noise",
     "Odometry",
     "OdometryState",
+    "Preintegrated",
     "Profile",
     "RockerBogie",
     "Rover",
     "Sensitivity",
     "SteeringCommand",
+    "Suspension",
+    "Terrain",
     "Wheel",
     "__version__",
     "compose",
@@ -56,7 +62,8 @@ __all__ = [
 _Floats: TypeAlias = NDArray[np.float64]
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
-_Steered: TypeAlias = Literal["corners", "front"]
+_Steered: TypeAlias = Literal["corners", "front", "all"]
+_Interpolation: TypeAlias = Literal["bilinear", "bicubic"]
 _Brake: TypeAlias = Literal["locked", "free"]
 _Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
 _Align: TypeAlias = Literal["cosine", "hold"]
@@ -621,6 +628,90 @@ class Odometry:
     def noise(self) -> Noise: ...
 
 @final
+class Gyroscope:
+    def __new__(
+        cls,
+        noise: float = 0.005,
+        *,
+        bias: float = 0.0,
+        bias_noise: float = 0.05,
+        bias_walk: float = 0.0001,
+    ) -> Gyroscope: ...
+    @property
+    def noise(self) -> float: ...
+    @property
+    def bias(self) -> float: ...
+    @property
+    def bias_noise(self) -> float: ...
+    @property
+    def bias_walk(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+_Changes: TypeAlias = dict[str, ArrayLike]
+
+@final
+class Preintegrated:
+    def __new__(
+        cls,
+        rover: Rover,
+        noise: Noise | None = None,
+        *,
+        gyroscope: Gyroscope | None = None,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        method: _Method = "least_squares",
+        in_space: bool = False,
+        attitude_noise: float = 0.01,
+    ) -> Preintegrated: ...
+    def add(
+        self,
+        steering: ArrayLike | Log | None,
+        wheel_angles: ArrayLike | None = None,
+        stamp: ArrayLike | None = None,
+        *,
+        yaw_rate: ArrayLike | None = None,
+        attitude: ArrayLike | None = None,
+    ) -> None: ...
+    @property
+    def delta(self) -> _Floats: ...  # (3,) or (4, 4)
+    @property
+    def covariance(self) -> _Floats: ...  # (3, 3) or (6, 6)
+    def covariance_in(self, tangent: Literal["end", "begin", "coordinates"]) -> _Floats: ...
+    @property
+    def tangent(self) -> Literal["end"]: ...
+    @property
+    def by_dimension(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
+    @property
+    def by_slip(self) -> dict[str, _Floats]: ...  # each (3 or 6, wheels)
+    @property
+    def by_gyroscope_bias(self) -> _Floats: ...  # (3,) or (6,)
+    def corrected(self, changes: _Changes) -> _Floats: ...
+    def residual(self, pose_i: ArrayLike, pose_j: ArrayLike) -> tuple[_Floats, _Floats, _Floats]: ...
+    def factor(
+        self, pose_i: ArrayLike, pose_j: ArrayLike, changes: _Changes
+    ) -> tuple[_Floats, _Floats, _Floats, dict[str, _Floats]]: ...
+    def split(self, stamp: float) -> tuple[Preintegrated, Preintegrated]: ...
+    def merge(self, other: Preintegrated) -> Preintegrated: ...
+    @property
+    def begin(self) -> float | None: ...
+    @property
+    def end(self) -> float | None: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def noise(self) -> Noise: ...
+    @property
+    def gyroscope(self) -> Gyroscope | None: ...
+    def __len__(self) -> int: ...
+    def __copy__(self) -> Preintegrated: ...
+    def __deepcopy__(self, memo: object) -> Preintegrated: ...
+
+@final
 class Link:
     @property
     def frame(self) -> str: ...
@@ -651,18 +742,60 @@ class SteeringCommand:
     def scrub(self) -> _Floats: ...  # (..., unsteered wheels) [m/s]
 
 @final
-class RockerBogie:
+class Terrain:
+    def __new__(
+        cls,
+        heights: ArrayLike,
+        spacing: float | tuple[float, float],
+        origin: tuple[float, float] | None = None,
+        orientation: float | None = None,
+    ) -> Self: ...
+    @property
+    def heights(self) -> NDArray[np.float32] | _Floats: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    @property
+    def spacing(self) -> tuple[float, float]: ...
+    @property
+    def origin(self) -> tuple[float, float]: ...
+    @property
+    def orientation(self) -> float: ...
+    def height(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> float | _Floats: ...
+    def gradient(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> _Floats: ...
+    def normal(self, xy: ArrayLike, *, method: _Interpolation = "bilinear") -> _Floats: ...
+    def contains(self, xy: ArrayLike) -> bool | NDArray[np.bool_]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+
+@disjoint_base
+class Suspension:
+    @property
+    def wheel_names(self) -> tuple[str, ...]: ...
+    @property
+    def free_joints(self) -> tuple[str, ...]: ...
+
+@final
+class RockerBogie(Suspension):
     def __new__(
         cls,
         rocker_pivot: ArrayLike,
-        rocker_to_front: ArrayLike,
-        rocker_to_bogie: ArrayLike,
-        bogie_to_middle: ArrayLike,
-        bogie_to_rear: ArrayLike,
-        wheel_radius: float,
+        rocker_to_front: ArrayLike | None = None,
+        rocker_to_bogie: ArrayLike | None = None,
+        bogie_to_middle: ArrayLike | None = None,
+        bogie_to_rear: ArrayLike | None = None,
+        wheel_radius: float | None = None,
         steered: _Steered = "corners",
         steering_limit: float | tuple[float, float] | None = None,
+        *,
+        rocker_to_rear: ArrayLike | None = None,
+        bogie_to_front: ArrayLike | None = None,
+        rocker_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+        differential_bar: ArrayLike | None = None,
     ) -> RockerBogie: ...
+    @staticmethod
+    def open_source_rover() -> RockerBogie: ...
     @staticmethod
     def rocky7() -> RockerBogie: ...
     @staticmethod

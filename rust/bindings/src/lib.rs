@@ -17,6 +17,7 @@ mod rollout;
 mod rover;
 mod sensitivity;
 mod suspension;
+mod terrain;
 mod wheel;
 
 use pyo3::prelude::*;
@@ -36,11 +37,15 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     odometry::install(module.py())?;
     module.add_class::<odometry::state::OdometryState>()?;
     module.add_class::<odometry::values::Noise>()?;
+    module.add_class::<odometry::gyroscope::Gyroscope>()?;
+    module.add_class::<odometry::preintegrated::Preintegrated>()?;
     module.add_class::<odometry::values::Encoder>()?;
     module.add_class::<profiles::Profile>()?;
     module.add_class::<profiles::BodyTransition>()?;
     module.add_class::<profiles::ModuleTransition>()?;
     module.add_class::<profiles::IcrTransition>()?;
+    module.add_class::<terrain::Terrain>()?;
+    module.add_class::<suspension::Suspension>()?;
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;

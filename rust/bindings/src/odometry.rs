@@ -1,6 +1,8 @@
 //! `six_wheel.Odometry`.
 
+pub mod gyroscope;
 mod input;
+pub mod preintegrated;
 mod quick;
 pub mod state;
 pub mod values;
@@ -73,6 +75,19 @@ pub struct Odometry {
     spares: Spares,
 }
 
+/// What the wheels report, by name.
+fn readings_named(name: &str) -> PyResult<Readings> {
+    match name {
+        "angles" => Ok(Readings::Angles),
+        "speeds" => Ok(Readings::Speeds),
+        "increments" => Ok(Readings::Increments),
+        _ => {
+            let rule = "be 'angles', 'speeds' or 'increments'";
+            Err(refuse("readings", rule, &format!("'{name}'")))
+        }
+    }
+}
+
 impl Odometry {
     /// The state after the last sample, for the caller of `update`.
     #[inline]
@@ -120,15 +135,7 @@ impl Odometry {
             .map(|wheel| wheel.name.as_str())
             .collect();
         let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
-        let readings = match readings {
-            "angles" => Readings::Angles,
-            "speeds" => Readings::Speeds,
-            "increments" => Readings::Increments,
-            _ => {
-                let rule = "be 'angles', 'speeds' or 'increments'";
-                return Err(refuse("readings", rule, &format!("'{readings}'")));
-            }
-        };
+        let readings = readings_named(readings)?;
         let settings = Settings {
             noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
             readings,

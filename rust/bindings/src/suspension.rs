@@ -1,27 +1,31 @@
-//! `six_wheel.RockerBogie`: a suspension as data.
+//! `six_wheel.Suspension` and `six_wheel.RockerBogie`: suspensions as data.
 
+mod base;
 mod chain;
 mod steer;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::suspension::{Dimensions, Steered};
+use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
 use six_wheel_core::{Error, RockerBogie as Core};
 
-use crate::convert::{Rows, number, raise, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, Rows, number, raise, refuse, shape_text};
 use crate::wheel::{reduce, steering_range};
 
+pub use base::Suspension;
 pub use steer::SteeringCommand;
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
 ///
 /// A differential couples the rockers: the left one turns by `rho`, the right one by ``-rho``. Each
-/// carries a front wheel and a bogie, which turns by ``beta[0]`` on the left and ``beta[1]`` on the right
-/// and carries a middle and a rear wheel. These angles count about +y, so a positive one lowers what lies
-/// ahead of the joint. Steering angles `psi` count counter-clockwise.
+/// carries a wheel and a bogie, which turns by ``beta[0]`` on the left and ``beta[1]`` on the right and
+/// carries two wheels. These angles count about +y, so a positive one lowers what lies ahead of the joint.
+/// Steering angles `psi` count counter-clockwise.
 ///
 /// The dimensions are those of the left-hand side with all joints at 0, as vectors ``(x, y, z)`` in the
-/// axes of the rover's frame R (x forward, y left, z up) [m]; the right-hand side mirrors them.
+/// axes of the rover's frame R (x forward, y left, z up) [m]; the right-hand side mirrors them. With the bogies
+/// behind give `rocker_to_front`, `bogie_to_middle` and `bogie_to_rear`; with the bogies in front
+/// `rocker_to_rear`, `bogie_to_front` and `bogie_to_middle`.
 ///
 /// Parameters
 /// ----------
@@ -36,25 +40,41 @@ pub use steer::SteeringCommand;
 ///     ``(-k7, k3b, -k8)``.
 /// wheel_radius : float
 ///     Hub to ground [m]: ``k10``.
-/// steered : {'corners', 'front'}
+/// steered : {'corners', 'front', 'all'}
 ///     Which wheels steer, about the upright axis through their centre.
 /// steering_limit : float or (float, float), optional
 ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+/// rocker_to_rear, bogie_to_front : (float, float, float), optional
+///     With the bogies in front: from the rocker joint to the centre of the rear wheel, from the bogie joint to
+///     that of the front wheel.
+/// rocker_limit, bogie_limit : float or (float, float), optional
+///     Stops of `rho` and of each bogie: largest angle to either side, or smallest and largest [rad]; default
+///     none.
+/// differential_bar : (float, float, float), optional
+///     Half length of a bar across the body, pivoted in its middle, the levers upright on the rockers and the
+///     rods ahead of the bar that join them [m]; the right rocker then turns by ``-rho`` only nearly. Default
+///     a gear.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If a number is not finite, the radius or the limit not positive, or a wheel of the left-hand side
-///     does not lie to the left.
+///     If a number is not finite, the radius or a limit not positive, limits exclude 0, or a wheel of the
+///     left-hand side does not lie to the left.
 ///
 /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
 /// ICRA 1999.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, extends = Suspension, module = "six_wheel")]
 pub struct RockerBogie(Core);
 
 impl RockerBogie {
-    fn build(core: Result<Core, Error>) -> PyResult<Self> {
-        core.map(Self).map_err(|error| raise(error, &[]))
+    fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {
+        let core = core.map_err(|error| raise(error, &[]))?;
+        let base = Suspension::of(core.chain().clone());
+        Ok(PyClassInitializer::from(base).add_subclass(Self(core)))
+    }
+
+    fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {
+        Py::new(py, Self::build(core)?)
     }
 
     fn steered(&self) -> &'static [usize] {
@@ -118,33 +138,123 @@ fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     }
 }
 
+/// An argument that may only be left out where another takes its place.
+fn given<'a, 'py>(
+    argument: &str,
+    value: Option<&'a Bound<'py, PyAny>>,
+) -> PyResult<&'a Bound<'py, PyAny>> {
+    value
+        .ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
+}
+
+/// Stops of a joint: one angle for both sides, a pair, or none.
+pub fn joint_range(
+    argument: &'static str,
+    limit: Option<&Bound<'_, PyAny>>,
+) -> PyResult<JointRange> {
+    let Some(limit) = limit else {
+        return Ok(JointRange::default());
+    };
+    let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
+        Ok([lower, upper]) => JointRange {
+            lower: number(&format!("{argument}[0]"), &lower)?,
+            upper: number(&format!("{argument}[1]"), &upper)?,
+        },
+        Err(_) => {
+            let limit = number(argument, limit)?;
+            JointRange {
+                lower: -limit,
+                upper: limit,
+            }
+        }
+    };
+    range.check(argument).map_err(|error| raise(error, &[]))?;
+    Ok(range)
+}
+
 #[pymethods]
 impl RockerBogie {
     #[new]
-    #[pyo3(
-        signature = (rocker_pivot, rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear, wheel_radius, steered="corners", steering_limit=None)
-    )]
+    #[pyo3(signature = (
+        rocker_pivot, rocker_to_front=None, rocker_to_bogie=None, bogie_to_middle=None, bogie_to_rear=None,
+        wheel_radius=None, steered="corners", steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None,
+        rocker_limit=None, bogie_limit=None, differential_bar=None
+    ))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         rocker_pivot: &Bound<'_, PyAny>,
-        rocker_to_front: &Bound<'_, PyAny>,
-        rocker_to_bogie: &Bound<'_, PyAny>,
-        bogie_to_middle: &Bound<'_, PyAny>,
-        bogie_to_rear: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
+        rocker_to_front: Option<&Bound<'_, PyAny>>,
+        rocker_to_bogie: Option<&Bound<'_, PyAny>>,
+        bogie_to_middle: Option<&Bound<'_, PyAny>>,
+        bogie_to_rear: Option<&Bound<'_, PyAny>>,
+        wheel_radius: Option<&Bound<'_, PyAny>>,
         steered: &str,
         steering_limit: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+        rocker_to_rear: Option<&Bound<'_, PyAny>>,
+        bogie_to_front: Option<&Bound<'_, PyAny>>,
+        rocker_limit: Option<&Bound<'_, PyAny>>,
+        bogie_limit: Option<&Bound<'_, PyAny>>,
+        differential_bar: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let steered = steered.parse::<Steered>();
+        let bogie = match (rocker_to_rear, bogie_to_front) {
+            (None, None) => Bogie::Behind,
+            _ => Bogie::InFront,
+        };
+        let (values, unused) = match bogie {
+            Bogie::Behind => (
+                [
+                    rocker_to_front,
+                    rocker_to_bogie,
+                    bogie_to_middle,
+                    bogie_to_rear,
+                ],
+                [None, None],
+            ),
+            Bogie::InFront => (
+                [
+                    rocker_to_rear,
+                    rocker_to_bogie,
+                    bogie_to_front,
+                    bogie_to_middle,
+                ],
+                [
+                    ("rocker_to_front", rocker_to_front),
+                    ("bogie_to_rear", bogie_to_rear),
+                ]
+                .map(|(argument, value)| value.map(|_| argument)),
+            ),
+        };
+        if let Some(argument) = unused.into_iter().flatten().next() {
+            let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
+            return Err(refuse(argument, rule, "a value"));
+        }
+        let names = bogie.names();
+        let read = |k: usize| vector(names[k + 1], given(names[k + 1], values[k])?);
+        let pivot = vector(names[0], rocker_pivot)?;
+        let (wheel, to_bogie, first, second) = (read(0)?, read(1)?, read(2)?, read(3)?);
         Self::build(Core::new(Dimensions {
-            rocker_pivot: vector("rocker_pivot", rocker_pivot)?,
-            rocker_to_front: vector("rocker_to_front", rocker_to_front)?,
-            rocker_to_bogie: vector("rocker_to_bogie", rocker_to_bogie)?,
-            bogie_to_middle: vector("bogie_to_middle", bogie_to_middle)?,
-            bogie_to_rear: vector("bogie_to_rear", bogie_to_rear)?,
-            wheel_radius: number("wheel_radius", wheel_radius)?,
+            rocker_pivot: pivot,
+            rocker_to_wheel: wheel,
+            rocker_to_bogie: to_bogie,
+            bogie_to_wheels: [first, second],
+            bogie,
+            wheel_radius: number("wheel_radius", given("wheel_radius", wheel_radius)?)?,
             steered: steered.map_err(|error| raise(error, &[]))?,
             steering: steering_range(steering_limit)?.unwrap_or_default(),
+            rocker_limit: joint_range("rocker_limit", rocker_limit)?,
+            bogie_limit: joint_range("bogie_limit", bogie_limit)?,
+            differential: match differential_bar {
+                None => Differential::Gear,
+                Some(bar) => {
+                    let [half_length, lever, rod] = vector("differential_bar", bar)?;
+                    Differential::Bar {
+                        half_length,
+                        lever,
+                        rod,
+                    }
+                }
+            },
         }))
     }
 
@@ -154,8 +264,8 @@ impl RockerBogie {
     ///
     /// Source: nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4).
     #[staticmethod]
-    fn rocky7() -> PyResult<Self> {
-        Self::build(Core::rocky7())
+    fn rocky7(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::rocky7())
     }
 
     /// Perseverance: four steered corners.
@@ -164,8 +274,8 @@ impl RockerBogie {
     ///
     /// Source: nasa-jpl/m2020-urdf-models, rover/m2020.urdf (c422fc6).
     #[staticmethod]
-    fn perseverance() -> PyResult<Self> {
-        Self::build(Core::perseverance())
+    fn perseverance(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::perseverance())
     }
 
     /// Curiosity, to about 1 cm: four steered corners.
@@ -175,8 +285,21 @@ impl RockerBogie {
     /// Source: Project Chrono Curiosity model (BSD-3-Clause), read off a 3D model; origin moved from the
     /// chassis by (-0.089, 0, -0.001), radius half the nominal wheel diameter.
     #[staticmethod]
-    fn curiosity() -> PyResult<Self> {
-        Self::build(Core::curiosity())
+    fn curiosity(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::curiosity())
+    }
+
+    /// The Open Source Rover of JPL: bogies in front, four steered corners.
+    ///
+    /// Frame R on the ground under the middle of the middle wheels, with all joints at 0; the model's wheel
+    /// centres then differ in height by 5 mm. Steering axes are taken through the wheel centres; in the model
+    /// they run up to 6 mm behind and 20 mm inside. No steering limit is published.
+    ///
+    /// Source: nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro (8d1de34); wheel radius from its
+    /// osr_params.yaml (e7c9e87).
+    #[staticmethod]
+    fn open_source_rover(py: Python<'_>) -> PyResult<Py<Self>> {
+        Self::named(py, Core::open_source_rover())
     }
 
     /// The Denavit-Hartenberg table, one row per frame, parents before children.
@@ -208,19 +331,24 @@ impl RockerBogie {
     fn dimensions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let of = self.0.dimensions();
         let arguments = PyDict::new(py);
-        let vectors = [
-            ("rocker_pivot", of.rocker_pivot),
-            ("rocker_to_front", of.rocker_to_front),
-            ("rocker_to_bogie", of.rocker_to_bogie),
-            ("bogie_to_middle", of.bogie_to_middle),
-            ("bogie_to_rear", of.bogie_to_rear),
-        ];
-        for (argument, [x, y, z]) in vectors {
+        for (argument, [x, y, z]) in of.vectors() {
             arguments.set_item(argument, (x, y, z))?;
         }
         arguments.set_item("wheel_radius", of.wheel_radius)?;
         arguments.set_item("steered", of.steered.name())?;
         arguments.set_item("steering_limit", (of.steering.lower, of.steering.upper))?;
+        let limit = |range: JointRange| (!range.is_open()).then_some((range.lower, range.upper));
+        arguments.set_item("rocker_limit", limit(of.rocker_limit))?;
+        arguments.set_item("bogie_limit", limit(of.bogie_limit))?;
+        let bar = match of.differential {
+            Differential::Gear => None,
+            Differential::Bar {
+                half_length,
+                lever,
+                rod,
+            } => Some((half_length, lever, rod)),
+        };
+        arguments.set_item("differential_bar", bar)?;
         Ok(arguments)
     }
 

@@ -13,8 +13,8 @@
 //! a wheel takes), [`rover`] (a checked list of wheels; inverse), [`layouts`] and [`presets`] (named
 //! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
 //! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`profiles`] (values over time,
-//! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogie), [`four_axle`] (axles on lockable
-//! pivots: brakes, sequences, simulation).
+//! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogies and other chains),
+//! [`terrain`] (ground as a grid of heights), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
@@ -32,6 +32,7 @@ pub mod profiles;
 pub mod rover;
 pub mod steering;
 pub mod suspension;
+pub mod terrain;
 pub mod wheels;
 
 pub use admissible::Keep;
@@ -46,5 +47,6 @@ pub use mobility::Mobility;
 pub use odometry::Odometry;
 pub use rover::{Inputs, Rover};
 pub use steering::SteeringRange;
-pub use suspension::RockerBogie;
+pub use suspension::{Chain, RockerBogie};
+pub use terrain::Terrain;
 pub use wheels::{Pivot, Wheel};

@@ -5,9 +5,11 @@
 //! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
 
 pub mod encoder;
+pub mod gyroscope;
 pub mod health;
 mod history;
 pub mod noise;
+pub mod preintegrated;
 mod quick;
 pub mod settings;
 mod spread;
@@ -17,8 +19,10 @@ mod tolerant;
 mod uncertainty;
 
 pub use encoder::Encoder;
+pub use gyroscope::Gyroscope;
 pub use health::Health;
 pub use noise::Noise;
+pub use preintegrated::Preintegrated;
 pub use settings::{Readings, Settings};
 
 use crate::batch::one_row::step::Plan;

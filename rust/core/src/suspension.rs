@@ -1,24 +1,35 @@
 //! Rocker-bogie suspension: where three passive joints put six wheels.
 //!
 //! A differential couples the rockers, so one angle `rho` turns the left one and `-rho` the right one; each
-//! carries a front wheel and a bogie, which turns by `beta` and carries a middle and a rear wheel. The
-//! chain is a Denavit-Hartenberg table ([`Link`]), composed in one loop; joint angles count about +y, so
-//! nose-down is positive. What the wheels then do is for the wheel equation of [`Rover`] to say.
+//! carries a wheel and a bogie, which turns by `beta` and carries two. The chain is a Denavit-Hartenberg table
+//! ([`Link`]), composed in one loop; joint angles count about +y, so nose-down is positive. What the wheels
+//! then do is for the wheel equation of [`Rover`] to say. In the world, on the ground, it is one of the
+//! vehicles of [`Chain`], which are data.
 //!
 //! (M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover, ICRA 1999.)
 
 mod chain;
+mod dimensions;
+mod table;
+mod vehicles;
 
-use std::f64::consts::FRAC_PI_3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
-use crate::error::{Error, finite};
+use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
 
-use chain::FIRST_PSI;
-pub use chain::{Dimensions, FRAMES, Link, MAX_JOINTS, Posture, Steered, Turn};
+pub use chain::{
+    Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose,
+    PointSlopes, State, Turning, WheelFrame,
+};
+pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
+use table::FIRST_PSI;
+pub use table::{FRAMES, Link, MAX_JOINTS, Posture, Turn};
+
+pub use vehicles::TripleBogie;
 
 /// Names of the wheels, in the order of every array and of the frames A1 to A6.
 pub const WHEELS: [&str; 6] = [
@@ -35,6 +46,7 @@ pub const WHEELS: [&str; 6] = [
 pub struct RockerBogie {
     dimensions: Dimensions,
     links: [Link; FRAMES],
+    chain: Chain,
 }
 
 impl PartialEq for RockerBogie {
@@ -42,6 +54,30 @@ impl PartialEq for RockerBogie {
         self.dimensions == other.dimensions
     }
 }
+
+/// What presets share, with lengths still to be filled in: bogies behind, a gear, no limit that anybody published.
+const LIKE_CURIOSITY: Dimensions = Dimensions {
+    rocker_pivot: [0.0; 3],
+    rocker_to_wheel: [0.0; 3],
+    rocker_to_bogie: [0.0; 3],
+    bogie_to_wheels: [[0.0; 3]; 2],
+    bogie: Bogie::Behind,
+    wheel_radius: 0.0,
+    steered: Steered::Corners,
+    steering: SteeringRange {
+        lower: -FRAC_PI_2,
+        upper: FRAC_PI_2,
+    },
+    rocker_limit: JointRange {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    },
+    bogie_limit: JointRange {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    },
+    differential: Differential::Gear,
+};
 
 /// What the wheels have to do, and how far the unsteered ones fall short of rolling.
 #[derive(Clone, Debug)]
@@ -59,10 +95,10 @@ pub struct SteeringCommand {
 impl RockerBogie {
     /// A rover with this suspension. Fails if a dimension makes no sense.
     pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
-        dimensions.check()?;
         Ok(Self {
-            dimensions,
+            chain: Chain::rocker_bogie(&dimensions)?,
             links: dimensions.links(),
+            dimensions,
         })
     }
 
@@ -73,13 +109,13 @@ impl RockerBogie {
         let (sin, cos) = 139.0_f64.to_radians().sin_cos(); // k9
         Self::new(Dimensions {
             rocker_pivot: [0.12075, 0.2, 0.105],
-            rocker_to_front: [0.288, 0.0, -0.125],
+            rocker_to_wheel: [0.288, 0.0, -0.125],
             rocker_to_bogie: [0.16 * cos, 0.0, -0.16 * sin],
-            bogie_to_middle: [0.069, 0.0, -0.02],
-            bogie_to_rear: [-0.069, 0.0, -0.02],
+            bogie_to_wheels: [[0.069, 0.0, -0.02], [-0.069, 0.0, -0.02]],
             wheel_radius: 0.065,
             steered: Steered::Front,
             steering: SteeringRange::symmetric(FRAC_PI_3)?,
+            ..LIKE_CURIOSITY
         })
     }
 
@@ -89,13 +125,12 @@ impl RockerBogie {
     pub fn perseverance() -> Result<Self, Error> {
         Self::new(Dimensions {
             rocker_pivot: [0.30402, 0.79959, 0.89288],
-            rocker_to_front: [0.881, 0.26291, -0.63],
+            rocker_to_wheel: [0.881, 0.26291, -0.63],
             rocker_to_bogie: [-0.754, 0.12, -0.23],
-            bogie_to_middle: [0.44998, 0.26491, -0.4],
-            bogie_to_rear: [-0.625, 0.14291, -0.4],
+            bogie_to_wheels: [[0.44998, 0.26491, -0.4], [-0.625, 0.14291, -0.4]],
             wheel_radius: 0.26288,
             steered: Steered::Corners,
-            steering: SteeringRange::default(),
+            ..LIKE_CURIOSITY
         })
     }
 
@@ -106,19 +141,45 @@ impl RockerBogie {
     pub fn curiosity() -> Result<Self, Error> {
         Self::new(Dimensions {
             rocker_pivot: [0.303, 0.604, 0.8764],
-            rocker_to_front: [0.881, 0.459, -0.6264],
+            rocker_to_wheel: [0.881, 0.459, -0.6264],
             rocker_to_bogie: [-0.754, 0.241, -0.2321],
-            bogie_to_middle: [0.451, 0.349, -0.3943],
-            bogie_to_rear: [-0.623, 0.218, -0.3943],
+            bogie_to_wheels: [[0.451, 0.349, -0.3943], [-0.623, 0.218, -0.3943]],
             wheel_radius: 0.25,
             steered: Steered::Corners,
-            steering: SteeringRange::default(),
+            ..LIKE_CURIOSITY
+        })
+    }
+
+    /// The Open Source Rover of JPL: bogies in front, four steered corners. Frame R on the ground under the middle of
+    /// the middle wheels, with all joints at 0; the model's wheel centres then differ in height by 5 mm.
+    ///
+    /// (Dimensions: nasa-jpl/osr-rover-code, ROS/osr_gazebo/urdf/osr.urdf.xacro, 8d1de34; wheel radius from its
+    /// osr_params.yaml, e7c9e87. Steering axes are taken through the wheel centres; in the model they run up
+    /// to 6 mm behind and 20 mm inside.)
+    pub fn open_source_rover() -> Result<Self, Error> {
+        Self::new(Dimensions {
+            rocker_pivot: [-0.004853, 0.18111, 0.261126],
+            rocker_to_wheel: [-0.311966, 0.008131, -0.191057],
+            rocker_to_bogie: [0.099618, 0.0, -0.091275],
+            bogie_to_wheels: [
+                [0.176344, 0.019209, -0.09327],
+                [-0.094765, 0.100435, -0.094851],
+            ],
+            bogie: Bogie::InFront,
+            wheel_radius: 0.075,
+            steered: Steered::Corners,
+            ..LIKE_CURIOSITY
         })
     }
 
     /// What it was made of.
     pub fn dimensions(&self) -> &Dimensions {
         &self.dimensions
+    }
+
+    /// The same suspension as parts, joints and wheels.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
     /// The Denavit-Hartenberg table, parents before children.
@@ -141,7 +202,12 @@ impl RockerBogie {
         finite("rho", &suspension[..1])?;
         finite("beta", &suspension[1..])?;
         finite("psi", psi)?;
-        Ok(Posture::new(&self.links, joints))
+        let right = self.dimensions.differential.right(suspension[0]);
+        let right = right.ok_or_else(|| {
+            let rule = "be within reach of the differential bar";
+            Error::value("rho", rule, number(suspension[0]))
+        })?;
+        Ok(Posture::new(&self.links, joints, right))
     }
 
     /// The rover seen from above: its wheels where the suspension puts their centres.
@@ -243,7 +309,8 @@ pub fn jacobians(
     Ok(())
 }
 
-/// The unsteered wheels are parallel: one bank, whose row is that of their mean axle.
+/// The unsteered wheels are parallel: one bank, whose row is that of their mean axle. Where all wheels steer
+/// nothing scrubs, and the origin will do.
 fn icr_offset(rover: &Rover) -> f64 {
-    0.0 - rover.banks()[0].row.z // not minus zero
+    rover.banks().first().map_or(0.0, |bank| 0.0 - bank.row.z) // not minus zero
 }

@@ -38,7 +38,7 @@ def shaped(draw: st.DrawFn) -> profiles.Profile:
 def fastest(draw: st.DrawFn) -> profiles.Profile:
     """A time-optimal profile between moving ends."""
     velocity, acceleration, jerk = (draw(st.floats(0.2, 5.0)) for _ in range(3))
-    share = st.floats(-0.5, 0.5)
+    share = st.floats(-0.5, 0.5).map(lambda value: round(value, 6))
     return profiles.time_optimal(
         draw(values),
         draw(values),

@@ -421,7 +421,7 @@ def test_turns_past_the_steering_limit_are_refused():
         ({"rocker_pivot": (0.1, -0.2, 0.1)}, r"rocker_to_front must end at a wheel of the left-hand side"),
         ({"bogie_to_rear": (-0.1, -0.2, 0.0)}, r"bogie_to_rear must end at a wheel of the left-hand side"),
         ({"bogie_to_rear": (-1e200, 0, 0)}, r"rocker_pivot must reach a finite distance"),
-        ({"steered": "rear"}, r"steered must be 'front' or 'corners', got \"rear\""),
+        ({"steered": "rear"}, r"steered must be 'front', 'corners' or 'all', got \"rear\""),
         ({"steering_limit": 0.0}, r"steering_limit must be finite and positive, got 0\.0"),
     ],
 )

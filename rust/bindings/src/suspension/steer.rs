@@ -191,7 +191,7 @@ impl RockerBogie {
         .map_err(|error| joints.raise(error))?;
         let write = |width, row: fn(&core::SteeringCommand) -> &[f64]| {
             let mut array = Output::new(py, "out", None, &joined(leading, width), &[])?;
-            for (target, command) in array.flat().chunks_exact_mut(width).zip(&commands) {
+            for (target, command) in array.flat().chunks_exact_mut(width.max(1)).zip(&commands) {
                 target.copy_from_slice(row(command));
             }
             PyResult::Ok(array.finish()?.into_any().unbind())

@@ -62,6 +62,30 @@ pub(crate) struct Workspace {
     pub noise: StepNoise,
     /// Whether a wheel slid further than the noise explains.
     pub slips: bool,
+    /// The displacement before a gyroscope had its say, and what that say made of it.
+    by_wheels: Vector3<f64>,
+    fusion: Fusion,
+    /// Turns of wheels and joints along the chords of their arcs, for derivatives.
+    chorded: Vec<f64>,
+    chorded_by: Vec<f64>,
+}
+
+/// How wheels and a gyroscope share a step: `displacement' = displacement + gain (turn - displacement.z)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fusion {
+    /// By the turn of the gyroscope.
+    pub gain: Vector3<f64>,
+    /// By the displacement of the wheels.
+    pub rest: Matrix3<f64>,
+}
+
+impl Fusion {
+    fn none() -> Self {
+        Self {
+            gain: Vector3::zeros(),
+            rest: Matrix3::identity(),
+        }
+    }
 }
 
 /// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.
@@ -111,6 +135,10 @@ impl Workspace {
                 new: shared,
             },
             slips: false,
+            by_wheels: Vector3::zeros(),
+            fusion: Fusion::none(),
+            chorded: vec![0.0; wheels],
+            chorded_by: vec![0.0; joints],
         }
     }
 
@@ -185,12 +213,59 @@ impl Workspace {
             &self.slid,
             &mut self.noise,
         );
+        self.by_wheels = displacement;
+        self.fusion = Fusion::none();
         Ok(match motion.gyro_turn {
             Some(turn) => self
                 .fuse(displacement, turn, motion.dt, &rules.noise)
                 .into(),
             None => by_wheels,
         })
+    }
+
+    /// Asks for derivatives of the displacement of the last step by the wheels alone, given its motion, and how a
+    /// gyroscope shared it. Weights are held.
+    pub fn derivatives(
+        &mut self,
+        rover: &Rover,
+        motion: Motion<'_>,
+        method: Method,
+        ask: impl FnOnce(&Linearised<'_>, &Fusion),
+    ) -> Result<(), Error> {
+        self.chorded.copy_from_slice(motion.turned);
+        let joints = self.steered_by.iter().zip(rover.steered());
+        for ((steered_by, &wheel), chorded_by) in joints.zip(&mut self.chorded_by) {
+            let chord = chord(*steered_by);
+            self.chorded[wheel] *= chord;
+            *chorded_by = steered_by * chord;
+        }
+        let measured = Measured {
+            steering: &self.middle,
+            speeds: &self.chorded,
+            steering_rates: Some(&self.chorded_by),
+        };
+        let is_plain = method == Method::LeastSquares;
+        let solution = if is_plain {
+            rover.solution_for(&self.readings, measured, Unseen::Refuse)?
+        } else {
+            let normal = rover.normal(&self.readings, |i| self.weights[i]);
+            rover.solution(normal, Unseen::Refuse)?
+        };
+        let linearised = Linearised {
+            rover,
+            readings: &self.readings,
+            measured,
+            solution,
+            twist: self.by_wheels,
+            weights: (!is_plain).then_some(self.weights.as_slice()),
+        };
+        ask(&linearised, &self.fusion);
+        Ok(())
+    }
+
+    /// How far a wheel rolled over the last step [m].
+    pub fn rolled(&self, wheel: usize) -> f64 {
+        self.readings[wheel].rolled
     }
 
     /// The displacement that wheels and a gyroscope agree on, each by its noise.
@@ -211,6 +286,7 @@ impl Workspace {
             Vector3::z()
         };
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
+        self.fusion = Fusion { gain, rest };
         self.noise.multiply(&rest);
         let ends = [&mut self.noise.old, &mut self.noise.new];
         for column in ends.into_iter().filter_map(|columns| columns.last_mut()) {

@@ -80,7 +80,7 @@ pub struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
+    pub(super) fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
         let at = |values: Option<&'a [f64]>| {
             values
                 .map(|values| values[k])

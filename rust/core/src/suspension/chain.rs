@@ -1,326 +1,377 @@
-//! The chain of frames: dimensions, the Denavit-Hartenberg table they make, and where joint angles put it.
+//! A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
+//!
+//! A part turns by a free angle (a rocker, a bogie, an axle: what the ground decides) or by a steering angle
+//! (what is commanded). Every vehicle here is such a list ([`Chain::rocker_bogie`], [`Chain::triple_bogie`],
+//! [`Chain::pivoting_axles`], [`Chain::rigid`]), and nothing that works on chains asks which.
+//!
+//! The body stands at `(x, y, z)` with rotation `Rz(yaw) Ry(pitch) Rx(roll)`: pitch > 0 nose down, roll > 0 right
+//! side down. Free angles count about the axis of their part.
 
-use nalgebra::{IsometryMatrix3, Matrix3, Point3, Rotation3, Translation3, Vector3};
+use std::borrow::Cow;
 
-use crate::error::{Error, finite, number, positive};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+
+use super::dimensions::{Differential, JointRange};
+use crate::error::{Error, finite, positive};
 use crate::steering::SteeringRange;
-use crate::wheels::Direction;
 
-/// Number of frames of the chain.
-pub const FRAMES: usize = 15;
+/// Largest number of free angles.
+pub const MAX_FREE: usize = 3;
 
-/// Largest number of joints: rocker, two bogies, four steered wheels.
-pub const MAX_JOINTS: usize = 7;
+/// Largest number of wheels.
+pub const MAX_WHEELS: usize = 6;
 
-// Indices of frames: where a chain continues.
-const D: usize = 0;
-const B1: usize = 1;
-const B2: usize = 2;
-const S1: usize = 3;
-const A1: usize = 9;
+/// Largest number of parts: two rockers, two bogies, six steering knuckles.
+pub const MAX_PARTS: usize = 10;
 
-// Indices of joints, with the sense in which they turn a frame.
-const RHO: Turn = Some((0, 1.0));
-const MINUS_RHO: Turn = Some((0, -1.0));
-const BETA_1: Turn = Some((1, 1.0));
-const BETA_2: Turn = Some((2, 1.0));
-/// Index of the first steering joint.
-pub(super) const FIRST_PSI: usize = 3;
+/// Numbers that the ground decides: z, roll, pitch and the free angles.
+pub const MAX_STATE: usize = 3 + MAX_FREE;
 
-// The angles alpha of the chain: exactly a quarter turn down, none, a quarter turn up.
-const DOWN: Direction = Direction {
-    sin: -1.0,
-    cos: 0.0,
-};
-const LEVEL: Direction = Direction { sin: 0.0, cos: 1.0 };
-const UP: Direction = Direction { sin: 1.0, cos: 0.0 };
-
-/// The joint whose angle is added to a link's gamma, and the sign with which it is.
-pub type Turn = Option<(usize, f64)>;
-
-/// One row of the table: `Rotz(gamma + joint) Transz(d) Transx(a) Rotx(alpha)` from the parent.
-#[derive(Clone, Copy, Debug)]
-pub struct Link {
-    /// Name of the frame: D, B1, B2, S1 to S6, A1 to A6; odd left, even right.
-    pub frame: &'static str,
-    /// Index of the frame it starts from; `None` is the rover's own, R.
-    pub parent: Option<usize>,
-    /// The joint that turns it.
-    pub joint: Turn,
-    /// Angle about the parent's z axis at joint angle 0 [rad].
-    pub gamma: f64,
-    /// Shift along the parent's z axis [m].
-    pub d: f64,
-    /// Shift along the new x axis [m].
-    pub a: f64,
-    /// Angle about the new x axis.
-    pub alpha: Direction,
-}
-
-impl Link {
-    /// `parent_from_frame` at these joint angles.
-    fn parent_from_frame(&self, joints: &[f64]) -> IsometryMatrix3<f64> {
-        let turned = self.joint.map_or(0.0, |(joint, sign)| sign * joints[joint]);
-        let gamma = Direction::from(self.gamma + turned);
-        let (alpha, a) = (self.alpha, self.a);
-        let rotation = Matrix3::new(
-            gamma.cos,
-            -gamma.sin * alpha.cos,
-            gamma.sin * alpha.sin,
-            gamma.sin,
-            gamma.cos * alpha.cos,
-            -gamma.cos * alpha.sin,
-            0.0,
-            alpha.sin,
-            alpha.cos,
-        );
-        IsometryMatrix3::from_parts(
-            Translation3::new(a * gamma.cos, a * gamma.sin, self.d),
-            Rotation3::from_matrix_unchecked(rotation),
-        )
-    }
-}
-
-/// Which wheels steer; the middle ones never do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Steered {
-    /// The front pair.
-    Front,
-    /// The front and the rear pair.
-    Corners,
-}
-
-impl Steered {
-    /// Indices of the steered wheels.
-    pub fn wheels(self) -> &'static [usize] {
-        match self {
-            Self::Front => &[0, 1],
-            Self::Corners => &[0, 1, 4, 5],
-        }
-    }
-
-    /// The name by which [`str::parse`] finds it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Corners => "corners",
-        }
-    }
-}
-
-impl std::str::FromStr for Steered {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let found = [Self::Front, Self::Corners]
-            .into_iter()
-            .find(|steered| steered.name() == name);
-        found.ok_or_else(|| Error::value("steered", "be 'front' or 'corners'", format!("{name:?}")))
-    }
-}
-
-/// The left-hand side of a suspension at joint angles 0, in the axes of the rover; the right mirrors it.
-///
-/// Vectors `[x, y, z]` [m]. A wheel's vector ends at its centre, on its steering axis if it has one.
+/// What turns a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dimensions {
-    /// Origin of the rover's frame R to the axis of the rocker.
-    pub rocker_pivot: [f64; 3],
-    /// Axis of the rocker to the front wheel.
-    pub rocker_to_front: [f64; 3],
-    /// Axis of the rocker to the axis of the bogie.
-    pub rocker_to_bogie: [f64; 3],
-    /// Axis of the bogie to the middle wheel.
-    pub bogie_to_middle: [f64; 3],
-    /// Axis of the bogie to the rear wheel.
-    pub bogie_to_rear: [f64; 3],
-    /// Hub to ground.
-    pub wheel_radius: f64,
-    /// Which wheels steer.
-    pub steered: Steered,
-    /// How far they do.
-    pub steering: SteeringRange,
+pub enum Turning {
+    /// A free angle, as it is.
+    Free(usize),
+    /// A free angle through a differential, of which it is the left-hand side.
+    Across(usize, Differential),
+    /// A steering angle.
+    Steering(usize),
 }
 
-impl Dimensions {
-    /// Fails unless every number is finite and the left wheels are on the left.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let vectors = [
-            ("rocker_pivot", self.rocker_pivot),
-            ("rocker_to_front", self.rocker_to_front),
-            ("rocker_to_bogie", self.rocker_to_bogie),
-            ("bogie_to_middle", self.bogie_to_middle),
-            ("bogie_to_rear", self.bogie_to_rear),
-        ];
-        for (argument, vector) in &vectors {
-            finite(argument, vector)?;
-        }
-        let reach: f64 = vectors.iter().flat_map(|(_, v)| v).map(|x| x.abs()).sum();
-        if !(reach * reach).is_finite() {
-            let rule = "reach a finite distance with the vectors after it";
-            return Err(Error::value("rocker_pivot", rule, number(reach)));
-        }
-        positive("wheel_radius", self.wheel_radius)?;
-        self.steering.check()?;
-        let [pivot, front, bogie, middle, rear] = vectors.map(|(_, [_, y, _])| y);
-        let wheels = [
-            ("rocker_to_front", pivot + front),
-            ("bogie_to_middle", pivot + bogie + middle),
-            ("bogie_to_rear", pivot + bogie + rear),
-        ];
-        for (argument, y) in wheels {
-            if y <= 0.0 {
-                let rule = "end at a wheel of the left-hand side, y > 0 in all";
-                return Err(Error::value(argument, rule, number(y)));
+/// A rigid part of a suspension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub name: Cow<'static, str>,
+    /// The part that carries it; None is the body.
+    pub parent: Option<usize>,
+    /// A point of its axis, in coordinates of the parent [m]: the origin of its own.
+    pub origin: Vector3<f64>,
+    /// Direction of its axis in the parent.
+    pub axis: Unit<Vector3<f64>>,
+    /// What turns it.
+    pub turning: Turning,
+}
+
+/// A wheel on its part: it rolls along the part's x axis, turns about its y axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mount {
+    /// Name of the wheel.
+    pub name: Cow<'static, str>,
+    /// The part; None is the body.
+    pub part: Option<usize>,
+    /// Its centre in coordinates of the part [m].
+    pub centre: Vector3<f64>,
+    /// Hub to ground [m].
+    pub radius: f64,
+}
+
+/// A free angle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Its name.
+    pub name: Cow<'static, str>,
+    /// How far it turns.
+    pub range: JointRange,
+}
+
+/// A suspension. Immutable; a chain that exists is valid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    parts: Vec<Part>,
+    wheels: Vec<Mount>,
+    joints: Vec<Joint>,
+    steering: Vec<SteeringRange>,
+    balance: Vector3<f64>,
+}
+
+/// Where the body is in the plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanPose {
+    /// Of the body's origin [m].
+    pub x: f64,
+    /// Of the body's origin [m].
+    pub y: f64,
+    /// Heading [rad].
+    pub yaw: f64,
+}
+
+impl From<[f64; 3]> for PlanPose {
+    fn from([x, y, yaw]: [f64; 3]) -> Self {
+        Self { x, y, yaw }
+    }
+}
+
+/// What the ground decides: z [m], roll, pitch and the free angles [rad], in this order; a chain with fewer angles
+/// leaves the last ones 0.
+pub type State = [f64; MAX_STATE];
+
+impl Chain {
+    /// A chain of these parts, parents before children. Fails unless every number makes sense, and there are
+    /// as many wheels as they carry.
+    pub fn new(
+        parts: Vec<Part>,
+        wheels: Vec<Mount>,
+        joints: Vec<Joint>,
+        steering: Vec<SteeringRange>,
+    ) -> Result<Self, Error> {
+        let count = |argument: &'static str, length: usize, least, most: usize| {
+            let rule = format!("hold {least} to {most}");
+            let fits = (least..=most).contains(&length);
+            fits.then_some(())
+                .ok_or_else(|| Error::value(argument, rule, length.to_string()))
+        };
+        count("parts", parts.len(), 0, MAX_PARTS)?;
+        count("wheels", wheels.len(), 3, MAX_WHEELS)?;
+        count("joints", joints.len(), 0, MAX_FREE.min(wheels.len() - 3))?;
+        for (k, part) in parts.iter().enumerate() {
+            finite("origin", part.origin.as_slice())?;
+            finite("axis", part.axis.as_slice())?;
+            let known = match part.turning {
+                Turning::Free(joint) | Turning::Across(joint, _) => joint < joints.len(),
+                Turning::Steering(steering_joint) => steering_joint < steering.len(),
+            };
+            if part.parent.is_some_and(|parent| parent >= k) || !known {
+                let rule = "hang on a part before it and turn by a joint there is";
+                return Err(Error::value("parts", rule, format!("{:?}", part.name)));
             }
         }
-        Ok(())
+        for wheel in &wheels {
+            finite("centre", wheel.centre.as_slice())?;
+            positive("wheel_radius", wheel.radius)?;
+            if wheel.part.is_some_and(|part| part >= parts.len()) {
+                let rule = "be mounted on a part there is";
+                return Err(Error::value("wheels", rule, format!("{:?}", wheel.name)));
+            }
+        }
+        for joint in &joints {
+            joint.range.check("joint_limit")?;
+        }
+        let mut chain = Self {
+            parts,
+            wheels,
+            joints,
+            steering,
+            balance: Vector3::zeros(),
+        };
+        chain.balance = chain.mean_wheel();
+        Ok(chain)
     }
 
-    /// The chain. Comments give the symbols of Tarokh et al. for Rocky 7.
-    pub(super) fn links(&self) -> [Link; FRAMES] {
-        let [k2, half_track, k1] = self.rocker_pivot;
-        let [k4, y_front, minus_k5] = self.rocker_to_front;
-        let [x_bogie, y_bogie, z_bogie] = self.rocker_to_bogie;
-        let [x_middle, y_middle, z_middle] = self.bogie_to_middle; // k7, k3b, -k8
-        let [x_rear, y_rear, z_rear] = self.bogie_to_rear; // -k7, k3b, -k8
-        let (k6, k9) = (x_bogie.hypot(z_bogie), (-z_bogie).atan2(x_bogie));
-        let (front, bogie) = (half_track + y_front, half_track + y_bogie); // k3
-        let psi = |wheel| -> Turn {
-            let mut steered = self.steered.wheels().iter();
-            let place = steered.position(|&other| other == wheel)?;
-            Some((FIRST_PSI + place, 1.0))
+    /// The parts, parents before children.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// The wheels, front to rear, left before right.
+    pub fn wheels(&self) -> &[Mount] {
+        &self.wheels
+    }
+
+    /// The free angles.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// How far each steering joint turns.
+    pub fn steering(&self) -> &[SteeringRange] {
+        &self.steering
+    }
+
+    /// Numbers that the ground decides: three of the body and the free angles.
+    pub fn state_count(&self) -> usize {
+        3 + self.joints.len()
+    }
+
+    /// Where the weight is taken to act unless told otherwise [m], in the body: the mean of the wheel centres, on
+    /// a rocker-bogie at the height of the rocker axis. Only what joints at their stops leave open depends on it.
+    pub fn balance(&self) -> Vector3<f64> {
+        self.balance
+    }
+
+    /// The parts between the body and a wheel, innermost last.
+    pub fn carriers(&self, wheel: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(self.wheels[wheel].part, |&part| self.parts[part].parent)
+    }
+
+    /// Puts the chain where a pose, a state and steering angles (all 0 if there are none) say. None where a
+    /// differential does not reach.
+    pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
+        let [z, roll, pitch, ref joints @ ..] = *state;
+        let heading = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw).into_inner();
+        let tilt = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
+        let mut placed = Placed {
+            chain: self,
+            origin: Vector3::new(pose.x, pose.y, z),
+            rotation: heading * tilt,
+            // Rz Ry x, Rz y.
+            roll_axis: heading * Vector3::new(pitch.cos(), 0.0, -pitch.sin()),
+            pitch_axis: heading * Vector3::y(),
+            parts: [PlacedPart {
+                rotation: Matrix3::identity(),
+                origin: Vector3::zeros(),
+                axis: Vector3::zeros(),
+                slope: 0.0,
+            }; MAX_PARTS],
         };
-        let rows = [
-            ("D", None, None, 0.0, k1, k2, DOWN),
-            ("B1", Some(D), RHO, k9, bogie, k6, LEVEL),
-            ("B2", Some(D), MINUS_RHO, k9, -bogie, k6, LEVEL),
-            ("S1", Some(D), RHO, 0.0, front, k4, UP),
-            ("S2", Some(D), MINUS_RHO, 0.0, -front, k4, UP),
-            ("S3", Some(B1), BETA_1, -k9, y_middle, x_middle, UP),
-            ("S4", Some(B2), BETA_2, -k9, -y_middle, x_middle, UP),
-            ("S5", Some(B1), BETA_1, -k9, y_rear, x_rear, UP),
-            ("S6", Some(B2), BETA_2, -k9, -y_rear, x_rear, UP),
-            ("A1", Some(S1), psi(0), 0.0, minus_k5, 0.0, LEVEL),
-            ("A2", Some(S1 + 1), psi(1), 0.0, minus_k5, 0.0, LEVEL),
-            ("A3", Some(S1 + 2), psi(2), 0.0, z_middle, 0.0, LEVEL),
-            ("A4", Some(S1 + 3), psi(3), 0.0, z_middle, 0.0, LEVEL),
-            ("A5", Some(S1 + 4), psi(4), 0.0, z_rear, 0.0, LEVEL),
-            ("A6", Some(S1 + 5), psi(5), 0.0, z_rear, 0.0, LEVEL),
-        ];
-        rows.map(|(frame, parent, joint, gamma, d, a, alpha)| Link {
-            frame,
-            parent,
-            joint,
-            gamma,
-            d,
-            a,
-            alpha,
-        })
+        for (k, part) in self.parts.iter().enumerate() {
+            let (rotation, origin) = placed.carrier(part.parent);
+            let (angle, slope) = match part.turning {
+                Turning::Free(joint) => (joints[joint], 1.0),
+                Turning::Across(joint, differential) => {
+                    let [angle, slope] = differential.right(joints[joint])?;
+                    (angle, slope)
+                }
+                Turning::Steering(joint) => (steering.get(joint).copied().unwrap_or(0.0), 1.0),
+            };
+            placed.parts[k] = PlacedPart {
+                rotation: rotation * Rotation3::from_axis_angle(&part.axis, angle).into_inner(),
+                origin: origin + rotation * part.origin,
+                axis: rotation * *part.axis,
+                slope,
+            };
+        }
+        Some(placed)
+    }
+
+    /// Takes the weight to act at another height of the body [m].
+    pub(super) fn set_balance_height(&mut self, height: f64) {
+        self.balance.z = height;
+    }
+
+    /// Mean of the wheel centres at angles 0 [m].
+    fn mean_wheel(&self) -> Vector3<f64> {
+        let level = PlanPose {
+            x: 0.0,
+            y: 0.0,
+            yaw: 0.0,
+        };
+        let Some(placed) = self.place(level, &[0.0; MAX_STATE], &[]) else {
+            return Vector3::zeros();
+        };
+        let count = self.wheels.len();
+        (0..count)
+            .map(|wheel| placed.wheel(wheel).centre)
+            .sum::<Vector3<f64>>()
+            / count as f64
     }
 }
 
-/// Where the joints put every frame.
+/// A part where its pose, the state and the steering put it, in world axes.
+#[derive(Clone, Copy, Debug)]
+struct PlacedPart {
+    rotation: Matrix3<f64>,
+    origin: Vector3<f64>,
+    axis: Vector3<f64>,
+    /// Derivative of its angle by the joint that turns it.
+    slope: f64,
+}
+
+/// A chain in the world.
 #[derive(Clone, Debug)]
-pub struct Posture<'a> {
-    links: &'a [Link; FRAMES],
-    frames: [IsometryMatrix3<f64>; FRAMES],
+pub struct Placed<'a> {
+    chain: &'a Chain,
+    /// Of the body [m].
+    pub origin: Vector3<f64>,
+    /// `world_from_body`.
+    pub rotation: Matrix3<f64>,
+    /// About which roll turns the body.
+    pub roll_axis: Vector3<f64>,
+    /// About which pitch turns it.
+    pub pitch_axis: Vector3<f64>,
+    parts: [PlacedPart; MAX_PARTS],
 }
 
-impl<'a> Posture<'a> {
-    /// Composes the chain at finite joint angles.
-    pub(super) fn new(links: &'a [Link; FRAMES], joints: &[f64]) -> Self {
-        let mut frames = [IsometryMatrix3::identity(); FRAMES];
-        for (k, link) in links.iter().enumerate() {
-            let local = link.parent_from_frame(joints);
-            frames[k] = link.parent.map_or(local, |parent| frames[parent] * local);
-        }
-        Self { links, frames }
-    }
+/// A wheel in the world: a circle with `centre + radius (forward sin t - up cos t)`, t its contact angle.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelFrame {
+    /// Its centre [m].
+    pub centre: Vector3<f64>,
+    /// Unit vector in which it rolls.
+    pub forward: Vector3<f64>,
+    /// Unit vector of its axle, to the left.
+    pub axle: Vector3<f64>,
+    /// Unit vector of its steering axis, upwards.
+    pub up: Vector3<f64>,
+}
 
-    /// `rover_from_frame` of every frame, in the order of the table.
-    pub fn frames(&self) -> &[IsometryMatrix3<f64>; FRAMES] {
-        &self.frames
-    }
+/// Derivatives of a point by x, y, yaw, z, roll, pitch and the free angles.
+pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 
-    /// `rover_from_wheel`: origin in the wheel's centre, x where it rolls, y along its axle.
-    pub fn wheel(&self, wheel: usize) -> &IsometryMatrix3<f64> {
-        &self.frames[A1 + wheel]
-    }
-
-    /// Centre of a wheel in the rover's frame [m].
-    pub fn wheel_centre(&self, wheel: usize) -> Point3<f64> {
-        Point3::from(self.wheel(wheel).translation.vector)
-    }
-
-    /// The joints between the rover and a wheel, outermost first: index, axis in the sense of the joint
-    /// angle, and a point of the axis, in the rover's frame. A direction fixed to the wheel changes with the
-    /// angle by `axis x direction`, a point by `axis x (point - origin)`.
-    pub fn axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Point3<f64>)> {
-        let links = std::iter::successors(Some(&self.links[A1 + wheel]), |link| {
-            link.parent.map(|parent| &self.links[parent])
-        });
-        links.filter_map(|link| {
-            let (joint, sign) = link.joint?;
-            let parent = &self.frames[link.parent?];
-            let axis = parent.rotation * Vector3::z() * sign;
-            Some((joint, axis, Point3::from(parent.translation.vector)))
+impl Placed<'_> {
+    fn carrier(&self, part: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
+        part.map_or((self.rotation, self.origin), |part| {
+            (self.parts[part].rotation, self.parts[part].origin)
         })
     }
 
-    /// Derivative of a wheel's centre in the rover's frame by every joint angle [m/rad].
-    pub fn jacobian(&self, wheel: usize) -> [Vector3<f64>; MAX_JOINTS] {
-        let centre = self.wheel_centre(wheel);
-        let mut columns = [Vector3::zeros(); MAX_JOINTS];
-        for (joint, axis, origin) in self.axes(wheel) {
-            columns[joint] += axis.cross(&(centre - origin));
+    /// A wheel.
+    pub fn wheel(&self, wheel: usize) -> WheelFrame {
+        let mount = &self.chain.wheels[wheel];
+        let (rotation, origin) = self.carrier(mount.part);
+        WheelFrame {
+            centre: origin + rotation * mount.centre,
+            forward: rotation.column(0).into(),
+            axle: rotation.column(1).into(),
+            up: rotation.column(2).into(),
         }
-        columns
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::suspension::RockerBogie;
-
-    use super::*;
-
-    #[test]
-    fn axes_move_the_points_and_directions_of_a_wheel() -> Result<(), Error> {
-        let rover = RockerBogie::perseverance()?;
-        let joints = [0.2, -0.3, 0.1, 0.4, -0.5, 0.6, -0.7];
-        let (step, posture) = (1e-5, rover.posture(&joints)?);
-        let rim = Point3::new(0.1, 0.05, -0.2);
-        for wheel in 0..6 {
-            let (mut point, mut axle) = ([Vector3::zeros(); 7], [Vector3::zeros(); 7]);
-            for (joint, axis, origin) in posture.axes(wheel) {
-                point[joint] += axis.cross(&(posture.wheel(wheel) * rim - origin));
-                axle[joint] += axis.cross(&(posture.wheel(wheel) * Vector3::y()));
-            }
-            for joint in 0..7 {
-                let moved = |step| {
-                    let mut joints = joints;
-                    joints[joint] += step;
-                    rover.posture(&joints).map(|posture| *posture.wheel(wheel))
-                };
-                let (ahead, behind) = (moved(step)?, moved(-step)?);
-                let slope = (ahead * rim - behind * rim) / (2.0 * step);
-                // Truncation, arm step^2 / 6, and rounding, eps arm / step: 6e-11 together.
-                assert!((point[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
-                let slope = (ahead * Vector3::y() - behind * Vector3::y()) / (2.0 * step);
-                assert!((axle[joint] - slope).amax() < 5e-10, "{wheel} {joint}");
-            }
-        }
-        Ok(())
     }
 
-    #[test]
-    fn the_number_of_joints_is_checked() -> Result<(), Error> {
-        let rover = RockerBogie::rocky7()?;
-        let Err(error) = rover.posture(&[0.0; 4]) else {
-            return Err(Error::value("joints", "be refused", "4"));
-        };
-        assert_eq!(error.to_string(), "joints must hold 5 angles, got 4");
-        Ok(())
+    /// Rotation and origin of a part.
+    pub fn part(&self, part: usize) -> (Matrix3<f64>, Vector3<f64>) {
+        self.carrier(Some(part))
+    }
+
+    /// Derivatives of a point that is fixed to a wheel's carrier, steering held: by x, y, yaw, z, roll, pitch and
+    /// the free angles.
+    pub fn point_slopes(&self, wheel: usize, point: Vector3<f64>) -> PointSlopes {
+        let arm = point - self.origin;
+        let mut slopes = [Vector3::zeros(); 3 + MAX_STATE];
+        slopes[0] = Vector3::x();
+        slopes[1] = Vector3::y();
+        slopes[2] = Vector3::new(-arm.y, arm.x, 0.0);
+        slopes[3] = Vector3::z();
+        slopes[4] = self.roll_axis.cross(&arm);
+        slopes[5] = self.pitch_axis.cross(&arm);
+        for (joint, axis, origin) in self.free_axes(wheel) {
+            slopes[6 + joint] += axis.cross(&(point - origin));
+        }
+        slopes
+    }
+
+    /// The free angles between the body and a wheel: index, axis times the derivative of the part's angle by the
+    /// free one, and a point of the axis, in world axes.
+    pub fn free_axes(
+        &self,
+        wheel: usize,
+    ) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
+        self.turning_axes(wheel)
+            .filter_map(|(turning, axis, origin)| match turning {
+                Turning::Free(joint) | Turning::Across(joint, _) => Some((joint, axis, origin)),
+                Turning::Steering(_) => None,
+            })
+    }
+
+    /// The same for the steering angles.
+    pub fn steering_axes(
+        &self,
+        wheel: usize,
+    ) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
+        self.turning_axes(wheel)
+            .filter_map(|(turning, axis, origin)| match turning {
+                Turning::Steering(joint) => Some((joint, axis, origin)),
+                _ => None,
+            })
+    }
+
+    fn turning_axes(
+        &self,
+        wheel: usize,
+    ) -> impl Iterator<Item = (Turning, Vector3<f64>, Vector3<f64>)> {
+        self.chain.carriers(wheel).map(|part| {
+            let placed = &self.parts[part];
+            let turning = self.chain.parts[part].turning;
+            (turning, placed.axis * placed.slope, placed.origin)
+        })
     }
 }

@@ -1,0 +1,123 @@
+//! `six_wheel.Gyroscope`.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::odometry::Gyroscope as Core;
+
+use crate::convert::{number, raise};
+use crate::wheel::reduce;
+
+/// What is known of a gyroscope about the vertical axis of the body.
+///
+/// Parameters
+/// ----------
+/// noise : float
+///     Standard deviation of a reading [rad/s].
+/// bias : float
+///     What it reads at rest, as far as is known beforehand [rad/s].
+/// bias_noise : float
+///     Standard deviation of that [rad/s].
+/// bias_walk : float
+///     By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is not finite or a deviation negative.
+#[pyclass(frozen, module = "six_wheel", from_py_object)]
+#[derive(Clone, Copy)]
+pub struct Gyroscope(pub Core);
+
+impl Gyroscope {
+    fn numbers(&self) -> [(&'static str, f64); 4] {
+        let known = &self.0;
+        [
+            ("noise", known.noise),
+            ("bias", known.bias),
+            ("bias_noise", known.bias_noise),
+            ("bias_walk", known.bias_walk),
+        ]
+    }
+}
+
+#[pymethods]
+impl Gyroscope {
+    #[new]
+    #[pyo3(
+        signature = (noise=None, *, bias=None, bias_noise=None, bias_walk=None),
+        text_signature = "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001)"
+    )]
+    fn new(
+        noise: Option<&Bound<'_, PyAny>>,
+        bias: Option<&Bound<'_, PyAny>>,
+        bias_noise: Option<&Bound<'_, PyAny>>,
+        bias_walk: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut known = Core::default();
+        let given = [
+            ("noise", noise, &mut known.noise),
+            ("bias", bias, &mut known.bias),
+            ("bias_noise", bias_noise, &mut known.bias_noise),
+            ("bias_walk", bias_walk, &mut known.bias_walk),
+        ];
+        for (argument, value, target) in given {
+            if let Some(value) = value {
+                *target = number(argument, value)?;
+            }
+        }
+        known.check().map_err(|error| raise(error, &[]))?;
+        Ok(Self(known))
+    }
+
+    /// Standard deviation of a reading [rad/s].
+    #[getter]
+    fn noise(&self) -> f64 {
+        self.0.noise
+    }
+
+    /// What it reads at rest [rad/s].
+    #[getter]
+    fn bias(&self) -> f64 {
+        self.0.bias
+    }
+
+    /// Standard deviation of that [rad/s].
+    #[getter]
+    fn bias_noise(&self) -> f64 {
+        self.0.bias_noise
+    }
+
+    /// By how much the bias wanders [rad/s per root s].
+    #[getter]
+    fn bias_walk(&self) -> f64 {
+        self.0.bias_walk
+    }
+
+    fn __repr__(&self) -> String {
+        let parts = self
+            .numbers()
+            .map(|(name, value)| format!("{name}={value:?}"));
+        format!("Gyroscope({})", parts.join(", "))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().0 == self.0)
+    }
+
+    fn __hash__(&self) -> u64 {
+        let numbers = self.numbers();
+        numbers.iter().fold(0, |hash: u64, (_, value)| {
+            hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
+        })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let keywords = PyDict::new(slf.py());
+        for (argument, value) in slf.get().numbers() {
+            keywords.set_item(argument, value)?;
+        }
+        reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
+    }
+}

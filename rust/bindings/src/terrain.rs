@@ -1,0 +1,316 @@
+//! `six_wheel.Terrain`: ground as a regular grid of heights.
+
+use std::sync::Arc;
+
+use numpy::ndarray::IxDyn;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::Terrain as Core;
+use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
+
+use crate::convert::{Output, Rows, compute, number, raise, refuse, scalar_or_array, shape_text};
+use crate::wheel::reduce;
+
+/// Ground as a regular grid of heights.
+///
+/// Node ``(row, column)`` lies at ``origin + R(orientation) (column dx, row dy)``: x grows with columns, y with
+/// rows. Between nodes heights are bilinear. NaN is a height that nobody knows; neither it nor the outside is
+/// ever guessed.
+///
+/// Parameters
+/// ----------
+/// heights : array_like, shape (rows, columns)
+///     Heights [m], NaN where unknown. Single precision stays single precision.
+/// spacing : float or (float, float)
+///     Between columns and between rows [m].
+/// origin : (float, float)
+///     Where node (0, 0) lies in the world [m].
+/// orientation : float
+///     By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If there are fewer than two rows or columns, a height is infinite, or the spacing is not positive, or so
+///     small that it can only be in degrees.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Terrain(pub Arc<Core>);
+
+/// Heights of an array, and its number of columns.
+fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
+    if let Ok(single) = value.cast::<PyArrayDyn<f32>>() {
+        let columns = columns(single.shape())?;
+        let heights: Vec<f32> = single.readonly().as_array().iter().copied().collect();
+        return Ok((Heights::Single(heights.into()), columns));
+    }
+    let array = value
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (value,));
+    let ragged = |_| {
+        refuse(
+            "heights",
+            "be numbers of one rectangular shape",
+            "a ragged list",
+        )
+    };
+    let array = array.map_err(ragged)?;
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    let columns = columns(&shape)?;
+    let rows = Rows::read("heights", &array, columns)?;
+    Ok((Heights::Double(rows.flat().into()), columns))
+}
+
+fn columns(shape: &[usize]) -> PyResult<usize> {
+    match shape {
+        [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
+        _ => {
+            let rule = "have at least two rows and two columns";
+            Err(refuse(
+                "heights",
+                rule,
+                &format!("shape {}", shape_text(shape)),
+            ))
+        }
+    }
+}
+
+/// One number for both, or two.
+fn pair(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    if let Ok(pair) = value.extract::<[f64; 2]>() {
+        return Ok(pair);
+    }
+    let one = number(argument, value)?;
+    Ok([one, one])
+}
+
+impl Terrain {
+    /// Asks for the ground at every row, and writes what `width` numbers it gives; NaN where nothing is known.
+    fn ask<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        method: &str,
+        width: usize,
+        answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let method: Interpolation = method.parse().map_err(|error| raise(error, &[]))?;
+        let rows = Rows::read("xy", xy, 2)?;
+        let mut shape = rows.leading.clone();
+        if width > 1 {
+            shape.push(width);
+        }
+        let mut output = Output::new(py, "out", None, &shape, &[])?;
+        let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
+        compute(py, points.len(), || {
+            for (&[x, y], target) in points.iter().zip(target.chunks_exact_mut(width)) {
+                match ground.sample(x, y, method) {
+                    Sample::Known { height, gradient } => answer(height, gradient, target),
+                    Sample::Unknown | Sample::Outside => target.fill(f64::NAN),
+                }
+            }
+        });
+        let array = output.finish()?;
+        if shape.is_empty() {
+            return array.call_method0("item");
+        }
+        Ok(array.into_any())
+    }
+
+    /// The arguments that make this very ground.
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
+        arguments.set_item("heights", self.heights(py)?)?;
+        arguments.set_item("spacing", (dx, dy))?;
+        arguments.set_item("origin", (x, y))?;
+        arguments.set_item("orientation", self.0.orientation())?;
+        Ok(arguments)
+    }
+}
+
+#[pymethods]
+impl Terrain {
+    #[new]
+    #[pyo3(signature = (heights, spacing, origin=None, orientation=None))]
+    fn new(
+        heights: &Bound<'_, PyAny>,
+        spacing: &Bound<'_, PyAny>,
+        origin: Option<&Bound<'_, PyAny>>,
+        orientation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (heights, columns) = read_heights(heights)?;
+        let spacing = pair("spacing", spacing)?;
+        let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
+            None => [0.0; 2],
+            Some((_, Ok(origin))) => origin,
+            Some((origin, Err(_))) => {
+                let got = origin.repr()?.to_string();
+                return Err(refuse("origin", "be two numbers", &got));
+            }
+        };
+        let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
+        let core = Core::new(heights, columns, spacing, origin, orientation);
+        core.map(|core| Self(Arc::new(core)))
+            .map_err(|error| raise(error, &[]))
+    }
+
+    /// The heights [m], shape (rows, columns), as a fresh array.
+    #[getter]
+    fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = IxDyn(&self.0.shape());
+        Ok(match self.0.heights() {
+            Heights::Single(heights) => {
+                PyArray1::from_slice(py, heights).reshape(shape)?.into_any()
+            }
+            Heights::Double(heights) => {
+                PyArray1::from_slice(py, heights).reshape(shape)?.into_any()
+            }
+        })
+    }
+
+    /// Number of rows and of columns.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        self.0.shape().into()
+    }
+
+    /// Between columns and between rows [m].
+    #[getter]
+    fn spacing(&self) -> (f64, f64) {
+        self.0.spacing().into()
+    }
+
+    /// Where node (0, 0) lies in the world [m].
+    #[getter]
+    fn origin(&self) -> (f64, f64) {
+        self.0.origin().into()
+    }
+
+    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    #[getter]
+    fn orientation(&self) -> f64 {
+        self.0.orientation()
+    }
+
+    /// Heights at points of the world.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
+    ///     sixteen nodes.
+    ///
+    /// Returns
+    /// -------
+    /// float or ndarray, shape (...)
+    ///     Heights [m]; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear"))]
+    fn height<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        method: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 1, |height, _, target| target[0] = height)
+    }
+
+    /// Derivatives of the height by x and y.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 2)
+    ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear"))]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        method: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 2, |_, gradient, target| {
+            target.copy_from_slice(&gradient);
+        })
+    }
+
+    /// Unit normals of the ground, upwards.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    /// method : {'bilinear', 'bicubic'}
+    ///     As for `gradient`.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (..., 3)
+    ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
+    #[pyo3(signature = (xy, *, method="bilinear"))]
+    fn normal<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        method: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.ask(py, xy, method, 3, |_, gradient, target| {
+            target.copy_from_slice(normal(gradient).as_slice());
+        })
+    }
+
+    /// Whether points lie on the map, its rim included; heights there may still be unknown.
+    ///
+    /// Parameters
+    /// ----------
+    /// xy : array_like, shape (..., 2)
+    ///     Points [m].
+    ///
+    /// Returns
+    /// -------
+    /// bool or ndarray, shape (...)
+    fn contains<'py>(&self, py: Python<'py>, xy: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+        let rows = Rows::read("xy", xy, 2)?;
+        let points = rows.pairs().iter();
+        let inside = points.map(|&[x, y]| self.0.contains(x, y)).collect();
+        scalar_or_array(py, inside, &rows.leading)
+    }
+
+    fn __repr__(&self) -> String {
+        let ([rows, columns], [dx, dy], [x, y]) =
+            (self.0.shape(), self.0.spacing(), self.0.origin());
+        let turned = match self.0.orientation() {
+            0.0 => String::new(),
+            orientation => format!(", orientation={orientation:?}"),
+        };
+        format!(
+            "Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})"
+        )
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other
+            .cast::<Self>()
+            .is_ok_and(|other| other.get().0 == self.0)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let ([dx, dy], [x, y]) = (self.0.spacing(), self.0.origin());
+        let place = [dx, dy, x, y, self.0.orientation()];
+        PyTuple::new(py, place)?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().arguments(py)?)
+    }
+}

@@ -1,0 +1,496 @@
+//! Where a wheel meets the ground: the least vertical distance of a circle from a grid of heights, exactly.
+//!
+//! The circle `P(t) = centre + forward sin t - up cos t` is cut where its projection crosses grid lines. Over one
+//! cell the gap is a trigonometric polynomial of second degree ([`Gap`]), whose second derivative is bounded from
+//! its values at the ends of an arc: where it is positive there is at most one minimum, found by Newton's method
+//! inside its bracket; where it is negative the minimum is an end; where it may change its sign and the arc may
+//! still hold the least gap, the arc is halved. A dip and a hump in one cell are therefore both seen.
+//!
+//! Directions are pairs `(sin t, cos t)`; no angle is computed.
+
+use crate::terrain::{Cell, Terrain};
+
+/// Arcs are cut to this length at most [rad]: bounds by second derivatives stay tight.
+const LONGEST_ARC: f64 = 0.5;
+
+/// A minimum this far above the least one is not looked at more closely [m].
+const TIE: f64 = 1e-7;
+
+/// Arcs shorter than this are their ends [rad]: the gap inside differs by 1e-17 m or so.
+const SHORTEST_ARC: f64 = 1e-8;
+
+/// Grid lines that half a circle may cross and still be cut on the stack.
+const MOST_CUTS: usize = 96;
+
+/// A circle over a grid: horizontal coordinates in columns and rows, heights in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Circle {
+    /// Its centre.
+    pub centre: [f64; 3],
+    /// Radius times the direction in which the wheel rolls.
+    pub forward: [f64; 3],
+    /// Radius times the direction of its steering axis, upwards.
+    pub up: [f64; 3],
+}
+
+/// A direction on the rim: sine and cosine of the contact angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// Sine.
+    pub sin: f64,
+    /// Cosine.
+    pub cos: f64,
+}
+
+/// A local minimum of the gap along the rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Minimum {
+    /// Vertical distance of the rim over the ground [m].
+    pub gap: f64,
+    /// Contact angle.
+    pub at: Direction,
+    /// Derivatives of the ground's height by columns and rows [m]; on a crease the mix of both sides that is
+    /// square to the rim.
+    pub slope: [f64; 2],
+}
+
+/// What a walk along the rim has found.
+#[derive(Clone, Copy, Debug)]
+pub struct Rim {
+    /// The least gap over known ground; None where there is none.
+    pub least: Option<Minimum>,
+    /// The next best minimum, where it is no more than [`TIE`] above the least.
+    pub next: Option<Minimum>,
+    /// Whether the projection lies over an unknown cell.
+    pub unknown: bool,
+    /// Whether it leaves the map.
+    pub outside: bool,
+}
+
+impl Rim {
+    const NOTHING: Self = Self {
+        least: None,
+        next: None,
+        unknown: false,
+        outside: false,
+    };
+
+    /// The least gap [m]; infinite where there is no known ground.
+    fn gap(&self) -> f64 {
+        self.least.map_or(f64::INFINITY, |least| least.gap)
+    }
+
+    /// Takes in another minimum.
+    fn offer(&mut self, minimum: Minimum) {
+        let Some(least) = self.least else {
+            self.least = Some(minimum);
+            return;
+        };
+        if minimum.gap < least.gap {
+            self.next = Some(least);
+            self.least = Some(minimum);
+        } else if self.next.is_none_or(|next| minimum.gap < next.gap) {
+            self.next = Some(minimum);
+        }
+    }
+}
+
+/// Which part of the rim to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
+    Lower,
+    /// The lower half, and the upper one if the ground beside it may be that high, or is not known.
+    Whole,
+}
+
+/// Walks along the rim.
+pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part) -> Rim {
+    let mut rim = Rim::NOTHING;
+    half(ground, circle, &mut rim);
+    if part == Part::Whole && upper_half_matters(ground, circle, rim.gap()) {
+        let turned = Circle {
+            forward: circle.forward.map(|x| -x),
+            up: circle.up.map(|x| -x),
+            ..*circle
+        };
+        let mut upper = Rim::NOTHING;
+        half(ground, &turned, &mut upper);
+        for mut minimum in [upper.least, upper.next].into_iter().flatten() {
+            minimum.at = Direction {
+                sin: -minimum.at.sin,
+                cos: -minimum.at.cos,
+            };
+            rim.offer(minimum);
+        }
+        rim.unknown |= upper.unknown;
+        rim.outside |= upper.outside;
+    }
+    let least = rim.gap();
+    rim.next = rim.next.filter(|next| next.gap - least <= TIE);
+    rim
+}
+
+/// Whether a part of the upper half may be nearer to the ground than this, or over ground that is not known.
+fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
+    let reach = |k: usize| circle.forward[k].hypot(circle.up[k]);
+    let (rx, ry) = (reach(0), reach(1));
+    let [x, y, z] = circle.centre;
+    let [rows, columns] = ground.shape();
+    let low = [(x - rx).floor(), (y - ry).floor()];
+    let high = [(x + rx).ceil(), (y + ry).ceil()];
+    let inside = low[0] >= 0.0
+        && low[1] >= 0.0
+        && high[0] <= (columns - 1) as f64
+        && high[1] <= (rows - 1) as f64;
+    if !inside {
+        return true;
+    }
+    let (mut top, mut known) = (f64::NEG_INFINITY, true);
+    for row in low[1] as usize..=high[1] as usize {
+        for column in low[0] as usize..=high[0] as usize {
+            let height = ground.heights().at(row * columns + column);
+            known &= !height.is_nan();
+            top = f64::max(top, height);
+        }
+    }
+    // The lowest point of the upper half, if the wheel stands upright, is one of its ends.
+    let lowest = z - if circle.up[2] >= 0.0 { circle.forward[2].abs() } else { reach(2) };
+    !known || lowest - top < gap + TIE
+}
+
+/// The gap over one cell: `constant + p sin t + q cos t + r cos 2t + s sin 2t`.
+#[derive(Clone, Copy, Debug)]
+struct Gap {
+    constant: f64,
+    p: f64,
+    q: f64,
+    r: f64,
+    s: f64,
+    /// Bound of the fourth derivative [m].
+    fourth: f64,
+}
+
+/// Value, first and second derivative of a gap.
+type Jet = [f64; 3];
+
+impl Gap {
+    fn new(cell: &Cell, circle: &Circle, column: f64, row: f64) -> Self {
+        let ([x, y, z], [hx, hy, hz], [ux, uy, uz]) = (circle.centre, circle.forward, circle.up);
+        let (a, b) = (x - column, y - row);
+        let [along, across] = cell.slope(a, b);
+        let twist = cell.twist;
+        let (p, q) = (
+            hz - along * hx - across * hy,
+            along * ux + across * uy - uz,
+        );
+        let (r, s) = (
+            0.5 * twist * (hx * hy - ux * uy),
+            0.5 * twist * (hx * uy + ux * hy),
+        );
+        Self {
+            constant: z - cell.height(a, b) - 0.5 * twist * (hx * hy + ux * uy),
+            p,
+            q,
+            r,
+            s,
+            fourth: p.hypot(q) + 16.0 * r.hypot(s),
+        }
+    }
+
+    #[inline]
+    fn jet(&self, Direction { sin, cos }: Direction) -> Jet {
+        let (sin2, cos2) = (2.0 * sin * cos, (cos - sin) * (cos + sin));
+        let (first, second) = (
+            self.p * sin + self.q * cos,
+            self.r * cos2 + self.s * sin2,
+        );
+        [
+            self.constant + first + second,
+            self.p * cos - self.q * sin + 2.0 * (self.s * cos2 - self.r * sin2),
+            -first - 4.0 * second,
+        ]
+    }
+}
+
+/// An arc over one cell.
+struct Arc<'a> {
+    gap: Gap,
+    cell: &'a Cell,
+    circle: &'a Circle,
+    corner: [f64; 2],
+}
+
+impl Arc<'_> {
+    /// Slope of the ground below a point of the rim.
+    fn slope(&self, at: Direction) -> [f64; 2] {
+        let [x, y] = point(self.circle, at);
+        self.cell.slope(x - self.corner[0], y - self.corner[1])
+    }
+
+    /// Offers every minimum inside the arc that may be the least.
+    fn search(&self, ends: [Direction; 2], jets: [Jet; 2], length: f64, rim: &mut Rim) {
+        let ([g1, d1, c1], [g2, d2, c2]) = (jets[0], jets[1]);
+        let eighth = length * length / 8.0;
+        let doubt = self.gap.fourth * eighth;
+        let (least, most) = (c1.min(c2) - doubt, c1.max(c2) + doubt);
+        let bound = g1.min(g2) - most.max(0.0) * eighth;
+        if most <= 0.0 || bound > rim.gap() + TIE || length < SHORTEST_ARC {
+            return; // concave, or too high
+        }
+        if least >= 0.0 {
+            if d1 < 0.0 && d2 > 0.0 {
+                let at = self.bottom(ends, d1 / (d1 - d2));
+                rim.offer(Minimum {
+                    gap: self.gap.jet(at)[0],
+                    at,
+                    slope: self.slope(at),
+                });
+            }
+            return;
+        }
+        let middle = between(ends[0], ends[1], 0.5);
+        let jet = self.gap.jet(middle);
+        if d1 < 0.0 && jet[1] == 0.0 && d2 > 0.0 {
+            rim.offer(Minimum {
+                gap: jet[0],
+                at: middle,
+                slope: self.slope(middle),
+            });
+        }
+        self.search([ends[0], middle], [jets[0], jet], 0.5 * length, rim);
+        self.search([middle, ends[1]], [jet, jets[1]], 0.5 * length, rim);
+    }
+
+    /// The zero of the gap's derivative on a convex arc at whose ends it has different signs.
+    fn bottom(&self, [mut low, mut high]: [Direction; 2], share: f64) -> Direction {
+        let mut at = between(low, high, share);
+        for _ in 0..60 {
+            let [_, slope, curvature] = self.gap.jet(at);
+            if slope > 0.0 {
+                high = at;
+            } else {
+                low = at;
+            }
+            let step = -slope / curvature;
+            let next = at.turned(step);
+            // Leaving the bracket, or no curvature to go by: halve it.
+            let inside = cross(low, next) >= 0.0 && cross(next, high) >= 0.0 && step.abs() < 1.0;
+            if slope.abs() <= 1e-15 * self.gap.fourth || step == 0.0 {
+                break;
+            }
+            at = if inside { next } else { between(low, high, 0.5) };
+            if inside && step.abs() < 1e-9 || cross(low, high) < 1e-15 {
+                break; // the next step would be 1e-18
+            }
+        }
+        at
+    }
+}
+
+impl Direction {
+    /// Turned on by an angle below one radian.
+    fn turned(self, angle: f64) -> Self {
+        // Tangent of half the angle: a rotation without trigonometric functions, exact to fifth order, then
+        // put back on the circle.
+        let square = angle * angle;
+        let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+        let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
+        Self {
+            sin: self.sin * cos + self.cos * sin,
+            cos: self.cos * cos - self.sin * sin,
+        }
+        .normalized()
+    }
+
+    fn normalized(self) -> Self {
+        let size = self.sin.hypot(self.cos);
+        Self {
+            sin: self.sin / size,
+            cos: self.cos / size,
+        }
+    }
+}
+
+/// Sine of the angle from one direction to another.
+fn cross(from: Direction, to: Direction) -> f64 {
+    to.sin * from.cos - to.cos * from.sin
+}
+
+/// A direction between two less than a quarter turn apart, at about this share of the way.
+fn between(from: Direction, to: Direction, share: f64) -> Direction {
+    Direction {
+        sin: from.sin + share * (to.sin - from.sin),
+        cos: from.cos + share * (to.cos - from.cos),
+    }
+    .normalized()
+}
+
+/// Columns and rows of a point of the rim.
+fn point(circle: &Circle, Direction { sin, cos }: Direction) -> [f64; 2] {
+    [0, 1].map(|k| circle.centre[k] + circle.forward[k] * sin - circle.up[k] * cos)
+}
+
+/// Where half a circle is cut, in the order of growing sines.
+struct Cuts {
+    cuts: [Direction; MOST_CUTS],
+    count: usize,
+}
+
+impl Cuts {
+    /// Cuts the half of the circle with positive cosines where it crosses lines of the grid and so that no arc
+    /// is too long. None where there are too many lines.
+    fn of(circle: &Circle) -> Option<Self> {
+        let mut cuts = Self {
+            cuts: [Direction { sin: 1.0, cos: 0.0 }; MOST_CUTS],
+            count: 0,
+        };
+        cuts.add(Direction {
+            sin: -1.0,
+            cos: 0.0,
+        })?;
+        for k in 0..2 {
+            let (h, u, centre) = (circle.forward[k], circle.up[k], circle.centre[k]);
+            let size = h.hypot(u);
+            if size < 1e-12 {
+                continue; // along a line of the grid
+            }
+            let (p, q) = (h / size, u / size);
+            // p sin t - q cos t = w there, and p cos t + q sin t = v.
+            let mut line = (centre - size).ceil();
+            while line <= centre + size {
+                let w = (line - centre) / size;
+                let v = (1.0 - w * w).max(0.0).sqrt();
+                for v in [v, -v] {
+                    let at = Direction {
+                        sin: w * p + v * q,
+                        cos: v * p - w * q,
+                    };
+                    if at.cos > 0.0 {
+                        cuts.add(at)?;
+                    }
+                }
+                line += 1.0;
+            }
+        }
+        cuts.sort();
+        cuts.add(Direction { sin: 1.0, cos: 0.0 })?;
+        Some(cuts)
+    }
+
+    fn add(&mut self, at: Direction) -> Option<()> {
+        *self.cuts.get_mut(self.count)? = at;
+        self.count += 1;
+        Some(())
+    }
+
+    fn sort(&mut self) {
+        self.cuts[..self.count].sort_unstable_by(|a, b| a.sin.total_cmp(&b.sin));
+    }
+}
+
+/// The end of an arc: the gap there, its slope along the rim, and the slope of the ground.
+struct End {
+    at: Direction,
+    gap: f64,
+    rise: f64,
+    slope: [f64; 2],
+}
+
+/// Walks along the half of the rim with positive cosines.
+fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
+    let Some(cuts) = Cuts::of(circle) else {
+        // So many lines that heights no longer describe what the wheel stands on.
+        rim.unknown = true;
+        return;
+    };
+    let [rows, columns] = ground.shape();
+    let mut before: Option<End> = None;
+    for pair in cuts.cuts[..cuts.count].windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let chord = (to.sin - from.sin).hypot(to.cos - from.cos);
+        if chord < 1e-14 {
+            continue; // a node of the grid: the cell between its two lines is not touched
+        }
+        let [x, y] = point(circle, between(from, to, 0.5));
+        let (column, row) = (x.floor(), y.floor());
+        let inside = column >= 0.0
+            && row >= 0.0
+            && column <= (columns - 2) as f64
+            && row <= (rows - 2) as f64;
+        let cell = inside.then(|| ground.cell(column as usize, row as usize));
+        rim.outside |= cell.is_none();
+        rim.unknown |= cell.is_some_and(|cell| !cell.is_known());
+        let Some(cell) = cell.filter(Cell::is_known) else {
+            edge(before.take(), None, rim);
+            continue;
+        };
+        let arc = Arc {
+            gap: Gap::new(&cell, circle, column, row),
+            cell: &cell,
+            circle,
+            corner: [column, row],
+        };
+        // An arc is 2 asin(chord / 2) long: at most this, up to half a circle.
+        let pieces = (1.12 * chord / LONGEST_ARC).ceil().max(1.0);
+        let length = 1.12 * chord / pieces;
+        let mut start = from;
+        let mut jet = arc.gap.jet(start);
+        edge(
+            before.take(),
+            Some(End {
+                at: start,
+                gap: jet[0],
+                rise: jet[1],
+                slope: arc.slope(start),
+            }),
+            rim,
+        );
+        for piece in 1..=pieces as usize {
+            let end = if piece == pieces as usize {
+                to
+            } else {
+                between(start, to, 1.0 / (pieces - (piece - 1) as f64))
+            };
+            let last = arc.gap.jet(end);
+            if piece > 1 && jet[1] == 0.0 {
+                rim.offer(Minimum {
+                    gap: jet[0],
+                    at: start,
+                    slope: arc.slope(start),
+                });
+            }
+            arc.search([start, end], [jet, last], length, rim);
+            (start, jet) = (end, last);
+        }
+        before = Some(End {
+            at: to,
+            gap: jet[0],
+            rise: jet[1],
+            slope: arc.slope(to),
+        });
+    }
+    edge(before, None, rim);
+}
+
+/// Offers the point between two arcs if the gap falls towards it from both sides; where there is known ground on
+/// one side only, if it falls from there.
+fn edge(before: Option<End>, after: Option<End>, rim: &mut Rim) {
+    let (end, share) = match (&before, &after) {
+        (None, None) => return,
+        (Some(end), None) if end.rise <= 0.0 => (end, 1.0),
+        (None, Some(end)) if end.rise >= 0.0 => (end, 1.0),
+        (Some(left), Some(right)) if left.rise <= 0.0 && right.rise >= 0.0 => {
+            let turn = right.rise - left.rise;
+            (left, if turn > 0.0 { right.rise / turn } else { 0.5 })
+        }
+        _ => return,
+    };
+    let other = after.as_ref().unwrap_or(end).slope;
+    let other = if before.is_none() { end.slope } else { other };
+    rim.offer(Minimum {
+        gap: end.gap,
+        at: end.at,
+        slope: [0, 1].map(|k| share * end.slope[k] + (1.0 - share) * other[k]),
+    });
+}

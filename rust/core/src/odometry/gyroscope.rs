@@ -1,0 +1,48 @@
+//! A gyroscope about the vertical axis of the body: its noise, and the bias it drifts with.
+
+use crate::error::{Error, number};
+
+/// What is known of a gyroscope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gyroscope {
+    /// Standard deviation of a reading [rad/s].
+    pub noise: f64,
+    /// What it reads at rest, as far as is known beforehand [rad/s].
+    pub bias: f64,
+    /// Standard deviation of that [rad/s].
+    pub bias_noise: f64,
+    /// By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+    pub bias_walk: f64,
+}
+
+impl Default for Gyroscope {
+    fn default() -> Self {
+        Self {
+            noise: 0.005,
+            bias: 0.0,
+            bias_noise: 0.05,
+            bias_walk: 1e-4,
+        }
+    }
+}
+
+impl Gyroscope {
+    /// Fails unless every number is finite and no deviation negative.
+    pub fn check(&self) -> Result<(), Error> {
+        if !self.bias.is_finite() {
+            return Err(Error::value("bias", "be finite", number(self.bias)));
+        }
+        let deviations = [
+            ("noise", self.noise),
+            ("bias_noise", self.bias_noise),
+            ("bias_walk", self.bias_walk),
+        ];
+        for (argument, value) in deviations {
+            if !(value.is_finite() && value >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value(argument, rule, number(value)));
+            }
+        }
+        Ok(())
+    }
+}
