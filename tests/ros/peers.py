@@ -69,6 +69,7 @@ class Peer:
         self.diagnostics: list[DiagnosticArray] = []
         self.limited: list[Any] = []
         self.wanted: tuple[float, float, float] | None = None
+        self.clock: Callable[[], int] = time.time_ns
         self.alter: Callable[[JointState], JointState | None] = lambda state: state
         self._states = self.node.create_publisher(JointState, "joint_states", 10)
         self._wanted = self.node.create_publisher(TwistStamped, "cmd_vel", 10)
@@ -133,8 +134,8 @@ class Peer:
     def want(self, twist: Sequence[float], age: float = 0.0) -> None:
         """Send a command, given some time ago [s]."""
         message = TwistStamped()
-        stamp = self.node.get_clock().now() - rclpy.duration.Duration(seconds=age)
-        message.header.stamp = stamp.to_msg()
+        given = self.clock() - round(age * 1e9)
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(given, 1_000_000_000)
         message.twist.linear.x, message.twist.linear.y, message.twist.angular.z = map(float, twist)
         self._wanted.publish(message)
 
