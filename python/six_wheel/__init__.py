@@ -30,6 +30,7 @@ from six_wheel._core import (
     RockerBogie,
     Rover,
     Sensitivity,
+    Stand,
     SteeringCommand,
     Suspension,
     Terrain,
@@ -51,6 +52,7 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
     from six_wheel.calibration import calibrate
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.simulation import simulate
 
 __all__ = [
     "ArgumentTypeError",
@@ -86,7 +89,9 @@ __all__ = [
     "RolloutCost",
     "Rover",
     "Sensitivity",
+    "SettleStatus",
     "SlipReport",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
@@ -109,6 +114,7 @@ __all__ = [
     "profiles",
     "rollout",
     "set_default_threads",
+    "simulate",
     "umbmark",
     "wrap_angle",
 ]
@@ -165,5 +171,6 @@ __getattr__, __dir__ = attach(
         "replay": (),
         "report": (),
         "ros": (),
+        "simulation": ("simulate",),
     },
 )

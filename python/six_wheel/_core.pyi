@@ -18,6 +18,7 @@ from six_wheel.logs import Log
 from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
+from six_wheel.standing import SettleStatus
 
 __all__ = [
     "BodyTransition",
@@ -41,6 +42,7 @@ __all__ = [
     "RockerBogie",
     "Rover",
     "Sensitivity",
+    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
@@ -774,6 +776,62 @@ class Suspension:
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
     def free_joints(self) -> tuple[str, ...]: ...
+    def settle(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        steering: ArrayLike | None = None,
+        *,
+        derivatives: bool = False,
+        centre_of_mass: ArrayLike | None = None,
+        threads: int | None = None,
+    ) -> Stand: ...
+
+@final
+class Stand:
+    @property
+    def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
+    @property
+    def ground(self) -> Terrain: ...
+    @property
+    def suspension(self) -> Suspension: ...
+    @property
+    def stands(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def poses(self) -> _Floats: ...  # (..., 3) [m, m, rad]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered) [rad]
+    @property
+    def z(self) -> float | _Floats: ...  # [m]
+    @property
+    def roll(self) -> float | _Floats: ...  # [rad]
+    @property
+    def pitch(self) -> float | _Floats: ...  # [rad]
+    @property
+    def joints(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def stops(self) -> _Floats: ...  # (..., joints) -1, 0, 1
+    @property
+    def gap(self) -> _Floats: ...  # (..., wheels) [m]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def next_contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def next_contacts(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def normals(self) -> _Floats: ...  # (..., wheels, 3)
+    @property
+    def transform(self) -> _Floats: ...  # (..., 4, 4)
+    @property
+    def wheel_centres(self) -> _Floats: ...  # (..., wheels, 3) [m]
+    @property
+    def by_pose(self) -> _Floats | None: ...  # (..., 3 + joints, 3)
+    @property
+    def by_dimension(self) -> _Floats | None: ...  # (..., 6, 16)
+    def __len__(self) -> int: ...
 
 @final
 class RockerBogie(Suspension):

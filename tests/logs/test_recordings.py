@@ -81,3 +81,14 @@ def test_shapes_that_do_not_fit_are_refused():
             Log(*arguments)
     with pytest.raises(ValueError, match="poses must be finite"):
         Truth([0.0, 1.0], [(0.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
+
+
+def test_a_log_refuses_time_that_is_none_or_runs_backwards():
+    angles = np.zeros((3, 2))
+    with pytest.raises(ValueError, match="stamps must be finite, got nan in row 1"):
+        Log([0.0, math.nan, 1.0], None, angles)
+    with pytest.raises(ValueError, match=r"stamps must not run backwards, got 0.5 after 1.0 in row 2"):
+        Log([0.0, 1.0, 0.5], None, angles)
+    with pytest.raises(ValueError, match=r"yaw_rate must have shape \(3,\), got \(2,\)"):
+        Log([0.0, 1.0, 2.0], None, angles, yaw_rate=[0.0, 1.0])
+    assert len(Log([0.0, 1.0, 1.0], None, angles)) == 3  # twice the same is for readers to leave out

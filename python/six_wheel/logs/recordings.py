@@ -1,8 +1,9 @@
 """Recordings of a drive: what the wheels reported and, where it was measured, how the rover really moved."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,11 +75,16 @@ class Log:
         The reference; bare poses are taken to be measured at `stamps`.
     name, session : str
         What to call the drive, and which drives belong together: same day, same floor, same load.
+    yaw_rate, yaw : array_like, shape (n,), optional
+        Of a gyroscope [rad/s], and absolute yaw of a sensor with a zero of its own [rad].
+    options : mapping
+        How `Odometry` has to read the log where it is not in radians: `readings`, `wheel_encoders`,
+        `steering_encoders`. `dead_reckon` and `calibrate` mind them.
 
     Raises
     ------
     ValueError
-        If the shapes do not fit each other.
+        If the shapes do not fit each other, or a stamp is not finite or before the one above it.
     """
 
     stamps: Floats
@@ -87,11 +93,15 @@ class Log:
     truth: Truth | None = None
     name: str = ""
     session: str = field(default="")
+    yaw_rate: Floats | None = None
+    yaw: Floats | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         stamps = np.array(self.stamps, dtype=np.float64)
         if stamps.ndim != 1 or len(stamps) < 2:
             raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
+        _check_order(stamps)
         angles = np.array(self.wheel_angles, dtype=np.float64)
         if angles.ndim != 2 or len(angles) != len(stamps):
             raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
@@ -104,6 +114,12 @@ class Log:
         if truth is not None and not isinstance(truth, Truth):
             truth = Truth(stamps, truth)
         _freeze(self, stamps=stamps, steering=steering, wheel_angles=angles, truth=truth)
+        for name in ("yaw_rate", "yaw"):
+            if (given := getattr(self, name)) is not None:
+                column = np.array(given, dtype=np.float64)
+                if column.shape != stamps.shape:
+                    raise ValueError(f"{name} must have shape ({len(stamps)},), got {column.shape}")
+                _freeze(self, **{name: column})
 
     @classmethod
     def from_increments(
@@ -130,7 +146,19 @@ class Log:
 
     def __repr__(self) -> str:
         known = "with truth" if self.truth is not None else "without truth"
-        return f"Log({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
+        return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
+
+
+def _check_order(stamps: Floats) -> None:
+    """Fails where time is no number or runs backwards; the same time twice is for readers to leave out."""
+    if not (good := np.isfinite(stamps)).all():
+        row = int(np.argmin(good))
+        raise ValueError(f"stamps must be finite, got {stamps[row]} in row {row}")
+    if not (good := np.diff(stamps) >= 0.0).all():
+        row = int(np.argmin(good)) + 1
+        raise ValueError(
+            f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}"
+        )
 
 
 def _freeze(record: object, **arrays: object) -> None:

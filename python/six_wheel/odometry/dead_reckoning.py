@@ -41,7 +41,8 @@ def dead_reckon(
     steering : array_like of shape (n, steered wheels), or a table, or a path
         Steering angles [rad], or counts of their encoders; None for a rover that does not steer. A table
         (a frame of pandas or polars, a pyarrow table, a dict of columns) or the path of a Parquet file stands
-        for this and the next two; see `table_columns` for what its columns are called.
+        for this and the next two; see `table_columns` for what its columns are called. So does a `Log`, with
+        its gyroscope and the encoders it was read with.
     wheel_angles : array_like, shape (n, wheels)
         Running totals [rad], or what the option `readings` says; NaN where a passive wheel has no encoder.
     stamps : array_like, shape (n,)
@@ -80,6 +81,12 @@ def dead_reckon(
     ModuleNotFoundError
         If a Parquet file is given and what reads it is not installed.
     """
+    if wheel_angles is None and hasattr(steering, "wheel_angles"):
+        log = steering
+        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
+        yaw = log.yaw if yaw is None else yaw
+        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
+        options = {**log.options, **options}
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}

@@ -8,6 +8,7 @@ mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
+mod ground;
 mod kinematics;
 mod layouts;
 mod mobility;
@@ -47,6 +48,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<terrain::Terrain>()?;
     module.add_class::<suspension::Suspension>()?;
     module.add_class::<suspension::RockerBogie>()?;
+    module.add_class::<ground::Stand>()?;
     module.add_class::<suspension::Link>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;

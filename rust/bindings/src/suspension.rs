@@ -77,6 +77,11 @@ impl RockerBogie {
         Py::new(py, Self::build(core)?)
     }
 
+    /// The rover itself.
+    pub fn core(&self) -> &Core {
+        &self.0
+    }
+
     fn steered(&self) -> &'static [usize] {
         self.0.dimensions().steered.wheels()
     }

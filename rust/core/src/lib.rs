@@ -23,6 +23,7 @@ pub mod error;
 pub mod estimate;
 pub mod four_axle;
 pub mod geometry;
+pub mod ground;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;

@@ -63,7 +63,7 @@ pub enum Pivot {
 }
 
 /// Sine and cosine of one angle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction {
     /// Sine.
     pub sin: f64,

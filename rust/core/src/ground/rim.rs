@@ -9,9 +9,14 @@
 //! Directions are pairs `(sin t, cos t)`; no angle is computed.
 
 use crate::terrain::{Cell, Terrain};
+use crate::wheels::Direction;
 
-/// Arcs are cut to this length at most [rad]: bounds by second derivatives stay tight.
-const LONGEST_ARC: f64 = 0.5;
+/// Arcs are cut to this length [rad], and what then remains is at most [`REST`]: bounds by second derivatives
+/// stay tight.
+const LONGEST_ARC: f64 = 0.45;
+
+/// Cosine of half a radian.
+const REST: f64 = 0.877_582_561_890_372_8;
 
 /// A minimum this far above the least one is not looked at more closely [m].
 const TIE: f64 = 1e-7;
@@ -31,15 +36,6 @@ pub(crate) struct Circle {
     pub forward: [f64; 3],
     /// Radius times the direction of its steering axis, upwards.
     pub up: [f64; 3],
-}
-
-/// A direction on the rim: sine and cosine of the contact angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direction {
-    /// Sine.
-    pub sin: f64,
-    /// Cosine.
-    pub cos: f64,
 }
 
 /// A local minimum of the gap along the rim.
@@ -155,7 +151,11 @@ fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
         }
     }
     // The lowest point of the upper half, if the wheel stands upright, is one of its ends.
-    let lowest = z - if circle.up[2] >= 0.0 { circle.forward[2].abs() } else { reach(2) };
+    let lowest = z - if circle.up[2] >= 0.0 {
+        circle.forward[2].abs()
+    } else {
+        reach(2)
+    };
     !known || lowest - top < gap + TIE
 }
 
@@ -180,10 +180,7 @@ impl Gap {
         let (a, b) = (x - column, y - row);
         let [along, across] = cell.slope(a, b);
         let twist = cell.twist;
-        let (p, q) = (
-            hz - along * hx - across * hy,
-            along * ux + across * uy - uz,
-        );
+        let (p, q) = (hz - along * hx - across * hy, along * ux + across * uy - uz);
         let (r, s) = (
             0.5 * twist * (hx * hy - ux * uy),
             0.5 * twist * (hx * uy + ux * hy),
@@ -201,10 +198,7 @@ impl Gap {
     #[inline]
     fn jet(&self, Direction { sin, cos }: Direction) -> Jet {
         let (sin2, cos2) = (2.0 * sin * cos, (cos - sin) * (cos + sin));
-        let (first, second) = (
-            self.p * sin + self.q * cos,
-            self.r * cos2 + self.s * sin2,
-        );
+        let (first, second) = (self.p * sin + self.q * cos, self.r * cos2 + self.s * sin2);
         [
             self.constant + first + second,
             self.p * cos - self.q * sin + 2.0 * (self.s * cos2 - self.r * sin2),
@@ -228,6 +222,14 @@ impl Arc<'_> {
         self.cell.slope(x - self.corner[0], y - self.corner[1])
     }
 
+    fn minimum(&self, at: Direction, gap: f64) -> Minimum {
+        Minimum {
+            gap,
+            at,
+            slope: self.slope(at),
+        }
+    }
+
     /// Offers every minimum inside the arc that may be the least.
     fn search(&self, ends: [Direction; 2], jets: [Jet; 2], length: f64, rim: &mut Rim) {
         let ([g1, d1, c1], [g2, d2, c2]) = (jets[0], jets[1]);
@@ -241,22 +243,14 @@ impl Arc<'_> {
         if least >= 0.0 {
             if d1 < 0.0 && d2 > 0.0 {
                 let at = self.bottom(ends, d1 / (d1 - d2));
-                rim.offer(Minimum {
-                    gap: self.gap.jet(at)[0],
-                    at,
-                    slope: self.slope(at),
-                });
+                rim.offer(self.minimum(at, self.gap.jet(at)[0]));
             }
             return;
         }
         let middle = between(ends[0], ends[1], 0.5);
         let jet = self.gap.jet(middle);
         if d1 < 0.0 && jet[1] == 0.0 && d2 > 0.0 {
-            rim.offer(Minimum {
-                gap: jet[0],
-                at: middle,
-                slope: self.slope(middle),
-            });
+            rim.offer(self.minimum(middle, jet[0]));
         }
         self.search([ends[0], middle], [jets[0], jet], 0.5 * length, rim);
         self.search([middle, ends[1]], [jet, jets[1]], 0.5 * length, rim);
@@ -273,13 +267,17 @@ impl Arc<'_> {
                 low = at;
             }
             let step = -slope / curvature;
-            let next = at.turned(step);
+            let next = turned(at, step);
             // Leaving the bracket, or no curvature to go by: halve it.
             let inside = cross(low, next) >= 0.0 && cross(next, high) >= 0.0 && step.abs() < 1.0;
             if slope.abs() <= 1e-15 * self.gap.fourth || step == 0.0 {
                 break;
             }
-            at = if inside { next } else { between(low, high, 0.5) };
+            at = if inside {
+                next
+            } else {
+                between(low, high, 0.5)
+            };
             if inside && step.abs() < 1e-9 || cross(low, high) < 1e-15 {
                 break; // the next step would be 1e-18
             }
@@ -288,27 +286,23 @@ impl Arc<'_> {
     }
 }
 
-impl Direction {
-    /// Turned on by an angle below one radian.
-    fn turned(self, angle: f64) -> Self {
-        // Tangent of half the angle: a rotation without trigonometric functions, exact to fifth order, then
-        // put back on the circle.
-        let square = angle * angle;
-        let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
-        let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
-        Self {
-            sin: self.sin * cos + self.cos * sin,
-            cos: self.cos * cos - self.sin * sin,
-        }
-        .normalized()
-    }
+/// A direction turned on by an angle below one radian.
+fn turned(from: Direction, angle: f64) -> Direction {
+    // Polynomials, put back on the circle: as good as sine and cosine where angles are small.
+    let square = angle * angle;
+    let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+    let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
+    normalized(Direction {
+        sin: from.sin * cos + from.cos * sin,
+        cos: from.cos * cos - from.sin * sin,
+    })
+}
 
-    fn normalized(self) -> Self {
-        let size = self.sin.hypot(self.cos);
-        Self {
-            sin: self.sin / size,
-            cos: self.cos / size,
-        }
+fn normalized(at: Direction) -> Direction {
+    let scale = 1.0 / (at.sin * at.sin + at.cos * at.cos).sqrt();
+    Direction {
+        sin: at.sin * scale,
+        cos: at.cos * scale,
     }
 }
 
@@ -319,11 +313,29 @@ fn cross(from: Direction, to: Direction) -> f64 {
 
 /// A direction between two less than a quarter turn apart, at about this share of the way.
 fn between(from: Direction, to: Direction, share: f64) -> Direction {
-    Direction {
+    normalized(Direction {
         sin: from.sin + share * (to.sin - from.sin),
         cos: from.cos + share * (to.cos - from.cos),
+    })
+}
+
+/// A direction well inside the arc from one direction to another, up to half a turn on.
+fn inside(from: Direction, to: Direction) -> Direction {
+    if from.sin * to.sin + from.cos * to.cos >= 0.0 {
+        return between(from, to, 0.5);
     }
-    .normalized()
+    // A quarter turn on, however far the ends are apart.
+    Direction {
+        sin: from.cos,
+        cos: -from.sin,
+    }
+}
+
+/// At least the angle between two directions up to half a radian apart: the chord is shorter by less than this.
+fn length(from: Direction, to: Direction) -> f64 {
+    let (sin, cos) = (to.sin - from.sin, to.cos - from.cos);
+    let square = sin * sin + cos * cos;
+    square.sqrt() * (1.0 + 0.05 * square)
 }
 
 /// Columns and rows of a point of the rim.
@@ -408,11 +420,10 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
     let mut before: Option<End> = None;
     for pair in cuts.cuts[..cuts.count].windows(2) {
         let (from, to) = (pair[0], pair[1]);
-        let chord = (to.sin - from.sin).hypot(to.cos - from.cos);
-        if chord < 1e-14 {
+        if to.sin - from.sin < 1e-14 && (to.cos - from.cos).abs() < 1e-14 {
             continue; // a node of the grid: the cell between its two lines is not touched
         }
-        let [x, y] = point(circle, between(from, to, 0.5));
+        let [x, y] = point(circle, inside(from, to));
         let (column, row) = (x.floor(), y.floor());
         let inside = column >= 0.0
             && row >= 0.0
@@ -431,9 +442,6 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
             circle,
             corner: [column, row],
         };
-        // An arc is 2 asin(chord / 2) long: at most this, up to half a circle.
-        let pieces = (1.12 * chord / LONGEST_ARC).ceil().max(1.0);
-        let length = 1.12 * chord / pieces;
         let mut start = from;
         let mut jet = arc.gap.jet(start);
         edge(
@@ -446,22 +454,22 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
             }),
             rim,
         );
-        for piece in 1..=pieces as usize {
-            let end = if piece == pieces as usize {
+        loop {
+            let whole = start.sin * to.sin + start.cos * to.cos >= REST;
+            let end = if whole {
                 to
             } else {
-                between(start, to, 1.0 / (pieces - (piece - 1) as f64))
+                turned(start, LONGEST_ARC)
             };
             let last = arc.gap.jet(end);
-            if piece > 1 && jet[1] == 0.0 {
-                rim.offer(Minimum {
-                    gap: jet[0],
-                    at: start,
-                    slope: arc.slope(start),
-                });
-            }
-            arc.search([start, end], [jet, last], length, rim);
+            arc.search([start, end], [jet, last], length(start, end), rim);
             (start, jet) = (end, last);
+            if whole {
+                break;
+            }
+            if jet[1] == 0.0 {
+                rim.offer(arc.minimum(start, jet[0]));
+            }
         }
         before = Some(End {
             at: to,

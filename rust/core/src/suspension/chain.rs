@@ -339,6 +339,16 @@ impl Placed<'_> {
         slopes
     }
 
+    /// Derivatives of a point fixed to the body by z, roll and pitch.
+    pub fn body_slopes(&self, point: Vector3<f64>) -> [Vector3<f64>; 3] {
+        let arm = point - self.origin;
+        [
+            Vector3::z(),
+            self.roll_axis.cross(&arm),
+            self.pitch_axis.cross(&arm),
+        ]
+    }
+
     /// The free angles between the body and a wheel: index, axis times the derivative of the part's angle by the
     /// free one, and a point of the axis, in world axes.
     pub fn free_axes(

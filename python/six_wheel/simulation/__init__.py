@@ -1,0 +1,28 @@
+"""Logs from nowhere: what a rover's sensors report along a path, with the truth, from a seed.
+
+`course` is how the rover is asked to move, `motion` how it really does, slip and all, `readings` what
+encoders and gyroscope make of that, `writing` puts it
+into a file; `running` joins them.
+"""
+
+from typing import TYPE_CHECKING
+
+from six_wheel.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.simulation.motion import Motion, Slip
+    from six_wheel.simulation.running import Simulation, simulate
+    from six_wheel.simulation.writing import write_log
+
+__all__ = ["Motion", "Simulation", "Slip", "simulate", "write_log"]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "course": (),
+        "motion": ("Motion", "Slip"),
+        "readings": (),
+        "running": ("Simulation", "simulate"),
+        "writing": ("write_log",),
+    },
+)

@@ -1,0 +1,144 @@
+"""`simulate`: a drive that never was, as a log with its truth."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Gyroscope, Noise, Rover
+from six_wheel.logs.recordings import Log, Truth
+from six_wheel.simulation.course import read_course
+from six_wheel.simulation.motion import Motion, Slip, drive
+from six_wheel.simulation.readings import Encoders, read, sample_times
+
+Floats = NDArray[np.float64]
+
+# Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
+FINER = 8
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Log):
+    """A log with its truth, and what only a simulation knows.
+
+    Attributes
+    ----------
+    motion : Motion
+        What truly happened, eight times as fine as the samples.
+    """
+
+    motion: Motion | None = None
+
+
+def simulate(
+    rover: Rover,
+    path: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    noise: Noise | None = None,
+    encoder: Encoders | None = None,
+    steering_encoder: Encoders | None = None,
+    slip: Slip | Sequence[Slip] = (),
+    gyroscope: Gyroscope | None = None,
+    rate: float = 50.0,
+    jitter: float = 0.0,
+    dropped: float = 0.0,
+    speed: float = 0.5,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    truth_noise: tuple[float, float] = (0.0, 0.0),
+    seed: int = 0,
+    name: str = "",
+    session: str = "",
+) -> Simulation:
+    """A log with truth, of any rover on a plane: the same for the same seed.
+
+    Parameters
+    ----------
+    rover : Rover
+        As it is built.
+    path : array_like or pair of array_like
+        Commands: rows ``[time, vx, vy, omega]``, shape (n, 4), or a pair of stamps (n,) and twists (n,
+        3); between rows the twist changes evenly. Or poses, shape (n, 3), each reached from the one
+        before on one arc at `speed`. Of twists the rover cannot make it makes the nearest.
+    noise : Noise, optional
+        How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
+    encoder, steering_encoder : Encoder, sequence of Encoder or dict of str to Encoder, optional
+        What wheels and joints count with: ticks, gear, where the counter starts over. Without one they
+        read radians.
+    slip : Slip or sequence of Slip
+        Stretches in which wheels spin or the body drifts.
+    gyroscope : Gyroscope, optional
+        Its bias starts at random within its deviation, and wanders.
+    rate : float
+        Samples per second.
+    jitter : float
+        Standard deviation of the time between samples [s]; the stamps are right.
+    dropped : float
+        Share of the rows that get lost.
+    speed : float
+        Along poses [m/s].
+    start : array_like, shape (3,)
+        First pose [m, m, rad].
+    truth_noise : tuple of float
+        Standard deviation of the truth's places [m] and headings [rad].
+    seed : int
+        Of all that is random.
+    name, session : str
+        Of the log.
+
+    Returns
+    -------
+    Simulation
+        A `Log` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is.
+
+    Raises
+    ------
+    ValueError
+        If an argument breaks its rule.
+    """
+    noise = Noise(0.0, 0.0) if noise is None else noise
+    for argument, value in (
+        ("jitter", jitter),
+        ("dropped", dropped),
+        *(("truth_noise", one) for one in truth_noise),
+    ):
+        if not (math.isfinite(value) and value >= 0.0):
+            raise ValueError(f"{argument} must be finite and not negative, got {value}")
+    if not (math.isfinite(rate) and rate > 0.0):
+        raise ValueError(f"rate must be finite and positive, got {rate}")
+    if dropped >= 1.0:
+        raise ValueError(f"dropped must be below 1, got {dropped}")
+    first = np.array(start, dtype=np.float64)
+    if first.shape != (3,) or not np.isfinite(first).all():
+        raise ValueError(f"start must be three finite numbers, got {first}")
+    random = np.random.default_rng(seed)
+    course = read_course(path, rover, speed)
+    slips = [slip] if isinstance(slip, Slip) else list(slip)
+    motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), first, random)
+    stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
+    if dropped:
+        kept = random.random(len(stamps)) >= dropped
+        kept[[0, -1]] = True
+        stamps = stamps[kept]
+    there = motion.at(stamps)
+    sampled = read(rover, there, noise, encoder, steering_encoder, gyroscope, random)
+    deviations = np.array([truth_noise[0], truth_noise[0], truth_noise[1]])
+    poses = there.poses + deviations * random.standard_normal(there.poses.shape)
+    options: dict[str, Any] = {}
+    if encoder is not None:
+        options["wheel_encoders"] = encoder
+    if steering_encoder is not None:
+        options["steering_encoders"] = steering_encoder
+    return Simulation(
+        stamps,
+        sampled.steering if sampled.steering.shape[1] else None,
+        sampled.wheels,
+        Truth(stamps, poses),
+        name or f"seed {seed}",
+        session,
+        yaw_rate=sampled.yaw_rate,
+        options=options,
+        motion=motion,
+    )

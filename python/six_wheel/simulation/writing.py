@@ -1,0 +1,157 @@
+"""A log in memory, into a table or a bag that `six-wheel odometry` and `calibrate` read."""
+
+import math
+import tempfile
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Rover
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.recordings import Log
+from six_wheel.logs.writing import TableWriter, replacing
+
+Floats = NDArray[np.float64]
+
+BAG = ".mcap"
+
+
+def write_log(log: Log, rover: Rover, path: str | Path) -> None:
+    """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, joint states and odometry.
+
+    Parameters
+    ----------
+    log : Log
+        Joints in the rover's order. The truth is written at the stamps of the log.
+    rover : Rover
+        Its joints' names are those of the columns.
+    path : str or Path
+        A file that is there is replaced once the new one is complete.
+
+    Raises
+    ------
+    TableError
+        If the ending is none of these, or a bag would have to hold counts: it has radians by definition.
+    ModuleNotFoundError
+        If what writes the format is not installed.
+    """
+    target = Path(path)
+    if target.suffix.lower() == BAG:
+        _write_bag(log, rover, target)
+        return
+    columns: dict[str, tuple[str, Floats]] = {"time": ("s", log.stamps)}
+    in_ticks = {"wheel": "wheel_encoders" in log.options, "steering": "steering_encoders" in log.options}
+    for joint, column in joint_columns(log, rover).items():
+        kind = "steering" if joint in rover.steering_joints else "wheel"
+        unit = "ticks" if in_ticks[kind] else "rad"
+        # A table on disk states its units: Parquet in its metadata, CSV in its headers.
+        columns[f"{joint} [{unit}]" if target.suffix.lower() == ".csv" else joint] = (unit, column)
+    if log.yaw_rate is not None:
+        columns["yaw_rate"] = ("rad/s", log.yaw_rate)
+    if log.truth is not None:
+        places = log.truth.at(log.stamps).T
+        columns |= {name: (unit, place) for (name, unit), place in zip(POSE, places, strict=True)}
+    with (
+        replacing(target) as place,
+        TableWriter(place, {name: unit for name, (unit, _) in columns.items()}) as writer,
+    ):
+        writer.write([np.ascontiguousarray(column) for _, column in columns.values()])
+
+
+POSE = (("x", "m"), ("y", "m"), ("yaw", "rad"))
+
+
+def joint_columns(log: Log, rover: Rover) -> dict[str, Floats]:
+    """Readings by the names of the joints; without wheels that have none."""
+    columns = {}
+    for joint, wheel in rover.steering_joints.items():
+        if log.steering is not None:
+            columns[joint] = log.steering[:, rover.steered_names.index(wheel)]
+    for joint, wheel in rover.traction_joints.items():
+        column = log.wheel_angles[:, rover.wheel_names.index(wheel)]
+        if np.isfinite(column).any():
+            columns[joint] = column
+    return columns
+
+
+def _write_bag(log: Log, rover: Rover, path: Path) -> None:
+    if log.options:
+        raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
+    from six_wheel.logs.bag_files import rosbags_names
+
+    rosbags = rosbags_names()
+    store = rosbags.get_typestore(rosbags.Stores.LATEST)
+    columns = joint_columns(log, rover)
+    rows = np.stack(list(columns.values()), axis=-1)
+    with replacing(path) as place, tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag") as folder:
+        plugin = rosbags.StoragePlugin.MCAP
+        with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
+            messages = _Messages(writer, store)
+            poses = None if log.truth is None else log.truth.at(log.stamps)
+            for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
+                messages.joints(stamp, list(columns), rows[row])
+                if poses is not None and np.isfinite(poses[row]).all():
+                    messages.pose(stamp, poses[row].tolist())
+                if log.yaw_rate is not None:
+                    messages.imu(stamp, float(log.yaw_rate[row]))
+        (file,) = Path(folder).glob("bag/*.mcap")
+        file.replace(place)
+
+
+class _Messages:
+    """Joint states, the true pose and the gyroscope, each on its topic."""
+
+    TOPICS: ClassVar = {
+        "sensor_msgs/msg/JointState": "/joint_states",
+        "geometry_msgs/msg/PoseStamped": "/truth",
+        "sensor_msgs/msg/Imu": "/imu",
+    }
+
+    def __init__(self, writer: Any, store: Any) -> None:
+        self._writer, self._store = writer, store
+        self._connections: dict[str, Any] = {}
+
+    def _make(self, kind: str, /, **fields: Any) -> Any:
+        return self._store.types[kind](**fields)
+
+    def _write(self, kind: str, stamp: int, **fields: Any) -> None:
+        if kind not in self._connections:
+            topic = self.TOPICS[kind]
+            self._connections[kind] = self._writer.add_connection(topic, kind, typestore=self._store)
+        second, nanosecond = divmod(stamp, 1_000_000_000)
+        time = self._make("builtin_interfaces/msg/Time", sec=second, nanosec=nanosecond)
+        header = self._make("std_msgs/msg/Header", stamp=time, frame_id="")
+        message = self._make(kind, header=header, **fields)
+        self._writer.write(self._connections[kind], stamp, self._store.serialize_cdr(message, kind))
+
+    def joints(self, stamp: int, names: list[str], positions: Floats) -> None:
+        nothing = np.empty(0)
+        readings = {"position": np.ascontiguousarray(positions), "velocity": nothing, "effort": nothing}
+        self._write("sensor_msgs/msg/JointState", stamp, name=names, **readings)
+
+    def _turned(self, yaw: float) -> Any:
+        half = yaw / 2.0
+        return self._make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=math.sin(half), w=math.cos(half))
+
+    def pose(self, stamp: int, pose: list[float]) -> None:
+        place = self._make("geometry_msgs/msg/Point", x=pose[0], y=pose[1], z=0.0)
+        posed = self._make("geometry_msgs/msg/Pose", position=place, orientation=self._turned(pose[2]))
+        self._write("geometry_msgs/msg/PoseStamped", stamp, pose=posed)
+
+    def imu(self, stamp: int, rate: float) -> None:
+        zero = self._make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        turning = self._make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=rate)
+        unknown = np.zeros(9)
+        unknown[0] = -1.0  # by REP 145: this sensor has none of it
+        self._write(
+            "sensor_msgs/msg/Imu",
+            stamp,
+            orientation=self._turned(0.0),
+            orientation_covariance=unknown,
+            angular_velocity=turning,
+            angular_velocity_covariance=np.zeros(9),
+            linear_acceleration=zero,
+            linear_acceleration_covariance=unknown,
+        )

@@ -1,0 +1,113 @@
+//! `Suspension.settle` and `six_wheel.Stand`: chains on ground.
+
+mod stand;
+
+use pyo3::prelude::*;
+use six_wheel_core::ground::{self, Settler, Status};
+
+use crate::batch::any_workers;
+use crate::convert::{Rows, compute, raise};
+use crate::suspension::Suspension;
+use crate::terrain::Terrain;
+
+pub use stand::Stand;
+
+/// Steering angles beside poses: none, one row for all, or one per pose.
+pub fn read_steering(
+    value: Option<&Bound<'_, PyAny>>,
+    joints: usize,
+    leading: &[usize],
+) -> PyResult<Vec<f64>> {
+    let Some(value) = value else {
+        return Ok(Vec::new());
+    };
+    let rows = Rows::read("steering", value, joints)?;
+    if !rows.is_single() {
+        rows.check_leading("steering", leading)?;
+    }
+    Ok(rows.flat().to_vec())
+}
+
+#[pymethods]
+impl Suspension {
+    /// Where the rover settles on ground: heights, attitude and joint angles that put every wheel on it, exactly.
+    ///
+    /// A wheel is a circle; its gap is the least vertical distance of the circle over the bilinear surface.
+    /// Settled means that every gap is 0. At the stop of a joint (`rocker_limit`, `bogie_limit`) a wheel hangs: one
+    /// that the joint would lower if it could turn on. On a bogie that is the wheel ahead of its joint at the upper
+    /// stop and the one behind at the lower. At the stop of the rockers several may: those hang without which
+    /// no wheel has to be pulled down, with vertical loads and the weight in `centre_of_mass` but for one
+    /// hundredth in the centre of every wheel, which turns a bogie that carries nothing. The same rule says which
+    /// three of four wheels on a rigid body touch. Wheels may also touch where friction would have to hold a
+    /// bogie from tipping over: this is geometry.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     What it stands on.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the body's origin in the world [m, m, rad].
+    /// steering : array_like, shape (steered,) or (..., steered), optional
+    ///     Steering angles [rad], default 0.
+    /// derivatives : bool
+    ///     Whether `by_pose` and `by_dimension` are wanted.
+    /// centre_of_mass : (float, float, float), optional
+    ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
+    /// threads : int, optional
+    ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
+    ///
+    /// Returns
+    /// -------
+    /// Stand
+    ///     With a status for every pose; numbers are NaN where it does not stand.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
+    /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
+    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn settle(
+        slf: &Bound<'_, Self>,
+        py: Python<'_>,
+        ground: &Bound<'_, Terrain>,
+        poses: &Bound<'_, PyAny>,
+        steering: Option<&Bound<'_, PyAny>>,
+        derivatives: bool,
+        centre_of_mass: Option<&Bound<'_, PyAny>>,
+        threads: Option<i64>,
+    ) -> PyResult<Stand> {
+        let chain = &slf.get().chain;
+        let poses = Rows::read("poses", poses, 3)?;
+        let steering = read_steering(steering, chain.steering().len(), &poses.leading)?;
+        let mut settler = Settler::new(&ground.get().0, chain);
+        if let Some(centre) = centre_of_mass {
+            let centre = Rows::read("centre_of_mass", centre, 3)?;
+            centre.check_leading("centre_of_mass", &[])?;
+            centre.check_finite("centre_of_mass")?;
+            settler.balance = centre.triples()[0].into();
+        }
+        let threads = any_workers(threads, None)?.threads;
+        let rows = poses.triples();
+        let mut stands = vec![ground::Stand::nothing(Status::NotConverged); rows.len()];
+        compute(py, rows.len(), || {
+            ground::settle(&settler, rows, &steering, threads, &mut stands)
+        })
+        .map_err(|error| {
+            let one = error.argument == "steering" && error.row.is_none();
+            raise(error, if one { &[] } else { &poses.leading })
+        })?;
+        Ok(Stand {
+            suspension: slf.clone().unbind(),
+            ground: ground.get().0.clone(),
+            poses: rows.to_vec(),
+            steering,
+            stands,
+            leading: poses.leading.clone(),
+            derivatives,
+        })
+    }
+}

@@ -1,0 +1,19 @@
+//! Rovers on ground: where a chain settles on a grid of heights.
+//!
+//! Rooms: [`rim`] (where one wheel meets the ground), [`touch`] (all wheels of a chain), [`newton`] (closing the
+//! gaps), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the answer, with its status), [`stand`]
+//! (the answer as plain numbers, and batches), [`derivatives`] (of the answer, by the pose and by dimensions).
+
+mod derivatives;
+mod newton;
+mod rim;
+mod settle;
+mod stand;
+mod stops;
+mod touch;
+
+pub use derivatives::{DIMENSIONS, by_dimension, by_pose, gap_slopes};
+pub use rim::{Minimum, Rim};
+pub use settle::{Settled, Settler, Status};
+pub use stand::{Contact, Stand, rim_point, settle};
+pub use touch::{Touch, Touches};

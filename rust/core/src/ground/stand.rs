@@ -1,0 +1,177 @@
+//! Settled poses as plain numbers, one by one and in batches.
+
+use nalgebra::Vector3;
+
+use super::rim::Minimum;
+use super::settle::{Settled, Settler, Status};
+use crate::error::{Error, finite};
+use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
+use crate::wheels::Direction;
+
+/// What a settled pose is, without the chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// What came of settling.
+    pub status: Status,
+    /// Which joints are at their stops: -1 the lower, 1 the upper.
+    pub stops: [i8; MAX_FREE],
+    /// Bits of the wheels in the air.
+    pub hanging: u8,
+    /// z [m], roll, pitch and the free angles [rad]; NaN where it does not stand.
+    pub state: State,
+    /// Of every wheel.
+    pub wheels: [Contact; MAX_WHEELS],
+}
+
+/// Where a wheel meets the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Least vertical distance of the rim over the ground [m].
+    pub gap: f64,
+    /// Contact angle: 0 straight below, positive to the front.
+    pub at: Direction,
+    /// Derivatives of the ground's height by x and y there; on a crease the mix of both sides that is square to
+    /// the rim.
+    pub gradient: [f64; 2],
+    /// Contact angle of the next best contact, NaN unless its gap is the same to 1e-7 m.
+    pub next: f64,
+}
+
+impl Contact {
+    /// No contact.
+    pub const NONE: Self = Self {
+        gap: f64::NAN,
+        at: Direction {
+            sin: f64::NAN,
+            cos: f64::NAN,
+        },
+        gradient: [f64::NAN; 2],
+        next: f64::NAN,
+    };
+
+    /// The vector whose product with the velocity of the contact point is the rate of the gap.
+    pub fn upwards(&self) -> Vector3<f64> {
+        Vector3::new(-self.gradient[0], -self.gradient[1], 1.0)
+    }
+
+    /// Contact angle [rad].
+    pub fn angle(&self) -> f64 {
+        self.at.sin.atan2(self.at.cos)
+    }
+}
+
+impl Stand {
+    /// A pose at which nothing stands.
+    pub const fn nothing(status: Status) -> Self {
+        Self {
+            status,
+            stops: [0; MAX_FREE],
+            hanging: 0,
+            state: [f64::NAN; MAX_STATE],
+            wheels: [Contact::NONE; MAX_WHEELS],
+        }
+    }
+
+    /// The numbers of a settled pose.
+    pub fn of(settled: &Settled<'_>) -> Self {
+        let mut stand = Self::nothing(settled.status);
+        let Some(touches) = &settled.touches else {
+            return stand;
+        };
+        stand.state = settled.state;
+        stand.stops = settled.stops;
+        stand.hanging = settled.hanging as u8;
+        for (contact, touch) in stand.wheels.iter_mut().zip(&touches.wheels) {
+            let Some(least) = touch.rim.least else {
+                continue;
+            };
+            let angle = |next: Minimum| next.at.sin.atan2(next.at.cos);
+            *contact = Contact {
+                gap: touch.gap,
+                at: least.at,
+                gradient: touch.gradient,
+                next: touch.rim.next.map_or(f64::NAN, angle),
+            };
+        }
+        stand
+    }
+
+    /// Whether a wheel touches the ground.
+    pub fn touches(&self, wheel: usize) -> bool {
+        self.hanging >> wheel & 1 == 0
+    }
+
+    /// The chain where it stands; None where it does not.
+    pub fn place<'a>(
+        &self,
+        chain: &'a Chain,
+        pose: PlanPose,
+        steering: &[f64],
+    ) -> Option<Placed<'a>> {
+        if !self.status.stands() {
+            return None;
+        }
+        chain.place(pose, &self.state, steering)
+    }
+
+    /// Where a wheel touches [m], on its rim.
+    pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
+        rim_point(chain, placed, wheel, self.wheels[wheel].at)
+    }
+}
+
+/// A point of a wheel's rim in the world [m].
+pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction) -> Vector3<f64> {
+    let frame = placed.wheel(wheel);
+    frame.centre + (frame.forward * at.sin - frame.up * at.cos) * chain.wheels()[wheel].radius
+}
+
+/// Poses from which it is worth to start a thread: some ten microseconds each.
+const WORTH_A_THREAD: usize = 64;
+
+/// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. Fails, with
+/// nothing written, where a number is not finite.
+pub fn settle(
+    settler: &Settler<'_>,
+    poses: &[[f64; 3]],
+    steering: &[f64],
+    threads: usize,
+    stands: &mut [Stand],
+) -> Result<(), Error> {
+    let joints = settler.chain.steering().len();
+    for (k, pose) in poses.iter().enumerate() {
+        finite("poses", pose).map_err(|error| error.at_row(k))?;
+    }
+    for (k, angles) in steering.chunks_exact(joints.max(1)).enumerate() {
+        let one = steering.len() == joints;
+        finite("steering", angles).map_err(|error| if one { error } else { error.at_row(k) })?;
+    }
+    let angles = |k: usize| {
+        if steering.len() > joints {
+            &steering[k * joints..][..joints]
+        } else {
+            steering
+        }
+    };
+    let work = |first: usize, poses: &[[f64; 3]], stands: &mut [Stand]| {
+        for (k, (pose, stand)) in poses.iter().zip(stands).enumerate() {
+            *stand = Stand::of(&settler.settle_finite((*pose).into(), angles(first + k)));
+        }
+    };
+    let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
+    if poses.len() <= share {
+        work(0, poses, stands);
+        return Ok(());
+    }
+    std::thread::scope(|scope| {
+        let parts = poses
+            .chunks(share)
+            .zip(stands.chunks_mut(share))
+            .enumerate();
+        for (k, (poses, stands)) in parts {
+            let work = &work;
+            scope.spawn(move || work(k * share, poses, stands));
+        }
+    });
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! All wheels of a chain over the ground: gaps, contact points, and how the gaps change with the state.
+
+use nalgebra::Vector3;
+
+use super::derivatives::gap_slopes;
+use super::rim::{Circle, Minimum, Part, Rim, walk};
+use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
+use crate::terrain::Terrain;
+
+/// A wheel over the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// The wheel.
+    pub frame: WheelFrame,
+    /// What the walk along its rim has found.
+    pub rim: Rim,
+    /// Least vertical distance of the rim over the ground [m]; NaN where there is no known ground.
+    pub gap: f64,
+    /// Where that is [m].
+    pub point: Vector3<f64>,
+    /// Derivatives of the ground's height there by x and y; on a crease the mix of both sides that is square to
+    /// the rim.
+    pub gradient: [f64; 2],
+}
+
+/// All wheels of a chain over the ground.
+#[derive(Clone, Debug)]
+pub struct Touches<'a> {
+    /// The chain where it stands.
+    pub placed: Placed<'a>,
+    /// Its wheels; those it does not have repeat the first.
+    pub wheels: [Touch; MAX_WHEELS],
+}
+
+impl Touch {
+    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, part: Part) -> Self {
+        let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
+        let [dx, dy] = ground.spacing();
+        let in_grid = |direction: Vector3<f64>| {
+            let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
+            [u / dx, v / dy, direction.z * radius]
+        };
+        let circle = Circle {
+            centre: [x, y, frame.centre.z],
+            forward: in_grid(frame.forward),
+            up: in_grid(frame.up),
+        };
+        let rim = walk(ground, &circle, part);
+        let mut touch = Self {
+            frame,
+            rim,
+            gap: f64::NAN,
+            point: frame.centre,
+            gradient: [f64::NAN; 2],
+        };
+        if let Some(least) = rim.least {
+            touch.gap = least.gap;
+            (touch.point, touch.gradient) = touch.contact(ground, radius, &least);
+        }
+        touch
+    }
+
+    /// Point and gradient of a minimum [m].
+    pub fn contact(
+        &self,
+        ground: &Terrain,
+        radius: f64,
+        minimum: &Minimum,
+    ) -> (Vector3<f64>, [f64; 2]) {
+        let WheelFrame {
+            centre,
+            forward,
+            up,
+            ..
+        } = self.frame;
+        let [dx, dy] = ground.spacing();
+        let at = minimum.at;
+        (
+            centre + (forward * at.sin - up * at.cos) * radius,
+            ground.world_axes([minimum.slope[0] / dx, minimum.slope[1] / dy]),
+        )
+    }
+}
+
+impl<'a> Touches<'a> {
+    /// A chain at a pose, a state and steering angles over the ground. None where a differential does not reach.
+    pub(crate) fn of(
+        ground: &Terrain,
+        chain: &'a Chain,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+    ) -> Option<Self> {
+        let placed = chain.place(pose, state, steering)?;
+        let one = |wheel: usize| {
+            let wheel = if wheel < chain.wheels().len() {
+                wheel
+            } else {
+                0
+            };
+            Touch::of(
+                ground,
+                placed.wheel(wheel),
+                chain.wheels()[wheel].radius,
+                part,
+            )
+        };
+        let first = one(0);
+        let mut wheels = [first; MAX_WHEELS];
+        for (wheel, touch) in wheels
+            .iter_mut()
+            .enumerate()
+            .take(chain.wheels().len())
+            .skip(1)
+        {
+            *touch = one(wheel);
+        }
+        Some(Self { placed, wheels })
+    }
+
+    /// [`gap_slopes`] of a wheel.
+    pub fn slopes(&self, wheel: usize) -> ([f64; 3], [f64; MAX_STATE]) {
+        let touch = &self.wheels[wheel];
+        gap_slopes(&self.placed, wheel, touch.point, touch.gradient)
+    }
+
+    /// Whether a rim lies over unknown cells, and whether one leaves the map.
+    pub(crate) fn blind(&self) -> [bool; 2] {
+        let any = |seen: fn(&Rim) -> bool| self.wheels.iter().any(|touch| seen(&touch.rim));
+        [any(|rim| rim.unknown), any(|rim| rim.outside)]
+    }
+}

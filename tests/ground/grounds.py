@@ -1,0 +1,116 @@
+"""Grounds and rovers that tests share, and a slow search for gaps that shares nothing with the core."""
+
+import math
+
+import numpy as np
+
+import six_wheel as sw
+
+ROVERS = {
+    name: getattr(sw.RockerBogie, name)()
+    for name in ("rocky7", "perseverance", "curiosity", "open_source_rover")
+}
+LEVEL = ("perseverance", "curiosity")  # their wheel centres are level with all joints at 0
+
+
+def hills(size=20.0, spacing=0.1):
+    x = spacing * np.arange(round(size / spacing) + 1)
+    X, Y = np.meshgrid(x, x)
+    return 0.12 * np.sin(0.55 * X + 0.3) * np.cos(0.43 * Y) + 0.025 * np.sin(2.9 * X + 1.6 * Y)
+
+
+def rocks(size=20.0, spacing=0.1, number=300, seed=0):
+    """Hills strewn with half-buried balls."""
+    generator = np.random.default_rng(seed)
+    heights = hills(size, spacing)
+    x = spacing * np.arange(len(heights))
+    for _ in range(number):
+        (cx, cy), radius = generator.uniform(0, size, 2), generator.uniform(0.1, 0.45)
+        square = (x[None] - cx) ** 2 + (x[:, None] - cy) ** 2
+        heights += np.sqrt(np.maximum(radius**2 - square, 0)) * (square < radius**2)
+    return np.round(heights, 4)
+
+
+def scaled(rover, size=1.0):
+    """How large a map has to be for a rover, as a share of that for Perseverance."""
+    return size * rover.dimensions["wheel_radius"] / 0.26288
+
+
+def random_poses(count, size, margin, seed):
+    generator = np.random.default_rng(seed)
+    return np.column_stack(
+        [generator.uniform(margin, size - margin, (count, 2)), generator.uniform(-math.pi, math.pi, count)]
+    )
+
+
+def turn(axis, angle):
+    cos, sin = math.cos(angle), math.sin(angle)
+    return {
+        "x": np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]]),
+        "y": np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]),
+        "z": np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]]),
+    }[axis]
+
+
+def rims(rover, pose, numbers, steering=None):
+    """Centre, forward and upward axis of every wheel in the world, by rotation matrices written out."""
+    of, (x, y, yaw), (z, roll, pitch, rho, *betas) = rover.dimensions, pose, numbers
+    body = turn("z", yaw) @ turn("y", pitch) @ turn("x", roll)
+    steered = {"front": (0, 1), "corners": (0, 1, 4, 5), "all": range(6)}[of["steered"]]
+    psi = dict(zip(steered, np.zeros(6) if steering is None else steering, strict=False))
+    found = []
+    for wheel in range(6):
+        name, side = ("front", "middle", "rear")[wheel // 2], 1 - 2 * (wheel % 2)
+        mirror = np.array([1, side, 1])
+        rocker = turn("y", side * rho)
+        at = np.array(of["rocker_pivot"]) * mirror
+        if f"rocker_to_{name}" in of:
+            axes = rocker
+            at = at + axes @ (np.array(of[f"rocker_to_{name}"]) * mirror)
+        else:
+            axes = rocker @ turn("y", betas[wheel % 2])
+            at = at + rocker @ (np.array(of["rocker_to_bogie"]) * mirror)
+            at = at + axes @ (np.array(of[f"bogie_to_{name}"]) * mirror)
+        axes = body @ axes @ turn("z", psi.get(wheel, 0.0))
+        found.append((np.array([x, y, z]) + body @ at, axes[:, 0], axes[:, 2]))
+    return found
+
+
+def bilinear(heights, spacing, x, y):
+    """Heights of a map that begins at the origin; NaN off it."""
+    u, v = x / spacing, y / spacing
+    inside = (u >= 0) & (v >= 0) & (u <= heights.shape[1] - 1) & (v <= heights.shape[0] - 1)
+    i = np.clip(np.floor(u), 0, heights.shape[1] - 2).astype(int)
+    j = np.clip(np.floor(v), 0, heights.shape[0] - 2).astype(int)
+    a, b = u - i, v - j
+    low = (1 - a) * heights[j, i] + a * heights[j, i + 1]
+    high = (1 - a) * heights[j + 1, i] + a * heights[j + 1, i + 1]
+    return np.where(inside, (1 - b) * low + b * high, np.nan)
+
+
+def dense_gaps(rover, heights, spacing, pose, numbers, steering=None, samples=4001):
+    """The six gaps by sampling the whole rim and a golden section about every low sample: good to 1e-12 m."""
+    found, radius = [], rover.dimensions["wheel_radius"]
+    for centre, forward, up in rims(rover, pose, numbers, steering):
+
+        def distance(t, centre=centre, forward=forward, up=up):
+            p = [centre[k] + radius * (forward[k] * np.sin(t) - up[k] * np.cos(t)) for k in range(3)]
+            return p[2] - bilinear(heights, spacing, p[0], p[1])
+
+        t = np.linspace(-math.pi, math.pi, samples)
+        sampled = distance(t)
+        inner = sampled[1:-1]
+        low = (inner <= sampled[:-2]) & (inner <= sampled[2:]) & (inner < sampled.min() + 0.01)
+        at = np.nonzero(low)[0] + 1
+        before, after, golden = t[at - 1], t[at + 1], (math.sqrt(5) - 1) / 2
+        for _ in range(45):
+            a, b = after - golden * (after - before), before + golden * (after - before)
+            left = distance(a) < distance(b)
+            before, after = np.where(left, before, a), np.where(left, b, after)
+        found.append(distance(0.5 * (before + after)).min())
+    return np.array(found)
+
+
+def numbers_of(stand):
+    """z, roll, pitch and joints side by side."""
+    return np.concatenate([np.stack([stand.z, stand.roll, stand.pitch], -1), stand.joints], axis=-1)
