@@ -92,8 +92,8 @@ def test_other_parameters_make_a_difference_and_no_other(path):
     replayed = replay(path, {"limits.speed": 0.2})
     slower = compare(replayed)
     assert not slower.same_bits
-    before = replayed.again.times >= START  # of the jump of time,
-    assert replayed.again.twists[before, 0].max() == pytest.approx(0.2)  # where it begins with what was measured
+    before = replayed.again.times >= START  # the jump of time, where it begins with what was measured
+    assert replayed.again.twists[before, 0].max() == pytest.approx(0.2)
     assert slower.first > 0.0
     assert slower.twist > 0.3
     assert 0 < slower.differing < slower.common

@@ -92,10 +92,12 @@ def compare(replayed: Replayed) -> Difference:
 
 
 def _figures(run: Run) -> Figures:
-    steps = np.diff(run.times) / SECOND
-    path = integrate(run.twists[:-1], steps) if len(steps) and (steps > 0).all() else np.zeros((1, 3))
+    # Where time jumped back no way was made.
+    steps = np.maximum(np.diff(run.times) / SECOND, 0.0)
+    path = integrate(run.twists[:-1], steps) if len(steps) else np.zeros((1, 3))
     speed = np.hypot(run.twists[:, 0], run.twists[:, 1])
-    rates = np.abs(np.diff(run.steering, axis=0)) / steps[:, None] if len(steps) else np.zeros((1, 1))
+    turned = np.abs(np.diff(run.steering, axis=0))[steps > 0.0]
+    rates = turned / steps[steps > 0.0, None]
     counts = Counter(name for names in run.reasons for name in names.split("|") if name)
     return Figures(
         len(run.times),
