@@ -1,6 +1,6 @@
 """The tables: the core and its peers in one run, in turn, with ratios and goals.
 
-python benches/run.py [--markdown] [--only calls batches growth latency memory] [--rounds 30] [--most 1e7]
+python benches/run.py [--markdown] [--only calls batches every ...] [--rounds 30] [--most 1e7]
 """
 
 import argparse
@@ -13,12 +13,13 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 import contenders  # noqa: E402
+import every_call  # noqa: E402
 import latency  # noqa: E402
 import memory  # noqa: E402
 
 from six_wheel.benchmark import Grid, machine, nanoseconds, round_robin  # noqa: E402
 
-PARTS = ("calls", "batches", "growth", "latency", "memory")
+PARTS = ("calls", "batches", "every", "growth", "latency", "memory")
 CALLS = ("core", "numba", "plain Python", "wpimath, bare", "wpimath", "NumPy", "reference")
 BATCHES = ("numba, blocked", "numba", "NumPy, tuned", "NumPy", "reference")
 
@@ -171,6 +172,7 @@ def main():
     parts = {
         "calls": lambda tell: one_call(options.rounds, tell),
         "batches": lambda tell: whole_batches(options.rounds, tell),
+        "every": lambda tell: every_call.measured(rounds=options.rounds, progress=tell),
         "growth": lambda tell: growing(options.most, max(options.rounds // 3, 1), tell),
         "latency": lambda tell: worst_cases(options.ticks),
         "memory": lambda tell: extra_memory(options.most),

@@ -120,34 +120,51 @@ __all__ = [
 ]
 
 
-def load(path: str | PathLike[str], *, node: str | None = None) -> Rover:
-    """Read a rover from a parameter file: a ROS 2 parameter file as teams have it, or plain keys.
+def load(
+    path: str | PathLike[str],
+    *,
+    node: str | None = None,
+    kind: str | None = None,
+    wheel_radius: float | None = None,
+) -> Rover:
+    """Read a rover from a file as teams have it: ROS 2 parameters, plain keys, a URDF or xacro file.
 
     Parameters
     ----------
     path : str or PathLike
-        A YAML file.
+        A YAML or JSON file, or a robot description ending in ``.urdf`` or ``.xacro``.
     node : str, optional
-        Which node of the file describes the rover, where several do.
+        Which node of a parameter file describes the rover, where several do.
+    kind : str, optional
+        The kind or the controller whose keys a parameter file has, where it does not say by itself.
+    wheel_radius : float, optional
+        Hub to ground [m], for a robot description whose shapes do not tell it.
 
     Returns
     -------
     Rover
-        With the file's joint names, so that `commands` come out in the file's order.
+        With the file's joint names, so that `commands` come out in the file's order; with its `suspension`
+        where the file describes a rocker-bogie.
 
     Raises
     ------
-    six_wheel.parameters.ParameterFileError
+    six_wheel.descriptions.findings.ParameterFileError
         A `ValueError` that lists every mistake in the file with its line, the rule and a remedy.
     ModuleNotFoundError
-        If what reads parameter files is not installed; the message has the install line.
+        If what reads such files is not installed; the message has the install line.
     """
+    if str(path).endswith((".urdf", ".xacro")):
+        from six_wheel.urdf import read_urdf
+
+        return read_urdf(path, wheel_radius=wheel_radius).rover
+    if wheel_radius is not None:
+        raise ValueError(f"wheel_radius must be left out except for a URDF or xacro file, got {wheel_radius}")
     try:
         from six_wheel.parameters import file
     except ModuleNotFoundError as error:
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
-    return file.load(path, node=node)
+    return file.load(path, node=node, kind=kind)
 
 
 __getattr__, __dir__ = attach(
@@ -157,6 +174,7 @@ __getattr__, __dir__ = attach(
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),
+        "descriptions": (),
         "drive": (),
         "evaluation": ("umbmark",),
         "four_axle": ("FourAxleState", "FourAxleStep"),
@@ -172,5 +190,6 @@ __getattr__, __dir__ = attach(
         "report": (),
         "ros": (),
         "simulation": ("simulate",),
+        "urdf": (),
     },
 )

@@ -330,6 +330,8 @@ class Rover:
         *,
         traction_joints: Mapping[str, str] | None = None,
         steering_joints: Mapping[str, str] | None = None,
+        reversed_joints: Sequence[str] | None = None,
+        suspension: RockerBogie | None = None,
     ) -> Rover: ...
     @staticmethod
     def six_wheel(
@@ -475,6 +477,8 @@ class Rover:
     def commands(
         self, twist: ArrayLike, *, previous: ArrayLike | None = None
     ) -> dict[str, float] | dict[str, _Floats]: ...
+    def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
+    def urdf(self, name: str = "rover") -> str: ...
     @property
     def wheels(self) -> tuple[Wheel, ...]: ...
     @property
@@ -485,6 +489,10 @@ class Rover:
     def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the caller's order
     @property
     def steering_joints(self) -> dict[str, str]: ...
+    @property
+    def reversed_joints(self) -> tuple[str, ...]: ...
+    @property
+    def suspension(self) -> RockerBogie | None: ...
     @property
     def min_radius(self) -> float: ...
     @property
@@ -772,6 +780,43 @@ class Terrain:
 
 @disjoint_base
 class Suspension:
+    @staticmethod
+    def triple_bogie(
+        *,
+        bogie_pivot: ArrayLike,
+        bogie_to_front: ArrayLike,
+        bogie_to_middle: ArrayLike,
+        rear_pivot: ArrayLike,
+        rear_to_wheel: ArrayLike,
+        wheel_radius: float,
+        steered: _Steered = "corners",
+        steering_limit: float | tuple[float, float] | None = None,
+        bogie_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def pivoting_axles(
+        *,
+        wheelbase: float,
+        track_width: float,
+        drop: float,
+        wheel_radius: float,
+        steering_limit: float | tuple[float, float] | None = None,
+        roll_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    @staticmethod
+    def zoe() -> Suspension: ...
+    @staticmethod
+    def rigid(
+        centres: ArrayLike,
+        wheel_radius: float,
+        *,
+        names: Sequence[str] | None = None,
+        steered: Sequence[int] = ...,
+        steering_limit: float | tuple[float, float] | None = None,
+    ) -> Suspension: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     @property
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
@@ -785,6 +830,7 @@ class Suspension:
         derivatives: bool = False,
         centre_of_mass: ArrayLike | None = None,
         threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> Stand: ...
 
 @final
@@ -865,6 +911,7 @@ class RockerBogie(Suspension):
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None
     ) -> dict[str, _Floats]: ...
     def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(self, rho: ArrayLike, beta: ArrayLike) -> float | _Floats: ...
     def steer(
         self,

@@ -15,7 +15,14 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
         If a wheel may not have such a value.
     """
     wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
-    return Rover(wheels, traction_joints=rover.traction_joints, steering_joints=rover.steering_joints)
+    return Rover(
+        wheels,
+        traction_joints=rover.traction_joints,
+        steering_joints=rover.steering_joints,
+        reversed_joints=rover.reversed_joints,
+        # Wheels that are elsewhere do not stand on what the file said.
+        suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
+    )
 
 
 def _with(wheel: Wheel, **changes: Any) -> Wheel:

@@ -391,3 +391,12 @@ def test_every_example_can_make_the_turn_that_show_draws(path):
     turn = cli._left_turn(rover)
     assert rover.admissible(turn)
     assert turn[2] > 0
+
+
+def test_show_draws_a_suspension_from_the_side(run, refused):
+    code, out, _ = run("show", "open_source_rover", "--side", "-o", "side.svg")
+    assert (code, Path(out.strip()).name) == (0, "side.svg")
+    assert refused("show", "rover.yaml", "--side") == (
+        'ROVER must be a preset with a suspension, got "rover.yaml": '
+        "perseverance, curiosity, rocky7, open_source_rover"
+    )

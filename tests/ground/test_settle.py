@@ -109,6 +109,20 @@ def test_a_batch_is_its_rows_whatever_the_threads():
         np.testing.assert_allclose(one.transform, stand.transform[k], rtol=0, atol=1e-10)
 
 
+@pytest.mark.parametrize("make", [hills, rocks])
+def test_every_kernel_finds_the_same(make):
+    for rover in ROVERS.values():
+        ground, *_ = ground_for(rover, make)
+        poses = poses_for(rover, 300, seed=6)
+        plain = rover.settle(ground, poses, kernel="plain")
+        for kernel in sw.kernels()[1:]:
+            stand = rover.settle(ground, poses, kernel=kernel)
+            assert (stand.status == plain.status).all()
+            # Gaps close to 2e-12 m; a nearly singular stand multiplies that.
+            np.testing.assert_allclose(numbers_of(stand), numbers_of(plain), rtol=0, atol=1e-8)
+            np.testing.assert_allclose(stand.contacts, plain.contacts, rtol=0, atol=1e-6)
+
+
 # Slow oracles
 
 

@@ -363,3 +363,31 @@ def test_changes_of_settings():
     ):
         with pytest.raises(ValueError, match=message):
             SETTINGS.changed(changes)
+
+
+def test_joints_that_count_the_other_way():
+    backwards = [NAMES[0], NAMES[4], NAMES[9]]
+    turned = sw.Rover(
+        ROVER.wheels,
+        traction_joints=ROVER.traction_joints,
+        steering_joints=ROVER.steering_joints,
+        reversed_joints=backwards,
+    )
+    plain, other = Robot(), Robot(Settings.of_rover(turned, limits=LIMITS))
+    one, two = plain.run(300)[-1], other.run(300)[-1]
+    signs = [-1.0 if joint in backwards else 1.0 for joint in NAMES]
+    np.testing.assert_array_equal(
+        [*two.steering, *two.speeds], np.multiply(signs, [*one.steering, *one.speeds])
+    )
+    np.testing.assert_allclose(two.state.pose, one.state.pose, atol=1e-12)
+
+
+def test_settings_of_what_a_file_says(tmp_path):
+    path = tmp_path / "rover.yaml"
+    path.write_text(SETTINGS.text + "noise: {speed: 0.02}\n")
+    said = sw.parameters.read_parameters(path)
+    assert Settings.of_parameters(said).parameters.noise == {"speed": 0.02}
+    path.unlink()  # then the numbers alone tell
+    again = Settings.of_parameters(said)
+    assert (again.rover, again.parameters.limits) == (ROVER, LIMITS)
+    assert again.parameters.noise == {"speed": 0.02}

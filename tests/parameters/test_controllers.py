@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel.parameters import ParameterFileError, read_parameters
-from six_wheel.parameters.controllers import CONTROLLERS
+from six_wheel.parameters.controllers.ros2 import CONTROLLERS
 
 DATA = Path(__file__).parent / "data"
 NAMES = [form.name for form in CONTROLLERS]
@@ -99,9 +99,9 @@ def test_the_ways_of_a_controller(read):
         "timeout": 0.25,
         "align": "cosine",
     }
-    assert (
-        read(without_limits("diff_drive_controller") + "\n    cmd_vel_timeout: 0.0\n").control == {}
-    )  # 0 is no time-out
+    never = read(without_limits("diff_drive_controller") + "\n    cmd_vel_timeout: 0.0\n")
+    assert never.control == {"timeout": None}
+    assert "timeout=None" in repr(never.build_controller())
     assert read(text_of("tricycle_controller")).control == {"timeout": 0.5}  # 500 ms
 
 
@@ -282,7 +282,7 @@ def test_what_is_not_in_our_model_is_a_warning(read, name, before, after, line, 
 
 MISTAKES = {
     # what is wrong: controller, what is written there and what instead, the line, words; one finding each
-    "reversed motor": (DIFF, "plier: 0.5", "plier: -1.0", 17, "right_wheel_radius_multiplier must be -1.0"),
+    "no factor": (DIFF, "plier: 0.5", "plier: 0.0", 17, "right_wheel_radius_multiplier must be 0.0"),
     "missing": (DIFF, "    wheel_separation: 0.4\n", "", 10, "wheel_separation is missing (add wheel_sep"),
     "no joints": (DIFF, "[left_wheel_joint]", "[]", 11, "left_wheel_names 1 to 32 joints, got 0"),
     "many": (DIFF, "[right_wheel_joint]", "[r0, r1]", 12, "right_wheel_names must name 1 joint, got 2"),

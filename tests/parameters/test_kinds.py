@@ -11,6 +11,7 @@ import six_wheel as sw
 from six_wheel import parameters as config
 from six_wheel.parameters import ParameterFileError, read_parameters
 from six_wheel.parameters.forms import KEYS
+from six_wheel.parameters.keys import page
 from six_wheel.parameters.kinds import KINDS
 from six_wheel.parameters.schema import NESTED
 
@@ -395,11 +396,17 @@ def test_random_values_are_read_or_refused(tmp_path, kind, good, tree, nested):
 
 # The documentation
 
-DOCUMENT = (Path(__file__).parents[2] / "docs" / "parameter_files.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+DOCUMENT = (DOCS / "parameter_files.md").read_text(encoding="utf-8")
+KEYS_OF_OTHERS = (DOCS / "controller_keys.md").read_text(encoding="utf-8")
+
+
+def test_the_page_of_the_keys_of_others_is_made_from_the_code():
+    assert page() == KEYS_OF_OTHERS, "python docs/keys.py writes it"
 
 
 def test_the_documentation_has_every_key():
-    said = set(re.findall(r"`([\w.]+)`", DOCUMENT))
+    said = set(re.findall(r"`([\w.]+)`", DOCUMENT + KEYS_OF_OTHERS))
     wheel = NESTED["wheels"].model_fields.keys() - {"name"}
     nested = {key for group in ("limits", "control") for key in NESTED[group].model_fields}
     assert {*KEYS, *KINDS, *wheel, *nested} - said == {"preset"}

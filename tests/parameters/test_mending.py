@@ -139,3 +139,24 @@ def test_an_unchanged_rover_leaves_the_file_as_it_is(tmp_path: Path) -> None:
         except ParameterFileError:
             continue
         assert text_for(parameters.rover, parameters) == path.read_text(encoding="utf-8-sig"), path.name
+
+
+@pytest.mark.parametrize("where", ["flat", "nested"])
+def test_four_wheels_without_a_wheelbase_stay_the_file_of_their_controller(tmp_path, where):
+    limit = {
+        "flat": "    linear.x.max_velocity: 1.0\n",
+        "nested": "    linear:\n      x:\n        max_velocity: 1.0\n",
+    }
+    path = tmp_path / "skid.yaml"
+    path.write_text(
+        "base: # ours\n  ros__parameters:\n" + limit[where] + "    left_wheel_names: [fl, rl]\n"
+        "    right_wheel_names: [fr, rr]\n    wheel_separation: 0.5 # measured\n    wheel_radius: 0.1\n"
+    )
+    parameters = read_parameters(path)
+    wider = with_wheels(parameters.rover, [{"y": 1.1 * wheel.y} for wheel in parameters.rover.wheels])
+    text = text_for(wider, parameters)
+    assert "wheel_separation: 0.55" in text
+    assert "wheelbase: 0.5" in text
+    assert "# ours" in text
+    assert "# measured" in text
+    assert "kind" not in text

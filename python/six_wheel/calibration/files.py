@@ -13,6 +13,7 @@ from six_wheel._core import Rover, __version__
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
+from six_wheel.descriptions.findings import ParameterFileError
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.opening import AnyLog, LogOptions, read_log
 from six_wheel.logs.recordings import Log
@@ -102,12 +103,27 @@ def calibrate_files(
         result = calibrate(rover, logs, progress=progress, **(options or {}))
         done = Calibrated(result, tuple(logs), tuple(warnings))
         text = text_for(result.rover, parameters, _encoders(result, parameters), _remarks(done))
-        parse_parameters(text, node=parameters.node if parameters else None)
+        done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
         if finish is not None:
             finish(done)
     return done
+
+
+def _read_back(text: str, parameters: Parameters | None) -> list[str]:
+    """Makes sure that what was written can be read; says so where it is no longer the kind of file it was."""
+    if parameters is None:
+        parse_parameters(text)
+        return []
+    try:
+        written = parse_parameters(text, node=parameters.node, kind=parameters.asked)
+    except ParameterFileError:
+        written = parse_parameters(text, node=parameters.node)
+    if (written.kind, written.controller) == (parameters.kind, parameters.controller):
+        return []
+    was = parameters.controller or f"kind {parameters.kind}"
+    return [f"the keys of {was} cannot say what was found: it is written as kind: {written.kind}"]
 
 
 def _check_truth(path: Path, log: Log, truth: Path | None) -> None:

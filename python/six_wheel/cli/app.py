@@ -12,15 +12,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from six_wheel.cli.calibrate import calibrate
-from six_wheel.cli.check import abilities, draw_limits, wheels_table
+from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
 from six_wheel.cli.replay import replay
 from six_wheel.cli.shared import (
+    AsOption,
     NodeOption,
+    RadiusOption,
+    Reading,
     RoverArgument,
     choose,
+    choose_suspension,
     grid,
     new_console,
     progress_bar,
@@ -57,13 +61,15 @@ def demo(
 def check(
     rover: RoverArgument,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
     plot: Annotated[
         Path | None,
         typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
     ] = None,
 ) -> None:
     try:
-        chosen = choose(rover, node)
+        chosen = choose(rover, Reading(node, as_, wheel_radius))
     except ValueError as error:
         findings = getattr(error, "findings", None)
         if not findings:
@@ -71,11 +77,14 @@ def check(
         print(*findings, sep="\n", file=sys.stderr)
         raise typer.Exit(2) from None
     console = new_console()
-    if chosen.parameters and chosen.parameters.warnings:
-        print(*chosen.parameters.warnings, sep="\n", file=sys.stderr)
+    if chosen.warnings:
+        print(*chosen.warnings, sep="\n", file=sys.stderr)
     if plot is not None:
         draw_limits(chosen, plot)
+    console.print(plan(chosen.rover))
     console.print(wheels_table(chosen))
+    if chosen.robot is not None:
+        console.print(derived_table(chosen.robot))
     console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
@@ -100,7 +109,11 @@ def show(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png"),
+        typer.Option(
+            "-o",
+            "--output",
+            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
+        ),
     ] = None,
     layout: Annotated[
         Path | None,
@@ -109,16 +122,31 @@ def show(
             "or of a record .rrd (the record for Rerun, with its layout)."
         ),
     ] = None,
+    side: Annotated[
+        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
+    ] = False,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
 ) -> None:
     if layout is not None:
         from six_wheel.cli.layout import write_layout
 
-        print(write_layout(rover, node, layout))
+        print(write_layout(rover, Reading(node, as_, wheel_radius), layout))
         return
-    chosen = choose(rover, node)
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save
+
+    if side:
+        from six_wheel.plot.side import side_figure
+
+        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
+        figure = side_figure(choose_suspension(rover), title=rover)
+        with replacing(target, []) as temporary:
+            save(figure, temporary)
+        print(target.resolve())
+        return
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
     from six_wheel.plot.twist import show_figure
 
     target = picture_path(output or Path(f"{chosen.name}_from_above.png"))

@@ -23,7 +23,7 @@ from six_wheel.cli.log_options import (
     choose_with_logs,
     log_options,
 )
-from six_wheel.cli.shared import NodeOption, grid, new_console, progress_bar
+from six_wheel.cli.shared import AsOption, NodeOption, RadiusOption, Reading, grid, new_console, progress_bar
 from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
@@ -86,9 +86,11 @@ def calibrate(
     topic: TopicOption = None,
     truth_topic: TruthTopicOption = None,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
 ) -> None:
     given = dict(locals())
-    chosen, paths = choose_with_logs(rover, list(logs or []), example, node)
+    chosen, paths = choose_with_logs(rover, list(logs or []), example, Reading(node, as_, wheel_radius))
     # After the file of the rover is known to be good: SciPy takes its time.
     from six_wheel.calibration.files import calibrate_files
     from six_wheel.report.pages import CALIBRATION_PICTURES, reporting

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from six_wheel._core import Limits, Rover, Wheel
     from six_wheel.abilities import Bound
+    from six_wheel.urdf import Robot
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
 
@@ -26,6 +27,60 @@ def wheels_table(chosen: Chosen) -> Any:
         numbers = (f"{value:.4g}" for value in (wheel.x, wheel.y, wheel.radius))
         table.add_row(wheel.name, *numbers, _turning(wheel))
     return table
+
+
+def derived_table(robot: "Robot") -> Any:
+    """What was derived from a robot description, and from where, a row for each wheel."""
+    from rich.table import Table
+
+    table = Table(title=f"derived from the {len(robot.wheels)} wheels of {robot.name}", title_justify="left")
+    for heading in ("wheel", "joint", "radius from", "steering joint", "pivot [m]", "scrub, trail [mm]"):
+        table.add_column(heading, overflow="fold")
+    for name, found in robot.wheels.items():
+        steering = found.steering
+        pivot = "" if steering is None else ", ".join(f"{value:.4g}" for value in found.pivot)
+        offsets = "" if steering is None else f"{1e3 * found.scrub:.4g}, {1e3 * found.trail:.4g}"
+        table.add_row(
+            name,
+            found.joint.name + (", reversed" if found.reversed else ""),
+            found.radius_from,
+            "" if steering is None else steering.name + (", reversed" if found.steering_reversed else ""),
+            pivot,
+            offsets,
+        )
+    return table
+
+
+PLAN = 17  # lines of the picture in the terminal
+SIDEWAYS = 2.1  # characters are about so much higher than wide
+
+
+def plan(rover: "Rover") -> str:
+    """The rover from above, forward up, in characters: steered wheels, fixed ones, castors, the origin."""
+    places = [(wheel.x, wheel.y) for wheel in rover.wheels]
+    xs, ys = [x for x, _ in places] + [0.0], [y for _, y in places] + [0.0]
+    middle = ((max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2)
+    reach = max(max(xs) - min(xs), max(ys) - min(ys), 2 * max(wheel.radius for wheel in rover.wheels)) / 2
+    half = PLAN // 2
+    wide = round(half * SIDEWAYS)
+    cells = [[" "] * (2 * wide + 1) for _ in range(PLAN)]
+
+    def put(x: float, y: float, sign: str) -> None:
+        row, column = round(half * (1 - (x - middle[0]) / reach)), round(wide * (1 - (y - middle[1]) / reach))
+        if 0 <= row < PLAN and 0 <= column <= 2 * wide:
+            cells[row][column] = sign
+
+    put(0.0, 0.0, "+")
+    for wheel, (x, y) in zip(rover.wheels, places, strict=True):
+        put(x, y, "o" if wheel.castor else "X" if wheel.roller_angle else "S" if wheel.steered else "#")
+    rows = ["".join(row).rstrip() for row in cells]
+    while rows and not rows[0]:
+        rows.pop(0)
+    while rows and not rows[-1]:
+        rows.pop()
+    marks = {"S": "steered", "#": "fixed", "X": "with rollers", "o": "castor", "+": "origin"}
+    drawn = [f"{mark} {what}" for mark, what in marks.items() if any(mark in row for row in rows)]
+    return "\n".join([*rows, f"forward is up, {2 * reach:.3g} m across: {', '.join(drawn)}"])
 
 
 def _turning(wheel: "Wheel") -> str:
@@ -76,6 +131,10 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         ("steering joints", _joints(rover.steering_joints) or "none"),
         ("traction joints", _joints(rover.traction_joints) or "none"),
     ]
+    if rover.reversed_joints:
+        rows.append(("reversed joints", ", ".join(rover.reversed_joints)))
+    if chosen.robot is not None:
+        rows += _described(chosen.robot)
     if parameters:
         rows[2:2] = within(chosen.rover, parameters.limits)
         limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
@@ -88,6 +147,15 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
+
+
+def _described(robot: "Robot") -> list[tuple[str, object]]:
+    """What a robot description says beside the wheels, as rows for `grid`."""
+    found = robot.suspension
+    joints = "" if found is None else ", ".join(f"{what} {joint}" for what, joint in found.joints.items())
+    model = "none" if found is None else f"rocker-bogie: {joints}"
+    limits = str(robot.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
+    return [("base frame", robot.base_frame_id), ("suspension", model), ("rates of joints", limits or None)]
 
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:

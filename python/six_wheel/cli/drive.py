@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from six_wheel.cli.shared import (
+    AsOption,
     Chosen,
     NodeOption,
+    RadiusOption,
+    Reading,
     RoverArgument,
     angle_text,
     choose,
@@ -67,11 +70,13 @@ def drive(
         ),
     ] = None,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 200_000,
 ) -> None:
     if direct and rate is not None:
         raise ValueError(f"--rate must be left out with --direct, which has no loop, got {rate:g}")
-    chosen = choose(rover, node)
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
     loop = None if direct else _loop(chosen, rate)
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.drive.running import drive as drive_table

@@ -2,17 +2,17 @@
 
 from pathlib import Path
 
-from six_wheel.cli.shared import choose
+from six_wheel.cli.shared import Reading, choose
 
 
-def write_layout(rover: str, node: str | None, target: Path) -> Path:
+def write_layout(rover: str, reading: Reading, target: Path) -> Path:
     """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
     from six_wheel.logs.writing import replacing
     from six_wheel.records import layouts
 
     record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
     if record is None:
-        chosen = choose(rover, node)
+        chosen = choose(rover, reading)
         shown, source = chosen.rover, chosen.path
     else:
         from six_wheel.records import Record

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from six_wheel.cli.shared import Chosen, choose
+from six_wheel.cli.shared import Chosen, Reading, choose
 
 if TYPE_CHECKING:
     from six_wheel.logs.opening import LogOptions
@@ -73,16 +73,16 @@ def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
 
 
 def choose_with_logs(
-    rover: str | None, logs: list[Path], example: bool, node: str | None
+    rover: str | None, logs: list[Path], example: bool, reading: Reading
 ) -> tuple[Chosen, list[Path]]:
     """The rover and the logs that are asked for; the run that comes along, and its rover, with --example."""
     if not example:
         if rover is None or not logs:
             raise ValueError("ROVER and LOG must be given, or --example")
-        return choose(rover, node), logs
+        return choose(rover, reading), logs
     if logs:
         raise ValueError(f"LOG must be left out with --example, got {logs[0]}")
     from six_wheel.logs.opening import example_run, metadata_of
 
     run = example_run()
-    return choose(str(metadata_of(run)) if rover is None else rover, node), [run]
+    return choose(str(metadata_of(run)) if rover is None else rover, reading), [run]

@@ -1,11 +1,10 @@
 """`six-wheel node` and `six-wheel filter`: nodes of ROS 2, which take its arguments."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import typer
 
-from six_wheel.cli.shared import Chosen, NodeOption, RoverArgument, choose
+from six_wheel.cli.shared import AsOption, Chosen, NodeOption, RadiusOption, Reading, RoverArgument, choose
 
 if TYPE_CHECKING:
     from six_wheel.onboard import Settings
@@ -13,12 +12,24 @@ if TYPE_CHECKING:
 PASSING = {"allow_extra_args": True, "ignore_unknown_options": True}
 
 
-def node(context: typer.Context, rover: RoverArgument, node: NodeOption = None) -> None:
-    raise typer.Exit(_run("node", context, choose(rover, node)))
+def node(
+    context: typer.Context,
+    rover: RoverArgument,
+    node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
+) -> None:
+    raise typer.Exit(_run("node", context, choose(rover, Reading(node, as_, wheel_radius))))
 
 
-def command_filter(context: typer.Context, rover: RoverArgument, node: NodeOption = None) -> None:
-    raise typer.Exit(_run("filter", context, choose(rover, node)))
+def command_filter(
+    context: typer.Context,
+    rover: RoverArgument,
+    node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
+) -> None:
+    raise typer.Exit(_run("filter", context, choose(rover, Reading(node, as_, wheel_radius))))
 
 
 def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen) -> int:
@@ -39,6 +50,4 @@ def settings_of(chosen: Chosen) -> "Settings":
 
     if chosen.parameters is None:
         return Settings.of_rover(chosen.rover)
-    parameters = chosen.parameters
-    text = Path(parameters.path).read_text(encoding="utf-8-sig")
-    return Settings(text, parameters)
+    return Settings.of_parameters(chosen.parameters)

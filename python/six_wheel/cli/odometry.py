@@ -23,7 +23,16 @@ from six_wheel.cli.log_options import (
     choose_with_logs,
     log_options,
 )
-from six_wheel.cli.shared import Chosen, NodeOption, grid, new_console, progress_bar
+from six_wheel.cli.shared import (
+    AsOption,
+    Chosen,
+    NodeOption,
+    RadiusOption,
+    Reading,
+    grid,
+    new_console,
+    progress_bar,
+)
 from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
@@ -78,10 +87,14 @@ def odometry(
     ] = False,
     length: Annotated[float, typer.Option(help="Of the stretches for the error per distance [m].")] = 0.5,
     node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 65_536,
 ) -> None:
     given = dict(locals())
-    chosen, (path,) = choose_with_logs(rover, [] if log is None else [log], example, node)
+    chosen, (path,) = choose_with_logs(
+        rover, [] if log is None else [log], example, Reading(node, as_, wheel_radius)
+    )
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.reckoning.running import reckon
     from six_wheel.report.pages import reporting

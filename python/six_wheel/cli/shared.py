@@ -14,17 +14,36 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import Rover
+    from six_wheel._core import RockerBogie, Rover
+    from six_wheel.descriptions.findings import Finding
     from six_wheel.parameters.file import Parameters
+    from six_wheel.urdf import Robot
 
 PROGRESS_AFTER = 1.0  # [s] what is over sooner needs no bar
 
 RoverArgument = Annotated[
-    str, typer.Argument(metavar="ROVER", help="Parameter file, or the name of a preset.")
+    str, typer.Argument(metavar="ROVER", help="Parameter file, URDF or xacro file, or the name of a preset.")
 ]
 NodeOption = Annotated[
     str | None, typer.Option(help="Node whose parameters to read, if the file has several.")
 ]
+
+
+AsOption = Annotated[
+    str | None,
+    typer.Option("--as", metavar="KIND", help="Kind or controller whose keys the file has, if unclear."),
+]
+RadiusOption = Annotated[
+    float | None, typer.Option(help="Radius of the wheels [m], for a URDF that does not tell it.")
+]
+
+
+class Reading(NamedTuple):
+    """How to read a rover's file, where it does not say by itself."""
+
+    node: str | None = None
+    kind: str | None = None
+    wheel_radius: float | None = None
 
 
 class Chosen(NamedTuple):
@@ -34,11 +53,25 @@ class Chosen(NamedTuple):
     name: str
     path: Path | None = None
     parameters: "Parameters | None" = None
+    robot: "Robot | None" = None
+
+    @property
+    def warnings(self) -> "Sequence[Finding]":
+        """What may be a mistake in the file."""
+        source = self.parameters or self.robot
+        return source.warnings if source else ()
 
 
-def choose(argument: str, node: str | None) -> Chosen:
-    """The rover of a parameter file, or a preset if there is no such file."""
+def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008 - it is immutable
+    """The rover of a parameter file or a robot description, or a preset if there is no such file."""
     path = Path(argument)
+    if path.suffix in (".urdf", ".xacro"):
+        from six_wheel.urdf import read_urdf
+
+        robot = read_urdf(path, wheel_radius=reading.wheel_radius)
+        return Chosen(robot.rover, path.name.partition(".")[0], path, robot=robot)
+    if reading.wheel_radius is not None:
+        raise ValueError(f"--wheel-radius is for a URDF or xacro file, got {argument}")
     if path.name.endswith("_metadata.csv"):
         from six_wheel.logs.optiodom import read_rover
 
@@ -46,7 +79,7 @@ def choose(argument: str, node: str | None) -> Chosen:
     if path.is_file() or path.suffix:
         from six_wheel.parameters.file import read_parameters
 
-        parameters = read_parameters(path, node=node)
+        parameters = read_parameters(path, node=reading.node, kind=reading.kind)
         return Chosen(parameters.rover, path.stem, path, parameters)
     from six_wheel._core import Rover
 
@@ -57,6 +90,17 @@ def choose(argument: str, node: str | None) -> Chosen:
     hint = f'did you mean "{close[0]}"? ' if close else ""
     known = ", ".join(presets)
     raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}presets: {known}')
+
+
+def choose_suspension(argument: str) -> "RockerBogie":
+    """The suspension of a preset."""
+    from six_wheel._core import RockerBogie
+
+    presets = ("perseverance", "curiosity", "rocky7", "open_source_rover")
+    if argument not in presets:
+        raise ValueError(f'ROVER must be a preset with a suspension, got "{argument}": {", ".join(presets)}')
+    arm: RockerBogie = getattr(RockerBogie, argument)()
+    return arm
 
 
 def new_console(stderr: bool = False) -> "Console":

@@ -97,6 +97,11 @@ class Engine:
         # Rows come out in the order of the user's joints, which is not that of the rover's wheels.
         self._steering_order = [self._steered.index(wheel) for wheel in rover.steering_joints.values()]
         self._traction_order = [self._wheels.index(wheel) for wheel in rover.traction_joints.values()]
+        backwards = rover.reversed_joints
+        self._steering_signs, self._traction_signs = (
+            np.array([-1.0 if joint in backwards else 1.0 for joint in joints])[:, None]
+            for joints in (rover.steering_joints, rover.traction_joints)
+        )
         self.units = self._name_columns(time_unit)
         # The row before the block to come.
         self._pose, self._twist = np.zeros(3), np.zeros(3)
@@ -181,7 +186,8 @@ class Engine:
         self.trace.add(poses, steering)
         self._pose, self._twist = poses[-1], fit.twist[-1]
         self._steering, self._speeds = steering[-1], speeds[-1]
-        joints = [*steering.T[self._steering_order], *speeds.T[self._traction_order]]
+        angles = steering.T[self._steering_order] * self._steering_signs
+        joints = [*angles, *speeds.T[self._traction_order] * self._traction_signs]
         return [time, *joints, *poses.T, *fit.twist.T, *fit.residual.T]
 
     def _project(self, chunk: Chunk) -> Floats:

@@ -1,4 +1,4 @@
-"""ROS 2 bags, MCAP or sqlite3: joint states and poses in, joint commands out. Needs rosbags.
+"""Bags of ROS 2, MCAP or sqlite3, and of ROS 1: joint states and poses in, joint commands out. Needs rosbags.
 
 Joints come in any order, in messages of their own, with positions or velocities. A row is made for every
 message of the first wheel that has any; what comes in other messages is interpolated between the two around.
@@ -6,7 +6,7 @@ message of the first wheel that has any; what comes in other messages is interpo
 
 import math
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
+from six_wheel.descriptions.joint_names import said_by
 from six_wheel.logs.bag_files import files_of, one_line, rosbags_names, whole_part
 from six_wheel.logs.columns import TIME_UNITS, TableError
 from six_wheel.logs.joint_columns import Reading, did_you_mean
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
+OWN_FRAMES = ("base_footprint", "base_link")  # of a rover, where nothing else is asked for
 POSES = (
     "nav_msgs/msg/Odometry",
     "geometry_msgs/msg/PoseStamped",
@@ -33,6 +36,7 @@ POSES = (
 LONGEST_GAP = 500_000_000  # [ns] between two messages of a joint, across which it is not interpolated
 LOOK_AHEAD = 1000  # messages in which to look for the joints
 LINE = 0  # messages have no line
+MAX_FRAMES = 16  # between a rover and the top of its chain, which might be a circle
 
 
 class Bag:
@@ -105,7 +109,15 @@ class Bag:
 
     def _choose(self, types: Sequence[str], topics: Sequence[str] | None, usual: str = "") -> None:
         """The topics to read: those asked for, or the only one, or all that end as usual."""
-        there = [c for c in self._reader.connections if c.msgtype in types]
+        every = self._reader.connections
+        there = [c for c in every if c.msgtype in types]
+        if topics and types == POSES:
+            there += [c for c in every if c.msgtype == TRANSFORMS]
+        if not there:
+            kinds = ", ".join(each.rpartition("/")[2] for each in types)
+            listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
+            self.close()
+            raise TableError(f"{self.path}: no topic has messages of the type {kinds}; the bag has {listed}")
         names = sorted({c.topic for c in there})
         wanted = set(topics or [])
         if topics is None:
@@ -129,6 +141,9 @@ class Bag:
                     message: Any = self._reader.deserialize(data, connection.msgtype)
                 except Exception as error:  # struct.error and IndexError among them
                     self.findings.add(number, f"the message must be readable, got: {one_line(error)}")
+                    continue
+                if connection.msgtype == TRANSFORMS:  # which has stamps inside
+                    yield number, received, message
                     continue
                 stamp = message.header.stamp
                 yield number, (stamp.sec * 1_000_000_000 + stamp.nanosec) or received, message
@@ -166,6 +181,7 @@ class JointBag(Bag):
         self._joints = {wheel: f"wheel {wheel}" for wheel in rover.wheel_names}
         self._joints |= {joint: f"wheel {wheel}" for joint, wheel in rover.traction_joints.items()}
         self._joints |= {joint: f"steering {wheel}" for joint, wheel in rover.steering_joints.items()}
+        self._turned = frozenset(rover.reversed_joints)
         try:
             self.reading = self._look(rover, reading)
         except BaseException:
@@ -191,12 +207,12 @@ class JointBag(Bag):
         listed = ", ".join([*(j for j, name in self._joints.items() if name in kinds), *strangers]) or "none"
         for joint, wheel in rover.steering_joints.items():
             if "angle" not in kinds.get(f"steering {wheel}", ()):
-                hint = did_you_mean([joint], [*strangers])
+                hint = did_you_mean([joint], _like_wheels(strangers))
                 raise TableError(f"{self.path}: no position of joint {joint} among {listed}{hint}")
         wheels = {name: known for name, known in kinds.items() if name.startswith("wheel ") and known}
         if not wheels:
             joints = ", ".join(rover.traction_joints)
-            hint = did_you_mean([*rover.traction_joints], [*strangers])
+            hint = did_you_mean([*rover.traction_joints], _like_wheels(strangers))
             raise TableError(f"{self.path}: no joint of any wheel ({joints}) among {listed}{hint}")
         self.names = [name for name in dict.fromkeys(self._joints.values()) if kinds.get(name)]
         choices: tuple[Reading, ...] = ("angle", "speed") if reading is None else (reading,)
@@ -217,7 +233,8 @@ class JointBag(Bag):
             for joint, position, velocity in _states(message):
                 if (name := self._joints.get(joint)) in series:
                     speed = name.startswith("wheel ") and self.reading == "speed"
-                    flaw = series[name].add(number, stamp, velocity if speed else position)
+                    value = velocity if speed else position
+                    flaw = series[name].add(number, stamp, -value if joint in self._turned else value)
                     if flaw and name == first:
                         self.findings.add(*flaw)
             if len(series[first].stamps) > chunk_rows and number % chunk_rows == 0:
@@ -295,11 +312,22 @@ class _Series:
 
 
 class TruthBag(Bag):
-    """Poses in a bag: odometry, stamped poses or transforms of one topic."""
+    """Poses in a bag: odometry, stamped poses or transforms of one topic.
+
+    Parameters
+    ----------
+    path : Path
+    topic : str, optional
+        Which. Transforms of many frames (``/tf``) have to be asked for, and may name the frame of the rover
+        behind a colon: ``/tf:base_link``. Its pose is that in the frame at the top of its chain.
+    """
 
     def __init__(self, path: Path, topic: str | None = None) -> None:
         super().__init__(path)
-        self._choose(POSES, None if topic is None else [topic])
+        name, _, frame = (topic or "").partition(":")
+        self._frames = (frame,) if frame else OWN_FRAMES
+        self._tree: dict[str, tuple[str, Any]] = {}
+        self._choose(POSES, None if topic is None else [name])
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """A row for every message."""
@@ -320,14 +348,49 @@ class TruthBag(Bag):
 
         for number, stamp, message in self._messages():
             self.position = number
-            p, q = _pose(message)
-            numbers.append(number)
-            stamps.append(stamp)
-            rows.append((p.x, p.y, q.x, q.y, q.z, q.w))
+            found = [(stamp, _pose(message))] if not hasattr(message, "transforms") else self._moved(message)
+            for when, pose in found:
+                numbers.append(number)
+                stamps.append(when)
+                rows.append(pose)
             if len(rows) >= chunk_rows:
                 yield batch()
         if rows:
             yield batch()
+
+    def _moved(self, message: Any) -> list[tuple[int, tuple[float, ...]]]:
+        """Stamps and poses of the rover that transforms tell, through the frames known so far."""
+        found = []
+        for each in message.transforms:
+            self._tree[each.child_frame_id] = (each.header.frame_id, each.transform)
+            if each.child_frame_id not in self._frames:
+                continue
+            frame, poses = each.child_frame_id, list[tuple[float, float, float]]()
+            while frame in self._tree and len(poses) < MAX_FRAMES:
+                frame, transform = self._tree[frame]
+                poses.append(_planar(transform.translation, transform.rotation))
+            stamp = each.header.stamp
+            found.append((stamp.sec * 1_000_000_000 + stamp.nanosec, _composed(poses)))
+        return found
+
+
+def _planar(p: Any, q: Any) -> tuple[float, float, float]:
+    """x, y and yaw of a transform."""
+    return p.x, p.y, math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+
+
+def _composed(poses: Sequence[tuple[float, float, float]]) -> tuple[float, ...]:
+    """A pose through frames that lie level, the innermost first, as x, y and a quaternion."""
+    x = y = yaw = 0.0
+    for ahead, aside, turned in poses:
+        cos, sin = math.cos(turned), math.sin(turned)
+        x, y, yaw = ahead + cos * x - sin * y, aside + sin * x + cos * y, turned + yaw
+    return x, y, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+
+
+def _like_wheels(joints: Iterable[str]) -> list[str]:
+    """Those of the joints whose names tell a place, as a wheel's do; all of them if none does."""
+    return [joint for joint in joints if said_by(joint) is not None] or [*joints]
 
 
 def _states(message: Any) -> Iterator[tuple[str, float, float]]:
@@ -339,12 +402,13 @@ def _states(message: Any) -> Iterator[tuple[str, float, float]]:
     return zip(message.name, positions, velocities, strict=True)
 
 
-def _pose(message: Any) -> tuple[Any, Any]:
+def _pose(message: Any) -> tuple[float, ...]:
     if hasattr(message, "transform"):
-        return message.transform.translation, message.transform.rotation
-    pose = message.pose
-    pose = getattr(pose, "pose", pose)  # inside a covariance
-    return pose.position, pose.orientation
+        p, q = message.transform.translation, message.transform.rotation
+    else:
+        pose = getattr(message.pose, "pose", message.pose)  # inside a covariance
+        p, q = pose.position, pose.orientation
+    return p.x, p.y, q.x, q.y, q.z, q.w
 
 
 class JointCommandWriter:

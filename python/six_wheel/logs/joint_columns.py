@@ -88,11 +88,14 @@ class JointColumns:
         What the wheels' columns are.
     silent : tuple of str
         Wheels with a motor but without a column.
+    reversed : frozenset of str
+        Keys of `columns` that go by the name of a joint which counts the other way.
     """
 
     columns: dict[str, Column]
     reading: Reading
     silent: tuple[str, ...]
+    reversed: frozenset[str] = frozenset()
 
 
 def joint_columns(
@@ -127,6 +130,8 @@ def joint_columns(
         rover.steered_names, rover.steering_joints, ("{0}_steering", "{0}_steer", "steering_{0}")
     )
     wheels = _stems(rover.wheel_names, rover.traction_joints, ("{0}", "{0}_wheel"))
+    backwards = {words(joint) for joint in rover.reversed_joints}
+    turned: set[str] = set()
     by_reading: dict[str, dict[Reading, Column]] = {}
     doubts: dict[str, str] = {}
     for index, header in enumerate(headers):
@@ -139,6 +144,7 @@ def joint_columns(
             if named is None:
                 continue
             name, rest = f"{part} {named[0]}", named[1]
+            turned |= {name} if named[2] in backwards else set()
             meaning = _reading(rest, given, "angle" if part == "steering" else reading)
             if meaning is None or (part == "steering" and meaning[0] == "speed"):
                 if meaning is None and (given or not rest):
@@ -171,7 +177,7 @@ def joint_columns(
     }
     found |= {name: kinds[chosen] for name, kinds in wheel_columns.items()}
     silent = tuple(wheel for wheel in rover.traction_joints.values() if f"wheel {wheel}" not in found)
-    return JointColumns(found, chosen, silent)
+    return JointColumns(found, chosen, silent, frozenset(turned))
 
 
 def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
@@ -188,16 +194,16 @@ def _stems(wheels: Sequence[str], joints: Mapping[str, str], forms: Sequence[str
     return named | {words(joint): wheel for joint, wheel in joints.items()}
 
 
-def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str] | None:
-    """The wheel a header names, and what comes behind; of "rear" and "rear_left" the longer."""
+def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str, str] | None:
+    """The wheel a header names, what comes behind, by which name; of "rear" and "rear_left" the longer."""
     rests = {
-        text[len(before + stem) :].lstrip("_"): wheel
+        text[len(before + stem) :].lstrip("_"): (wheel, stem)
         for stem, wheel in stems.items()
         for before in _BEFORE
         if text == before + stem or text.startswith(before + stem + "_")
     }
     rest = min(rests, key=len, default=None)
-    return None if rest is None else (rests[rest], rest)
+    return None if rest is None else (rests[rest][0], rest, rests[rest][1])
 
 
 def _doubt(header: str, text: str, given: str | None, part: str) -> str:

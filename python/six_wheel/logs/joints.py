@@ -23,7 +23,7 @@ from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, Tol
 __all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
 
 TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
-BAGS = (".mcap", ".db3")
+BAGS = (".mcap", ".db3", ".bag")
 # Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
 LONGEST_RUN = 1e6  # [s]
 Floats = NDArray[np.float64]
@@ -114,6 +114,7 @@ class JointLog:
         self._stated = True
         self._names: Sequence[str] = ()
         self._counted: set[str] = set()  # steered wheels whose angle is read in ticks
+        self._turned: frozenset[str] = frozenset()  # names whose column has the sign of a reversed joint
         self._source: Source
         if self.path.is_dir() or self.path.suffix.lower() in BAGS:
             from six_wheel.logs.bags import JointBag
@@ -125,6 +126,7 @@ class JointLog:
             table, found = _joint_table(self.path, rover, reading, columns)
             self._source, self.reading, self._names = table, found.reading, list(found.columns)
             self._stated = found.columns["time"].stated
+            self._turned = found.reversed
             columns_of = {w: found.columns[f"steering {w}"] for w in rover.steered_names}
             self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
             self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
@@ -252,6 +254,8 @@ class JointLog:
 
     def _rows(self, batch: Batch) -> JointRows:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
+        for name in self._turned:
+            np.negative(batch.values[name], out=batch.values[name])
         steering = [
             total.advance(batch.values[f"steering {w}"], stamps) for w, total in self._steering.items()
         ]

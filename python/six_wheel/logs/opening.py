@@ -100,7 +100,8 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     columns, topics = options.columns or None, options.topics or None
     given = {"wheel": options.encoders, "steering": options.steering_encoders}
     # What counts is known from the headers: encoders with a resolution are for that, others for radians.
-    counted = dict.fromkeys(given, False)
+    # Messages have no units: there a resolution says that they are counts.
+    counted = {part: kind == "bag" and "resolution" in values for part, values in given.items()}
 
     def open_(*, radians: bool) -> JointLog:
         found = {
@@ -122,6 +123,9 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
             raise
         except ValueError as error:
             part = next((part for part in given if str(error).startswith(f"{part}_encoders must say")), None)
+            if part is None and counted["wheel"] and "read as speeds" in str(error):
+                counted["wheel"] = False  # speeds are those of the joints: there is nothing to count
+                continue
             if part is None:
                 raise
             if "resolution" not in given[part]:

@@ -130,6 +130,7 @@ def table(
 
     def pieces() -> Iterator[Piece]:
         read = {header: _numbers(source[header]) for header in {*found.values()} if header}
+        _turn(rover, read, found)
         origin = _origin(read[found["stamp"]])
         for first in range(0, rows, chunk_rows):
             part = {header: column[first : first + chunk_rows] for header, column in read.items()}
@@ -160,6 +161,7 @@ def _parquet(
         with opened:
             for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted):
                 read = {header: _numbers(batch.column(header)) for header in wanted}
+                _turn(rover, read, found)
                 origin = _origin(read[found["stamp"]]) if origin is None else origin
                 yield _piece(rover, found, read, origin)
 
@@ -209,6 +211,15 @@ def _find(
                 raise ValueError(f"{name} must name a column, got {header!r} of {', '.join(headers)}")
             found[name] = header
     return found
+
+
+def _turn(rover: Rover, read: dict[str, NDArray[Any]], found: Mapping[str, str]) -> None:
+    """Give columns that go by the name of a reversed joint the sign of its wheel."""
+    for joint in rover.reversed_joints:
+        name = rover.traction_joints.get(joint, joint)
+        header = found.get(name, "")
+        if header and header.partition(".")[0] == joint.partition(".")[0] and header.startswith(joint):
+            read[header] = -read[header]
 
 
 def _numbers(column: Any) -> NDArray[Any]:

@@ -51,6 +51,7 @@ class JointReader:
         self._joints = [steering[wheel] for wheel in rover.steered_names]
         self._steered = len(self._joints)
         self._joints += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
+        self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._joints]
         needed = [*self._joints[: self._steered], *rover.traction_joints]
         self._needed = [self._joints.index(joint) for joint in needed]
         self._place = {joint: k for k, joint in enumerate(self._joints)}
@@ -87,7 +88,7 @@ class JointReader:
                     "joints", ERROR, f"joint {self._joints[place]} must have a finite value", str(value)
                 )
                 continue
-            values[place] = value
+            values[place] = value * self._signs[place]
             fresh[place] = True
             last[place] = now
         if not all(fresh[place] for place in self._needed):

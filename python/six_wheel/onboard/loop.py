@@ -86,9 +86,14 @@ class Loop:
         self.active = True
         rover = settings.rover
         steered, wheels = list(rover.steered_names), list(rover.wheel_names)
-        # Commands go out in the order of the file's joints, which is not that of the rover's wheels.
-        self._steering_order = [steered.index(wheel) for wheel in rover.steering_joints.values()]
-        self._traction_order = [wheels.index(wheel) for wheel in rover.traction_joints.values()]
+        # Commands go out in the order and with the signs of the file's joints, not of the rover's wheels.
+        sign = dict.fromkeys(rover.reversed_joints, -1.0)
+        self._steering_out = [
+            (sign.get(joint, 1.0), steered.index(wheel)) for joint, wheel in rover.steering_joints.items()
+        ]
+        self._traction_out = [
+            (sign.get(joint, 1.0), wheels.index(wheel)) for joint, wheel in rover.traction_joints.items()
+        ]
         self._controller: Controller | None = None
         self._odometry = settings.odometry()
         self._reader = self._new_reader()
@@ -380,8 +385,8 @@ class Loop:
         steering, speeds = output.steering.tolist(), output.speeds.tolist()
         return Step(
             now,
-            [steering[k] for k in self._steering_order],
-            [speeds[k] for k in self._traction_order],
+            [sign * steering[k] for sign, k in self._steering_out],
+            [sign * speeds[k] for sign, k in self._traction_out],
             (vx, vy, omega),
             reasons,
             stamp,

@@ -10,8 +10,8 @@ from six_wheel.logs.opening import corrections, encoders_of
 from six_wheel.onboard.options import OPTIONS, Options
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import Parameters, dump, parse_parameters
-from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING
-from six_wheel.parameters.nodes import PARAMETERS, section
+from six_wheel.parameters.forms import section_of
+from six_wheel.parameters.nodes import PARAMETERS
 from six_wheel.parameters.schema import GROUPS
 
 __all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
@@ -47,6 +47,19 @@ class Settings:
     ) -> "Settings":
         """From the text of a parameter file, which messages call `path`."""
         return cls(text, parse_parameters(text, node=node, path=path), options or Options())
+
+    @classmethod
+    def of_parameters(cls, said: Parameters, options: Options | None = None) -> "Settings":
+        """From a parameter file that has been read: its own keys, where they alone tell what it is."""
+        try:
+            text = with_changes(said.path.read_text(encoding="utf-8-sig"), said.node, {})
+            again = parse_parameters(text, node=said.node, path=said.path)
+            if same(again, said):
+                return cls(text, replace(said, asked=None), options or Options())
+        except (OSError, ValueError):
+            pass  # another language than YAML, or a kind that only the command line told
+        text = own_text(said)
+        return cls(text, parse_parameters(text, path=said.path), options or Options())
 
     @classmethod
     def of_rover(cls, rover: Rover, options: Options | None = None, **others: Any) -> "Settings":
@@ -118,7 +131,8 @@ class Settings:
 
 def same(one: Parameters, other: Parameters) -> bool:
     """Whether two files say the same, wherever they lie."""
-    return replace(one, path=Path(), warnings=()) == replace(other, path=Path(), warnings=())
+    whatever: dict[str, Any] = {"path": Path(), "warnings": (), "asked": None}
+    return replace(one, **whatever) == replace(other, **whatever)
 
 
 def _is_set(settings: Settings, key: str, value: Any) -> bool:
@@ -182,8 +196,15 @@ def read_value(text: str) -> Any:
 
 def _section(text: str, node: str | None) -> Any:
     """The parameters of the node; the text is known to have them."""
-    tree = syntax.parse(text, lambda *_: None)
-    found = section(tree, node, KEYS, TELLING, CONTROLLER_TYPES, lambda *_: None)
+    found = section_of(syntax.parse(text, lambda *_: None), node, lambda *_: None)
     if found is None:
         raise ValueError(f"the parameter file must have the node, got {node}")
     return found
+
+
+def own_text(said: Parameters) -> str:
+    """A parameter file with this package's own keys that says the same."""
+    frames = {"odom_frame_id": said.odom_frame_id, "base_frame_id": said.base_frame_id}
+    text = dump(said.rover, limits=said.limits, control=said.control, **frames)
+    groups = ("noise", "encoders", "steering_encoders", "odometry")
+    return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})

@@ -25,54 +25,28 @@ or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is i
 import math
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, NoReturn, TypeAlias
+from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Limits, Rover, Wheel
+from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
+from six_wheel.descriptions.joint_names import wheel_said_by
 from six_wheel.parameters import syntax
-from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, check_keys, form_of
-from six_wheel.parameters.joints import JointList, wheel_said_by, wheels_of_joints
-from six_wheel.parameters.nodes import PARAMETERS, Section, closest, section
+from six_wheel.parameters.controllers.frc import gather_modules
+from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
+from six_wheel.parameters.joints import JointList, wheels_of_joints
+from six_wheel.parameters.nodes import PARAMETERS, Section, closest
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
+from six_wheel.parameters.units import question_lengths
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
 # A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
 MAX_BYTES = 1 << 18
 
-Severity: TypeAlias = Literal["error", "warning"]
 _SIX = Rover.six_wheel(d1=1.0, d2=1.0, d3=1.0, d4=1.0, wheel_radius=1.0)
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing to put right in a parameter file; ``str()`` is one line such as a compiler prints."""
-
-    line: int | None
-    key: str
-    message: str
-    remedy: str | None = None
-    severity: Severity = "error"
-    path: str = ""
-
-    def __str__(self) -> str:
-        place = self.path if self.line is None else f"{self.path}:{self.line}"
-        warning = "warning: " if self.severity == "warning" else ""
-        remedy = f" ({self.remedy})" if self.remedy else ""
-        return " ".join(f"{place}: {warning}{self.message}{remedy}".splitlines())
-
-
-class ParameterFileError(ValueError):
-    """A parameter file that does not describe a rover; ``str()`` has one line for each finding."""
-
-    def __init__(self, findings: Iterable[Finding]) -> None:
-        self.findings: tuple[Finding, ...] = tuple(findings)
-        super().__init__(self.findings)
-
-    def __str__(self) -> str:
-        return "\n".join(map(str, self.findings))
 
 
 @dataclass(frozen=True)
@@ -101,7 +75,9 @@ class Parameters:
     kind : str
         The kind of vehicle, ``preset`` for a known rover.
     controller : str or None
-        The controller of ROS 2 whose parameter names the file has, such as ``diff_drive_controller``.
+        The controller or robot whose parameter names the file has, such as ``diff_drive_controller``.
+    asked : str or None
+        What the reader was told that the file is.
     """
 
     path: Path
@@ -118,13 +94,14 @@ class Parameters:
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
+    asked: str | None = None
 
     def build_controller(self, **changes: Any) -> Controller:
         """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
         return Controller(self.rover, self.limits, **self.control | changes)
 
 
-def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
+def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | None = None) -> Rover:
     """The rover that a parameter file describes.
 
     Parameters
@@ -133,6 +110,8 @@ def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
         A ROS 2 parameter file, or this package's own keys without node and ``ros__parameters``.
     node : str, optional
         Which node's parameters to read, for a file that describes several rovers.
+    kind : str, optional
+        The kind or the controller whose keys the file has, where it does not say by itself.
 
     Returns
     -------
@@ -144,22 +123,26 @@ def load(path: str | os.PathLike[str], *, node: str | None = None) -> Rover:
     ParameterFileError
         With every mistake of the file, its line, the rule and a remedy. A `ValueError`.
     """
-    return read_parameters(path, node=node).rover
+    return read_parameters(path, node=node, kind=kind).rover
 
 
-def read_parameters(path: str | os.PathLike[str], *, node: str | None = None) -> Parameters:
+def read_parameters(
+    path: str | os.PathLike[str], *, node: str | None = None, kind: str | None = None
+) -> Parameters:
     """Everything a parameter file says: the rover, frames, limits, and warnings.
 
     Parameters, errors: see `load`.
     """
     path = Path(path)
     log = _Log(str(path))
-    return _read(path, _text(path, log), node, log)
+    return _read(path, _text(path, log), node, kind, log)
 
 
-def parse_parameters(text: str, *, node: str | None = None, path: Path = Path("rover")) -> Parameters:
+def parse_parameters(
+    text: str, *, node: str | None = None, kind: str | None = None, path: Path = Path("rover")
+) -> Parameters:
     """The same from the text of a parameter file, which messages call `path`."""
-    return _read(path, text, node, _Log(str(path)))
+    return _read(path, text, node, kind, _Log(str(path)))
 
 
 def dump(
@@ -197,13 +180,14 @@ def dump(
         for key in LimitKeys.model_fields
         if math.isfinite(getattr(limits, key, math.inf))
     }
-    ways = {key: "none" if value is None else value for key, value in (control or {}).items()}
+    words = {"align": "none", "timeout": "never"}
+    ways = {key: words[key] if value is None else value for key, value in (control or {}).items()}
     others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
-    for values in (_six_wheel_values(rover), _custom_values(rover)):
+    for values in (_six_wheel_values(rover), _suspended_values(rover), _custom_values(rover)):
         text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
         try:
-            if values and parse_parameters(text, node=node).rover == rover:
+            if values and _same_on_flat_ground(parse_parameters(text, node=node).rover, rover, values):
                 return text
         except ParameterFileError:
             continue
@@ -226,6 +210,7 @@ def _six_wheel_values(rover: Rover) -> Values:
         "traction_joints": list(rover.traction_joints),
         "steering_joints": list(rover.steering_joints),
         "wheel_of_joint": stated,
+        "reversed_joints": list(rover.reversed_joints),
         "d1": front.y,
         "d2": -rear.x,
         "d3": front.x,
@@ -236,6 +221,42 @@ def _six_wheel_values(rover: Rover) -> Values:
     if front.steering_range == _SIX.wheels[0].steering_range:
         del values["steering_limit"]
     return {key: value for key, value in values.items() if value not in ({}, [])}
+
+
+def _suspended_values(rover: Rover) -> Values:
+    """The keys of a rocker-bogie, nothing for a rover without one."""
+    arm = rover.suspension
+    if arm is None:
+        return {}
+    said = {key: list(value) if isinstance(value, tuple) else value for key, value in arm.dimensions.items()}
+    return (
+        {"kind": "rocker_bogie"}
+        | {key: value for key, value in said.items() if value is not None}
+        | _joints_of(rover)
+    )
+
+
+def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
+    """Whether a rover came back; its suspension too, where the keys have room for one."""
+    if values.get("kind") == "custom":
+        rover = Rover(
+            rover.wheels,
+            traction_joints=rover.traction_joints,
+            steering_joints=rover.steering_joints,
+            reversed_joints=rover.reversed_joints,
+        )
+    return found == rover
+
+
+def _joints_of(rover: Rover) -> Values:
+    """Joints by wheel, as every kind takes them."""
+    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    named: Values = {
+        key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value
+    }
+    if rover.reversed_joints:
+        named["reversed_joints"] = list(rover.reversed_joints)
+    return named
 
 
 def _custom_values(rover: Rover) -> Values:
@@ -252,9 +273,7 @@ def _custom_values(rover: Rover) -> Values:
         if not wheel.driven and not wheel.castor:
             keys["driven"] = False
         wheels[wheel.name] = keys
-    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
-    named = {key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value}
-    return {"kind": "custom", "wheels": wheels} | named
+    return {"kind": "custom", "wheels": wheels} | _joints_of(rover)
 
 
 class _Log:
@@ -275,8 +294,9 @@ class _Log:
         self.error(line, (), message, remedy)
         raise self.failure()
 
-    def failure(self) -> ParameterFileError:
-        return ParameterFileError(self.in_order())
+    def failure(self, *, warnings: bool = True) -> ParameterFileError:
+        found = self.in_order()
+        return ParameterFileError(each for each in found if warnings or each.severity == "error")
 
     def in_order(self) -> tuple[Finding, ...]:
         return tuple(sorted(self.findings, key=lambda finding: finding.line or 0))
@@ -296,11 +316,11 @@ class _Log:
         self.findings.append(Finding(line, syntax.spell(at), message, remedy, severity, self.path))
 
 
-def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
-    found = section(_tree(text, log), node, KEYS, TELLING, CONTROLLER_TYPES, log.error)
-    form = None if found is None else form_of(found, log.error)
+def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) -> Parameters:
+    found = section_of(_tree(text, path, log), node, log.error)
+    form = None if found is None else form_of(found, log.error, log.warning, kind)
     if found is None or form is None:
-        raise log.failure()
+        raise log.failure(warnings=False)  # there is nothing that they would be about
     check_keys(found, form, log.error, log.warning)
     values = check_values(found, form, log.error)
     form.check(found, values, log.error, log.warning)
@@ -308,16 +328,19 @@ def _read(path: Path, text: str, node: str | None, log: _Log) -> Parameters:
     rover = _rover(found, form, values, log)
     if rover is not None:
         _check_encoders(found, values, rover, log)
+        question_lengths(found, rover, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
-    if named.get("control", {}).get("align") == "none":
-        named["control"] = named["control"] | {"align": None}
+    for key, word in (("align", "none"), ("timeout", "never")):
+        if named.get("control", {}).get(key) == word:
+            named["control"] = named["control"] | {key: None}
     named["limits"] = Limits(**values.get("limits", {}))
-    controller = form.name if form.controller else None
+    controller = form.name if form in FOREIGN else None
     parameters = Parameters(
-        path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller
-    )
+        path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller,
+        asked=kind,
+    )  # fmt: skip
     _check_controller(found, parameters, log)
     return parameters
 
@@ -355,9 +378,9 @@ def _text(path: Path, log: _Log) -> str:
         )
 
 
-def _tree(text: str, log: _Log) -> syntax.Tree:
+def _tree(text: str, path: Path, log: _Log) -> syntax.Tree:
     try:
-        tree = syntax.parse(text, log.error)
+        tree = syntax.parse(text, log.error, log.warning)
     except syntax.YamlSyntaxError as error:
         log.fail(error.line, error.message, error.remedy)
     if tree.data is None:
@@ -369,7 +392,11 @@ def _tree(text: str, log: _Log) -> syntax.Tree:
     if not isinstance(tree.data, dict):
         what = "a list" if isinstance(tree.data, list) else "a single value"
         log.fail(1, f"the file must be a mapping, got {what}", "write lines such as `d1: 0.4`")
-    return tree
+    before = len(log.findings)
+    gathered = gather_modules(tree, path, log.error)
+    if len(log.findings) > before:
+        raise log.failure()  # of which the rest would be nothing but consequences
+    return gathered
 
 
 def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
@@ -380,10 +407,19 @@ def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | N
     joints = _joints(section, form, values, layout, log)
     if log.has_errors:
         return None
+    backwards = values.get("reversed_joints", ())
     try:
-        return Rover(layout.wheels, **joints)
+        return Rover(
+            layout.wheels,
+            traction_joints=joints.get("traction_joints"),
+            steering_joints=joints.get("steering_joints"),
+            reversed_joints=list(backwards),
+            suspension=layout.suspension,
+        )
     except ValueError as error:
-        log.fail(section.line, str(error), "see the keys it names")
+        key = str(error).partition(" ")[0]
+        line = section.line_of((key,)) if key in section.data else section.line
+        log.fail(line, str(error), "see the keys it names")
 
 
 def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:

@@ -3,21 +3,38 @@
 import re
 from typing import Any
 
-from six_wheel.parameters.controller_keys import DRIVES, STEERS, WELL_KNOWN
-from six_wheel.parameters.controllers import CONTROLLERS
+from six_wheel.parameters.controllers.drives import DRIVES as OTHER_DRIVES
+from six_wheel.parameters.controllers.frc import FRC
+from six_wheel.parameters.controllers.keys import DRIVES, STEERS, WELL_KNOWN
+from six_wheel.parameters.controllers.ros2 import CONTROLLERS
+from six_wheel.parameters.controllers.rovers import ROVERS
 from six_wheel.parameters.kinds import DIMENSIONS, KINDS, OWN_KEYS, PRESET
 from six_wheel.parameters.kinds import TELLING as OWN_TELLING
-from six_wheel.parameters.nodes import GROUPS, Section, closest
+from six_wheel.parameters.nodes import GROUPS, Section, closest, drives, section
 from six_wheel.parameters.schema import GROUPS as MAPPINGS
 from six_wheel.parameters.schema import NESTED, Common, Form, describe, keys_of, shown
-from six_wheel.parameters.syntax import Path, Report, one_line, spell
+from six_wheel.parameters.syntax import Path, Report, Tree, one_line, spell
 
-__all__ = ["CONTROLLER_TYPES", "KEYS", "TELLING", "check_keys", "form_of"]
+__all__ = [
+    "FOREIGN",
+    "KEYS",
+    "PLAIN",
+    "TELLING",
+    "TYPES",
+    "check_keys",
+    "form_of",
+    "is_ignored",
+    "section_of",
+]
 
-CONTROLLER_TYPES = {form.controller: form for form in CONTROLLERS if form.controller}
-KEYS = OWN_KEYS.union(*(form.keys for form in CONTROLLERS))
+FOREIGN = (*CONTROLLERS, *ROVERS, *OTHER_DRIVES, *FRC)
+"""The forms in which files of others describe a rover."""
+TYPES = {type_: form for form in FOREIGN for type_ in (form.controller, *form.more) if type_}
+KEYS = OWN_KEYS.union(*(form.keys for form in FOREIGN))
 # A node with this package's own keys comes before one that only has those of a controller.
-TELLING = (OWN_TELLING, frozenset[str]().union(*(form.telling for form in CONTROLLERS)))
+TELLING = (OWN_TELLING, frozenset[str]().union(*(form.telling for form in FOREIGN)))
+PLAIN = frozenset[str]().union(*(form.telling for form in FOREIGN if form.ros1))
+"""Keys of files without ``ros__parameters``."""
 
 _LIMIT = re.compile(
     r"(linear|angular|traction|steering)\.(\w\.)?"
@@ -25,14 +42,22 @@ _LIMIT = re.compile(
 )
 
 
-def form_of(section: Section, error: Report) -> Form | None:
-    """The form, by what the file says of it, else by its keys; None, with the reason reported, if unclear."""
+def section_of(tree: Tree, node: str | None, report: Report) -> Section | None:
+    """The parameters of the rover in a file; see `nodes.section`."""
+    return section(tree, node, KEYS, TELLING, PLAIN, report)
+
+
+def form_of(section: Section, error: Report, warning: Report, asked: str | None = None) -> Form | None:
+    """The form, by what is asked for or the file says of it, else by its keys; None, with the reason
+    reported, if unclear."""
     data = section.data
+    if asked is not None:
+        return _asked(section, asked, error)
     if "preset" in data:
         return PRESET
     kind = data.get("kind")
     if isinstance(kind, str) and kind in KINDS:
-        return _controller_of(data, [form for form in CONTROLLERS if form.kind == kind]) or KINDS[kind]
+        return _controller_of(data, [form for form in FOREIGN if form.kind == kind]) or KINDS[kind]
     if "kind" in data:
         guess = closest(kind, KINDS) if isinstance(kind, str) else None
         message = f"kind must be one of {', '.join(KINDS)}, got {shown(kind)}"
@@ -44,36 +69,85 @@ def form_of(section: Section, error: Report) -> Form | None:
         )
         if guess and KINDS[guess].needed <= data.keys():
             return KINDS[guess]
-    types = (section.type, data.get("type"))
-    by_type = next(
-        (CONTROLLER_TYPES[type_] for type_ in types if isinstance(type_, str) and type_ in CONTROLLER_TYPES),
-        None,
-    )
-    if by_type is not None:
-        return by_type
-    if data.keys() & set(DIMENSIONS[:4]):
+    by_keys = _controller_of(data, list(FOREIGN))
+    known = TYPES.get(section.type or "")
+    if known is not None:
+        # Some share a type: then it is the one with more of these keys.
+        ahead = by_keys is not None and _score(by_keys, data) > _score(known, data)
+        return by_keys if ahead and by_keys is not None else known
+    own = bool(data.keys() & set(DIMENSIONS[:4]))
+    if section.type is not None and drives(section.type) and not own:
+        return _of_unknown_type(section, by_keys, error, warning)
+    if own:
         return KINDS["six_wheel"]
-    controller = _controller_of(data, list(CONTROLLERS))
     others = data.keys() & OWN_KEYS - keys_of(KINDS["six_wheel"].schema).keys()
-    if controller is None and others and "kind" not in data:
-        own = data.keys() & OWN_KEYS
-        fitting = [form.kind for form in KINDS.values() if form.needed <= own <= form.keys.keys()]
+    if by_keys is None and others and "kind" not in data:
+        own_keys = data.keys() & OWN_KEYS
+        fitting = [form.kind for form in KINDS.values() if form.needed <= own_keys <= form.keys.keys()]
         names = ", or ".join(f"kind: {kind}" for kind in fitting) or f"kind, one of {', '.join(KINDS)}"
         first = next(key for key in data if key in others)
         message = f"kind is missing, and {first} is no key of {KINDS['six_wheel'].name}"
         error(section.line, ("kind",), message, f"add {names}")
         return None
-    return controller or KINDS["six_wheel"]
+    if by_keys is None and data and not (data.keys() & OWN_KEYS or "kind" in data or _nearly_own(data)):
+        _report_unknown(section, error)
+        return None
+    return by_keys or KINDS["six_wheel"]
+
+
+def _asked(section: Section, asked: str, error: Report) -> Form | None:
+    """The form of that name: a kind, a controller or its type."""
+    forms = {form.name: form for form in FOREIGN} | TYPES | KINDS
+    if asked in forms:
+        return forms[asked]
+    guess = closest(asked, forms)
+    names = ", ".join([*KINDS, *(form.name for form in FOREIGN)])
+    remedy = f"did you mean {guess}?" if guess else f"known are {names}"
+    error(section.line, (), f"--as must name a kind or a controller, got {one_line(asked)}", remedy)
+    return None
+
+
+def _of_unknown_type(section: Section, by_keys: Form | None, error: Report, warning: Report) -> Form | None:
+    """What to do with a controller that nobody has told us about: its keys may be another's."""
+    at = ("type",)
+    line = section.line_of(at)
+    node, type_ = one_line(section.node or "the file"), one_line(str(section.type))
+    what = f"{node} has the type {type_}, which is not known"
+    if by_keys is not None and by_keys.needed <= section.data.keys():
+        remedy = "say with --as what it is, if that is wrong"
+        warning(line, at, f"{what}: read as {by_keys.name}, whose keys it has", remedy)
+        return by_keys
+    names = ", ".join(sorted({form.name for form in FOREIGN if form.controller}))
+    remedy = f"known are {names}; describe the vehicle with a kind, or read its keys as another's with --as"
+    error(line, at, what, remedy)
+    return None
+
+
+def _nearly_own(data: dict[str, Any]) -> bool:
+    return any(closest(key, (*OWN_TELLING, *DIMENSIONS)) for key in data)
+
+
+def _report_unknown(section: Section, error: Report) -> None:
+    """One line for a file in which nothing is a rover's."""
+    keys = [one_line(key) for key in section.data]
+    listed = f"{', '.join(keys[:6])}{', ...' if len(keys) > 6 else ''}"
+    message = f"nothing here says where the wheels are; the keys are {listed}"
+    remedy = (
+        "give the file of the drive controller or the URDF, or add a kind and its keys; "
+        "--as reads the keys as a controller's"
+    )
+    error(section.line, (), message, remedy)
 
 
 def _controller_of(data: dict[str, Any], forms: list[Form]) -> Form | None:
     """The controller that has most of these keys."""
 
-    def score(form: Form) -> tuple[int, bool]:
-        return len(data.keys() & form.telling), _fits(data, form)
+    best = max(forms, key=lambda form: _score(form, data), default=None)
+    return best if best is not None and _score(best, data)[0] else None
 
-    best = max(forms, key=score, default=None)
-    return best if best is not None and score(best)[0] else None
+
+def _score(form: Form, data: dict[str, Any]) -> tuple[int, bool]:
+    return len(data.keys() & form.telling), _fits(data, form)
 
 
 def _fits(data: dict[str, Any], form: Form) -> bool:
@@ -93,7 +167,7 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
     So a mistake in the value of a misspelt key shows at once, not one run later.
     """
     keys, data = form.keys, section.data
-    for key in [key for key in data if key not in keys and not _is_well_known(key, form)]:
+    for key in [key for key in data if key not in keys and not is_ignored(key, form)]:
         at = (key,)
         line = section.line_of(at)
         # Half of a short word is much: d5 is d4 if that is missing.
@@ -123,17 +197,18 @@ def check_keys(section: Section, form: Form, error: Report, warning: Report) -> 
             if key not in section.data:
                 error(section.line, (key,), f"{key} is missing", f"add {key}, {describe(form, (key,))}")
     for key, field in keys.items():
-        declared = field.annotation is float and (field.is_required() or form.controller)
+        declared = field.annotation is float and (field.is_required() or form.controller) and not form.ros1
         if declared and section.node is not None and type(section.data.get(key)) is int:
             message = f"{key} is an integer, which ROS 2 refuses where it expects a floating-point number"
             warning(section.line_of((key,)), (key,), message, f"write {section.data[key]}.0")
 
 
-def _is_well_known(key: str, form: Form) -> bool:
+def is_ignored(key: str, form: Form) -> bool:
+    """Whether a key that a form does not read is no mistake either."""
     head = key.split(".")[0]
-    if form.controller and head in GROUPS:
+    if form in FOREIGN and head in ("linear", "angular", "traction", "steering"):
         return _LIMIT.fullmatch(key) is not None
-    return head in WELL_KNOWN
+    return head in WELL_KNOWN or key in form.ignored or head in form.ignored
 
 
 def _check_groups(section: Section, error: Report, warning: Report) -> None:

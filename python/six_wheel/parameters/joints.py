@@ -7,123 +7,14 @@ the order of a list count, and then only if no joint in it tells its wheel.
 """
 
 import itertools
-import re
-from collections.abc import Iterable, Mapping
-from typing import Literal, NamedTuple, TypeAlias
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
 
+from six_wheel.descriptions.joint_names import agree, said_by, wheel_said_by
 from six_wheel.parameters.nodes import Section, closest
 from six_wheel.parameters.syntax import Path, Report, one_line
 
-__all__ = ["JointList", "Said", "said_by", "wheel_said_by", "wheels_of_joints"]
-
-Said: TypeAlias = tuple[str | None, str | None]  # axle and side; None for one that is left out
-
-_AXLES = {
-    "front": "front forward fore fwd",
-    "middle": "middle mid center centre central ctr",
-    "rear": "rear back hind aft",
-}
-_SIDES = {"left": "left lft", "right": "right rgt rght"}
-# Words that say nothing about the wheel, so that "wheelfl" and "frontleftmotor" come apart.
-_OTHER = """
-    wheel wheels joint jnt motor drive driver driving traction steer steering steered steerer turn rotation
-    corner link hub axle servo actuator rocker bogie suspension pivot knuckle rover
-"""
-
-_AXLE_OF = {word: axle for axle, words in _AXLES.items() for word in words.split()}
-_SIDE_OF = {word: side for side, words in _SIDES.items() for word in words.split()}
-_AXLE_LETTERS = {"f": "front", "m": "middle", "c": "middle", "b": "rear", "r": "rear"}
-_SIDE_LETTERS = {"l": "left", "r": "right"}
-# An r beside an l, or beside another r, is the rear axle; beside an axle's letter it is the right side.
-_PAIR_OF = {
-    pair: (axle, side)
-    for letter, axle in _AXLE_LETTERS.items()
-    for initial, side in _SIDE_LETTERS.items()
-    for pair in (letter + initial, initial + letter)
-}
-
-_WORDS = sorted([*_AXLE_OF, *_SIDE_OF, *_OTHER.split(), *_PAIR_OF], key=len, reverse=True)
-_WORD = re.compile("|".join(_WORDS))
-_ONLY_WORDS = re.compile(f"(?:{_WORD.pattern})+")
-_CAMEL_CASE = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
-
-
-def wheel_said_by(name: str, wheels: Iterable[str], places: Iterable[str] = ()) -> str | None:
-    """The one of `wheels` that `name` says; None if it does not say, or says two.
-
-    The wheels of `places` are known besides: what says one of them exactly says none of `wheels` by halves.
-    """
-    wheels = tuple(wheels)
-    known = (*wheels, *places)
-    if name in known:
-        return name
-    said = said_by(name)
-    if said is not None:
-        same = [wheel for wheel in known if said_by(wheel) == said]
-        if len(same) > 1:
-            same = [wheel for wheel in same if _numbers(wheel) == _numbers(name)]
-        if len(same) == 1:
-            return same[0]
-        agreeing = [wheel for wheel in wheels if said_by(wheel) and _agree(said_by(wheel), said)]
-        if not same and len(agreeing) == 1:  # "left_wheel" of a car that drives two wheels, both at the rear
-            return agreeing[0]
-    placeless = [wheel for wheel in known if said_by(wheel) is None]
-    for match in (_is_named_in, _has_numbers_of):
-        matching = [wheel for wheel in placeless if match(wheel, name)]
-        longest = [wheel for wheel in matching if len(wheel) == max(map(len, matching))]
-        if len(longest) == 1:
-            return longest[0]
-    return None
-
-
-def said_by(name: str) -> Said | None:
-    """The place a name tells; None if it tells nothing or contradicts itself.
-
-    Words and pairs ("fl") count first and must agree; letters only fill what they leave open ("front_l").
-    """
-    words = list(_words(name))
-    pairs = [_PAIR_OF[word] for word in words if word in _PAIR_OF]
-    axles = {_AXLE_OF[word] for word in words if word in _AXLE_OF} | {axle for axle, _ in pairs}
-    sides = {_SIDE_OF[word] for word in words if word in _SIDE_OF} | {side for _, side in pairs}
-    letters = [word for word in words if word in _AXLE_LETTERS or word in _SIDE_LETTERS]
-    if not axles and not sides:
-        return _PAIR_OF.get("".join(letters))
-    if not sides:
-        sides = {_SIDE_LETTERS[letter] for letter in letters if letter in _SIDE_LETTERS}
-    elif not axles:
-        axles = {_AXLE_LETTERS[letter] for letter in letters if letter in _AXLE_LETTERS}
-    if len(axles) > 1 or len(sides) > 1:
-        return None
-    return next(iter(axles), None), next(iter(sides), None)
-
-
-def _agree(one: Said | None, other: Said | None) -> bool:
-    """Whether two names can mean the same place."""
-    return (
-        one is None
-        or other is None
-        or all(a in (b, None) or b is None for a, b in zip(one, other, strict=True))
-    )
-
-
-def _is_named_in(wheel: str, name: str) -> bool:
-    return re.search(rf"(?<![A-Za-z0-9]){re.escape(wheel)}(?![A-Za-z0-9])", name) is not None
-
-
-def _has_numbers_of(wheel: str, name: str) -> bool:
-    return bool(_numbers(wheel)) and _numbers(wheel) == _numbers(name)
-
-
-def _numbers(name: str) -> list[str]:
-    return [number.lstrip("0") or "0" for number in re.findall(r"[0-9]+", name)]
-
-
-def _words(name: str) -> Iterable[str]:
-    for part in re.findall(r"[A-Za-z]+", name):
-        if _ONLY_WORDS.fullmatch(part.lower()):
-            yield from _WORD.findall(part.lower())
-        else:
-            yield from (word.lower() for word in _CAMEL_CASE.findall(part))
+__all__ = ["JointList", "wheels_of_joints"]
 
 
 class JointList(NamedTuple):
@@ -241,6 +132,7 @@ def _entries(here: JointList, given: list[str] | dict[str, str], stated: Mapping
         said = wheel_said_by(joint, here.wheels, here.elsewhere)
         wheel = said if statement is None else known.get(statement)
         entries.append(_Entry((key, index), joint, statement, wheel))
+    entries = _by_elimination(entries, here.wheels)
     if len(entries) != len(here.wheels):
         return entries
     in_order = [
@@ -248,6 +140,23 @@ def _entries(here: JointList, given: list[str] | dict[str, str], stated: Mapping
         for entry, wheel in zip(entries, here.wheels, strict=True)
     ]
     silent = all(entry.wheel is None and entry.statement is None for entry in entries)
-    fitting = all(_agree(said_by(entry.joint), said_by(str(entry.wheel))) for entry in in_order)
+    fitting = all(agree(said_by(entry.joint), said_by(str(entry.wheel))) for entry in in_order)
     counts = silent and fitting and (here.order != "names" or len(entries) == 1)
     return in_order if here.order == "fixed" or counts else entries
+
+
+def _by_elimination(entries: list[_Entry], wheels: tuple[str, ...]) -> list[_Entry]:
+    """Names that say a side or an axle, and that the others leave one wheel: ``left_wheel`` beside
+    ``rear_left_wheel``."""
+    for _ in wheels:
+        free = [wheel for wheel in wheels if wheel not in {entry.wheel for entry in entries}]
+        for index, entry in enumerate(entries):
+            said = said_by(entry.joint)
+            told = [wheel for wheel in free if said_by(wheel) is not None]
+            fitting = [wheel for wheel in told if said is not None and agree(said_by(wheel), said)]
+            if entry.wheel is None and entry.statement is None and len(fitting) == 1:
+                entries[index] = entry._replace(wheel=fitting[0])
+                break
+        else:
+            break
+    return entries

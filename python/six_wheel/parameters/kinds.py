@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
 from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
-from six_wheel.parameters.joints import JointList, said_by
+from six_wheel.descriptions.joint_names import said_by
+from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import (
     NESTED,
@@ -39,7 +40,18 @@ __all__ = ["DIMENSIONS", "KINDS", "OWN_KEYS", "PRESET", "TELLING"]
 DIMENSIONS = ("d1", "d2", "d3", "d4", "wheel_radius")
 # Keys by which a rover's node is told from others: these have wheel_radius and frames too.
 TELLING = frozenset(
-    {"kind", "preset", "traction_joints", "steering_joints", "wheel_of_joint", "d1", "d2", "d3", "d4"}
+    {
+        "kind",
+        "preset",
+        "traction_joints",
+        "steering_joints",
+        "wheel_of_joint",
+        "reversed_joints",
+        "d1",
+        "d2",
+        "d3",
+        "d4",
+    }
 )
 MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 
@@ -54,6 +66,14 @@ _ROCKER: Values = {
     "rocker_to_bogie": (-0.1, 0.0, -0.1),
     "bogie_to_middle": (0.1, 0.0, 0.0),
     "bogie_to_rear": (-0.1, 0.0, 0.0),
+    "wheel_radius": 0.1,
+}
+_IN_FRONT: Values = {
+    "rocker_pivot": (0.1, 0.2, 0.1),
+    "rocker_to_rear": (-0.3, 0.0, -0.1),
+    "rocker_to_bogie": (0.1, 0.0, -0.1),
+    "bogie_to_front": (0.1, 0.0, 0.0),
+    "bogie_to_middle": (-0.1, 0.0, 0.0),
     "wheel_radius": 0.1,
 }
 _AXLES: Values = {"hinges": (1.0, 1.0), "axle_length": 1.0, "wheel_radius": 1.0}
@@ -233,25 +253,38 @@ class _NamedWheel(_Wheel):
 _Vector: TypeAlias = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 
 
+_Pivot: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_pivot", **_ROCKER)]
+_ToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_front", **_ROCKER)]
+_ToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_rear", **_IN_FRONT)]
+_ToBogie: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "rocker_to_bogie", **_ROCKER)]
+_BogieToFront: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_front", **_IN_FRONT)]
+_BogieToMiddle: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_middle", **_ROCKER)]
+_BogieToRear: TypeAlias = Annotated[_Vector, asks_core(RockerBogie, "bogie_to_rear", **_ROCKER)]
+_Limit: TypeAlias = Annotated[NumberOrPair, asks_core(RockerBogie, "rocker_limit", **_ROCKER)]
+
+
 class _RockerBogie(_Steered):
-    rocker_pivot: Annotated[_Vector, asks_core(RockerBogie, "rocker_pivot", **_ROCKER)] = required(
-        "[x, y, z] of the left rocker's pivot, in metres"
+    rocker_pivot: _Pivot = required("[x, y, z] of the left rocker's pivot, in metres")
+    rocker_to_front: _ToFront = optional("[x, y, z] from there to the front wheel's centre, in metres")
+    rocker_to_rear: _ToRear = optional("the same to the rear wheel's centre, where the bogie is in front")
+    rocker_to_bogie: _ToBogie = required("[x, y, z] from there to the bogie's pivot, in metres")
+    bogie_to_front: _BogieToFront = optional(
+        "[x, y, z] from the bogie's pivot to the front wheel's centre, where the bogie is in front"
     )
-    rocker_to_front: Annotated[_Vector, asks_core(RockerBogie, "rocker_to_front", **_ROCKER)] = required(
-        "[x, y, z] from there to the front wheel's centre, in metres"
-    )
-    rocker_to_bogie: Annotated[_Vector, asks_core(RockerBogie, "rocker_to_bogie", **_ROCKER)] = required(
-        "[x, y, z] from there to the bogie's pivot, in metres"
-    )
-    bogie_to_middle: Annotated[_Vector, asks_core(RockerBogie, "bogie_to_middle", **_ROCKER)] = required(
+    bogie_to_middle: _BogieToMiddle = required(
         "[x, y, z] from the bogie's pivot to the middle wheel's centre, in metres"
     )
-    bogie_to_rear: Annotated[_Vector, asks_core(RockerBogie, "bogie_to_rear", **_ROCKER)] = required(
+    bogie_to_rear: _BogieToRear = optional(
         "[x, y, z] from the bogie's pivot to the rear wheel's centre, in metres"
     )
     wheel_radius: Length = required(_WHEEL_RADIUS)
     steered: Annotated[Name, asks_core(RockerBogie, "steered", **_ROCKER)] = optional(
         "the wheels that steer: corners or front"
+    )
+    rocker_limit: _Limit = optional("the rocker's stops, an angle or [lower, upper], in radians")
+    bogie_limit: _Limit = optional("the bogies' stops, an angle or [lower, upper], in radians")
+    differential_bar: Annotated[_Vector, asks_core(RockerBogie, "differential_bar", **_ROCKER)] = optional(
+        "[half length, lever, rod] of a differential bar, in metres"
     )
 
 
@@ -346,6 +379,28 @@ def _check_wheels(section: Section, values: Values, error: Report, warning: Repo
         warning(section.line_of(("wheels",)), ("wheels",), message, remedy)
 
 
+def _check_bogies(section: Section, values: Values, error: Report, warning: Report) -> None:
+    """The bogie carries two wheels and the rocker the third: the rear ones and the front one, or the other
+    way round."""
+    data = section.data
+    in_front = bool({"rocker_to_rear", "bogie_to_front"} & data.keys())
+    wanted = ("rocker_to_rear", "bogie_to_front") if in_front else ("rocker_to_front", "bogie_to_rear")
+    unwanted = ("rocker_to_front", "bogie_to_rear") if in_front else ()
+    for key in wanted:
+        if key not in data:
+            description = _RockerBogie.model_fields[key].description
+            error(section.line, (key,), f"{key} is missing", f"add {key}, {description}")
+    for key in unwanted:
+        if key in data:
+            message = f"{key} is given beside keys for a bogie in front"
+            error(
+                section.line_of((key,)),
+                (key,),
+                message,
+                f"remove {key}, or rocker_to_rear and bogie_to_front",
+            )
+
+
 def _own_lists(values: Values, rover: Rover) -> list[JointList]:
     """Both lists of joints. Only where no wheel's name tells its place may their order count."""
     said = [said_by(name) for name in rover.wheel_names]
@@ -367,8 +422,9 @@ _NO_ARGUMENTS = frozenset(keys_of(_Steering))
 
 
 def _on_flat_ground(**arguments: Any) -> Rover:
-    """The wheels of a rocker-bogie rover where its suspension puts them with all joints at zero."""
-    return RockerBogie(**arguments).planar(0.0, (0.0, 0.0))
+    """A rocker-bogie rover: its wheels where its suspension puts them with all joints at zero."""
+    arm = RockerBogie(**arguments)
+    return Rover(arm.planar(0.0, (0.0, 0.0)).wheels, suspension=arm)
 
 
 def _with_axles_locked(**arguments: Any) -> Rover:
@@ -409,7 +465,13 @@ KINDS: dict[str, Form] = {
         _kind("bicycle", _Bicycle, stand_in=_CAR),
         _kind("mecanum", _Mecanum, stand_in=_MECANUM),
         _kind("omni", _Omni, stand_in=_RADIUS, check=_check_counts),
-        _kind("rocker_bogie", _RockerBogie, _calls(_on_flat_ground, _RockerBogie), stand_in=_ROCKER),
+        _kind(
+            "rocker_bogie",
+            _RockerBogie,
+            _calls(_on_flat_ground, _RockerBogie),
+            stand_in={key: _ROCKER[key] for key in ("rocker_pivot", "rocker_to_bogie", "wheel_radius")},
+            check=_check_bogies,
+        ),
         _kind("four_axle", _FourAxle, _calls(_with_axles_locked, _FourAxle), stand_in=_AXLES),
         _kind("custom", _Custom, _custom, check=_check_wheels),
     )

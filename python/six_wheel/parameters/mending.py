@@ -18,8 +18,8 @@ from six_wheel._core import Rover
 from six_wheel.parameters import file as config
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import Parameters, dump, parse_parameters
-from six_wheel.parameters.forms import CONTROLLER_TYPES, KEYS, TELLING, form_of
-from six_wheel.parameters.nodes import PARAMETERS, Section, section
+from six_wheel.parameters.forms import form_of, section_of
+from six_wheel.parameters.nodes import PARAMETERS, Section
 from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
 from six_wheel.parameters.syntax import Path, Tree
 from six_wheel.poses import Floats
@@ -70,7 +70,8 @@ def _same(rover: Rover, other: Rover) -> bool:
         return True
     named = rover.wheel_names == other.wheel_names and rover.traction_joints == other.traction_joints
     numbers = np.allclose(_quantities(rover), _quantities(other), rtol=SAME, atol=SAME)
-    return named and rover.steering_joints == other.steering_joints and numbers
+    turned = {*rover.reversed_joints} == {*other.reversed_joints}
+    return named and turned and rover.steering_joints == other.steering_joints and numbers
 
 
 def _quantities(rover: Rover) -> Floats:
@@ -130,7 +131,8 @@ def _mended(parameters: Parameters, rover: Rover, encoders: Values) -> str | Non
             values["encoders"] = encoders
         text = _edit(file, values)
         try:
-            found = None if text is None else parse_parameters(text, node=parameters.node)
+            node, kind = parameters.node, parameters.asked
+            found = None if text is None else parse_parameters(text, node=node, kind=kind)
             if found is not None and _same(found.rover, rover) and found.encoders == encoders:
                 return text
         except config.ParameterFileError:
@@ -145,15 +147,16 @@ def _unheard(*_: Any) -> None:
 def _take_apart(parameters: Parameters) -> _File | None:
     text = parameters.path.read_text(encoding="utf-8-sig")
     tree = syntax.parse(text, _unheard)
-    found = section(tree, parameters.node, KEYS, TELLING, CONTROLLER_TYPES, _unheard)
-    form = None if found is None else form_of(found, _unheard)
+    found = section_of(tree, parameters.node, _unheard)
+    form = None if found is None else form_of(found, _unheard, _unheard, parameters.asked)
     if found is None or form is None:
         return None
     return _File(text, tree, found, form, check_values(found, form, _unheard))
 
 
 def _variants(file: _File, rover: Rover) -> Iterator[_File]:
-    """The file as it is; then with what says more: two radii for one, centres of rotation of its own."""
+    """The file as it is; then with what says more: two radii for one, centres of rotation of its own, where
+    the wheels are along the rover, a factor for each side."""
     radius = file.values.get("wheel_radius")
     sides: Values = {"wheel_radius": [radius, radius]}
     y = [wheel.y + wheel.scrub for wheel in rover.wheels]
@@ -162,6 +165,13 @@ def _variants(file: _File, rover: Rover) -> Iterator[_File]:
     more: list[Values] = [{}]
     if two_sided:
         more += [centres] if isinstance(radius, list) else [sides, centres, sides | centres]
+    x = [wheel.x for wheel in rover.wheels]
+    placed = {"wheelbase": max(x) - min(x), "half_wheelbase": max(x)}
+    keys = file.form.keys
+    if file.form.controller and file.form.kind in ("differential", "mecanum"):
+        along = {key: value for key, value in placed.items() if key in keys and key not in file.values}
+        factors = {key: 1.0 for key in keys if key.endswith("_wheel_radius_multiplier")}
+        more += [each for each in (along, factors, along | factors) if each]
     for added in more:
         yield replace(file, values=added | file.values | {key: added[key] for key in sides if key in added})
 
@@ -285,8 +295,10 @@ def _insertion(
     file: _File, nodes: dict[Path, yaml.Node], absolute: dict[int, Path], key: str, value: Any
 ) -> tuple[int, int, str] | None:
     """A line for a new key, below the first number of the rover and as far in."""
-    alone = (path for path in _leaves(file.values) if len(path) == 1 and path in file.section.places)
-    if (first := next(alone, None)) is None:
+    alone = [path for path in _leaves(file.values) if len(path) == 1 and path in file.section.places]
+    # A dotted key may stand in a mapping of its own, where a new one would be part of that.
+    first = min(alone, key=lambda path: "." in str(path[0]), default=None)
+    if first is None:
         return None
     beside = nodes[absolute[id(file.section.places[first])]]
     line = file.text.rfind("\n", 0, beside.start_mark.index) + 1

@@ -13,13 +13,27 @@ from typing import Any
 
 from six_wheel.parameters.syntax import Path, Place, Report, Tree, nearest, one_line
 
-__all__ = ["PARAMETERS", "Section", "closest", "section"]
+__all__ = ["PARAMETERS", "Section", "closest", "drives", "flat_keys", "section"]
 
 PARAMETERS = "ros__parameters"
 ANY_NODE = "/**"
 # Groups of parameters that controllers declare, read as ROS 2 does: kinematics: {wheels_radius: 0.1} is the
 # parameter kinematics.wheels_radius.
-GROUPS = frozenset({"angular", "kinematics", "linear", "steering", "traction"})
+GROUPS = frozenset(
+    {"angular", "controller", "kinematics", "linear", "rover_dimensions", "steering", "traction"}
+)
+# Of a mapping `wheels` that is such a group, and not one of wheels by name.
+WHEELS = frozenset({"separation", "radius", "encoder_resolution"})
+# How the class of a controller is called that drives a vehicle, whoever wrote it.
+_DRIVE = re.compile(
+    r"(drive|steering|ackermann|mecanum|swerve|tricycle|bicycle|omni|crab)\w*controller$", re.IGNORECASE
+)
+# Nodes beside a rover's that people hand in for it.
+_FAMILIES = {
+    "Nav2's": {"amcl", "bt_navigator", "controller_server", "planner_server", "local_costmap",
+               "global_costmap", "behavior_server", "recoveries_server", "velocity_smoother"},
+    "a filter's": {"ekf_filter_node", "ekf_node", "ukf_filter_node", "ekf_localization_node"},
+}  # fmt: skip
 
 
 @dataclass
@@ -60,14 +74,14 @@ class Section:
                 continue
             source = (*block, key)
             head, _, tail = key.partition(".")
-            if key in GROUPS and isinstance(value, dict):
+            if _is_group(key, value):
                 for inner in _leaves(value):
                     flat = ".".join([key, *inner])
                     targets[(*source, *inner)] = (flat,)
                     self._lay((flat,), _at_path(value, inner))
                 continue
             target: Path = (key,)
-            if tail and head in keys and head not in GROUPS:
+            if tail and head in keys and head not in GROUPS and key not in keys:
                 # ROS 2's other way of writing limits: {speed: 1.0} is limits.speed: 1.0
                 wheel, _, argument = tail.rpartition(".")
                 target = (head, wheel, argument) if head == "wheels" and wheel else (head, tail)
@@ -85,6 +99,21 @@ class Section:
         for part in reversed(at[1:]):
             value = {part: value}
         self.data[str(at[0])] = _merged(self.data.get(str(at[0])), value)
+
+
+def _is_group(key: str, value: Any) -> bool:
+    """Whether a mapping is one of parameters with the key in front."""
+    if not isinstance(value, dict):
+        return False
+    return key.partition(".")[0] in GROUPS or (key == "wheels" and bool(WHEELS & value.keys()))
+
+
+def flat_keys(data: Any) -> set[str]:
+    """The keys of a block as a form has them."""
+    keys: set[str] = set()
+    for key, value in data.items() if isinstance(data, dict) else ():
+        keys |= {".".join([key, *inner]) for inner in _leaves(value)} if _is_group(key, value) else {key}
+    return keys
 
 
 def _merged(below: Any, above: Any) -> Any:
@@ -116,7 +145,7 @@ def section(
     node: str | None,
     keys: Collection[str],
     telling: Sequence[Collection[str]],
-    controllers: Collection[str],
+    plain: Collection[str],
     report: Report,
 ) -> Section | None:
     """The parameters of a rover in a file; None, with the reason reported, if that is none or several.
@@ -131,15 +160,15 @@ def section(
         The keys of a rover.
     telling : sequence of collections of str
         Those of them that no other kind of node has; the first collection that any node has decides.
-    controllers : collection of str
-        The types of controllers that are told by the file's controller manager and belong to a rover.
+    plain : collection of str
+        Those of them that stand under a node's name without ``ros__parameters``, as in ROS 1.
     report : callable
         Called for every mistake in the nesting.
     """
     blocks, outside = _blocks(tree, keys)
     told = frozenset[str]().union(*telling)
-    if not blocks and not any(key in told for key in tree.data):
-        # `rover: {d1: ...}` lacks a level.
+    if not blocks and not flat_keys(tree.data) & told:
+        # `rover: {d1: ...}` lacks a level, except in ROS 1.
         blocks = [(key,) for key, value in tree.data.items() if key not in keys and _tells(value, told)]
     if not blocks:
         if node is not None:
@@ -149,9 +178,9 @@ def section(
         found.add(tree, (), keys)
         return found
 
-    types = {path: type_ for path, type_ in _types(tree, blocks).items() if type_ in controllers}
+    types = _types(tree, blocks)
     chosen = _choose(tree, blocks, node, telling, types, report)
-    if chosen is None or not _check_nesting(tree, chosen, report):
+    if chosen is None or not _check_nesting(tree, chosen, plain, report):
         return None
     found = Section(_node_name(chosen), tree.places[chosen].line, type=types.get(chosen))
     for path in outside:
@@ -191,19 +220,27 @@ def _holds_parameters(data: Any) -> bool:
 
 
 def _types(tree: Tree, blocks: list[Path]) -> dict[Path, str]:
-    """What the controller manager of the file says that its nodes are."""
+    """What the controller manager of the file, or they themselves, say that its nodes are."""
     said: dict[str, str] = {}
+    own: dict[Path, str] = {}
     for path in blocks:
         data = _at(tree, path)
         for key, value in data.items() if isinstance(data, dict) else ():
             type_ = value.get("type") if isinstance(value, dict) else value if key.endswith(".type") else None
             if isinstance(type_, str):
                 said[key.removesuffix(".type")] = type_
+            if key == "type" and isinstance(value, str):
+                own[path] = value
     names = {path: _node_name(path).rsplit("/", 1)[-1] for path in blocks}
-    return {path: said[name] for path, name in names.items() if name in said}
+    return {path: said[name] for path, name in names.items() if name in said} | own
 
 
-def _check_nesting(tree: Tree, block: Path, report: Report) -> bool:
+def drives(type_: str) -> bool:
+    """Whether the class of a controller is called like one that drives a vehicle."""
+    return _DRIVE.search(type_) is not None
+
+
+def _check_nesting(tree: Tree, block: Path, plain: Collection[str], report: Report) -> bool:
     """Whether there is something to read; what is wrong with the levels around it is reported."""
     key, line = str(block[-1]), tree.places[block].line
     if not isinstance(_at(tree, block), dict):
@@ -211,10 +248,10 @@ def _check_nesting(tree: Tree, block: Path, report: Report) -> bool:
         return False
     if key != PARAMETERS and closest(key, [PARAMETERS]):
         report(line, block, f"unknown key {one_line(key)}", f"did you mean {PARAMETERS}?")
-    elif key != PARAMETERS:
+    elif key != PARAMETERS and not flat_keys(_at(tree, block)) & set(plain):
         message = f"{one_line(key)} has its keys without {PARAMETERS}, so ROS 2 does not read them"
         report(line, block, message, f"indent them under a line {PARAMETERS}:")
-    elif len(block) == 1:
+    elif len(block) == 1 and key == PARAMETERS:
         report(line, block, f"{key} has no node above it", f"write {ANY_NODE}: above it and indent it")
     return True
 
@@ -229,9 +266,10 @@ def _choose(
 ) -> Path | None:
     names = {path: _node_name(path) for path in blocks}
     filled = [path for path in blocks if isinstance(_at(tree, path), dict)]
-    exact = ([path for path in filled if any(key in told for key in _at(tree, path))] for told in telling)
+    own, *others = ([path for path in filled if flat_keys(_at(tree, path)) & set(told)] for told in telling)
+    vehicles = {*itertools.chain(*others), *(path for path in filled if drives(types.get(path, "")))}
     alike = ([path for path in filled if _tells(_at(tree, path), told)] for told in telling)
-    tiers = itertools.chain(exact, [[path for path in filled if path in types]], alike)
+    tiers = itertools.chain([own, [path for path in filled if path in vehicles]], alike)
     candidates = next(filter(None, tiers), [])
     if node is not None:
         wanted = node.strip("/")
@@ -244,20 +282,37 @@ def _choose(
         chosen = chosen or (blocks if len(blocks) == 1 else [])
     if len(chosen) == 1:
         return chosen[0]
-    listed = ", ".join(one_line(names[path]) for path in chosen or blocks)
     if chosen:
+        shown = (one_line(names[path]) + (f" ({types[path]})" if path in types else "") for path in chosen)
         line = tree.places[chosen[1]].line
-        report(line, (), f"several nodes describe a rover: {listed}", "choose one with node=")
+        message = f"several nodes describe a rover: {', '.join(shown)}"
+        report(line, (), message, "choose one with --node, in Python with node=")
         return None
-    asked = "has the parameters of a rover" if node is None else f"is named {one_line(node)}"
-    guess = closest(node or "", names.values())
-    remedy = f"did you mean {guess}?" if guess else "give one of them a kind, or the keys d1, d2, d3, d4, ..."
-    report(None, (), f"no node {asked}; the file has {listed}", remedy)
+    _report_none(tree, blocks, names, node, report)
     return None
 
 
+def _report_none(
+    tree: Tree, blocks: list[Path], names: dict[Path, str], node: str | None, report: Report
+) -> None:
+    """That no node is the rover's, and what to do about it."""
+    listed = ", ".join(one_line(names[path]) for path in blocks[:8]) + (", ..." if len(blocks) > 8 else "")
+    asked = "has the parameters of a rover" if node is None else f"is named {one_line(node)}"
+    guess = closest(node or "", names.values())
+    parts = {part for name in names.values() for part in name.split("/")}
+    family = next((family for family, known in _FAMILIES.items() if known & parts), None)
+    remedy = "give one of them a kind and its keys, or say with --as what it is"
+    if guess:
+        remedy = f"did you mean {guess}?"
+    elif family is not None and node is None:
+        remedy = (
+            f"these are {family}; where the wheels are is in the file of the drive controller, or the URDF"
+        )
+    report(None, (), f"no node {asked}; the file has {listed}", remedy)
+
+
 def _tells(data: Any, telling: Collection[str]) -> bool:
-    return isinstance(data, dict) and any(key in telling or closest(key, telling) for key in data)
+    return any(key in telling or closest(key, telling) for key in flat_keys(data))
 
 
 def _node_name(block: Path) -> str:

@@ -22,6 +22,7 @@ __all__ = [
     "GROUPS",
     "NESTED",
     "Common",
+    "Factor",
     "Finite",
     "Flag",
     "Form",
@@ -67,6 +68,12 @@ def _check_name(text: str) -> str:
     return text
 
 
+def _check_factor(value: float) -> float:
+    """A factor whose sign says which way a joint counts."""
+    Wheel("wheel", 0.0, 0.0, radius=abs(value))
+    return value
+
+
 def by_type(kind: type, tag: str, otherwise: str) -> Discriminator:
     """Which of two forms a value has. Without it pydantic reports a bad value once for each of them."""
     return Discriminator(lambda value: tag if isinstance(value, kind) else otherwise)
@@ -86,6 +93,7 @@ NumberOrPair: TypeAlias = Annotated[
     by_type(list, "<pair>", "<number>"),
 ]
 SteeringLimit: TypeAlias = Annotated[NumberOrPair, asks_core(Wheel, "steering_limit", **_WHEEL, steered=True)]
+Factor: TypeAlias = Annotated[Number, AfterValidator(_check_factor)]
 Joints: TypeAlias = Annotated[
     Annotated[list[Name], Tag("<list>")] | Annotated[dict[str, Name], Tag("<map>")],
     by_type(dict, "<map>", "<list>"),
@@ -128,7 +136,10 @@ class LimitKeys(BaseModel):
 class ControlKeys(BaseModel):
     """The keys of `control`: the keywords of `six_wheel.Controller`."""
 
-    timeout: Positive = optional("a time in s")
+    timeout: Annotated[
+        Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
+        by_type(str, "<word>", "<number>"),
+    ] = optional("a time in s, or never")
     period: Positive = optional("a time in s")
     max_step: Positive = optional("a time in s")
     mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
@@ -200,6 +211,7 @@ class Common(BaseModel):
 
     kind: Any = optional("a kind of vehicle")
     wheel_of_joint: dict[str, Name] = optional("a mapping of joint to wheel")
+    reversed_joints: list[Name] = optional("a list of the joints that count the other way")
     odom_frame_id: Name = optional("the name of a frame, such as odom")
     base_frame_id: Name = optional("the name of a frame, such as base_link")
     limits: LimitKeys = optional(_any_of(LimitKeys))
@@ -243,6 +255,12 @@ class Form:
     """Adds what follows from the values."""
     controller: str | None = None
     """The type a controller manager knows it by."""
+    ros1: bool = False
+    """Whether its files have no ``ros__parameters``."""
+    more: tuple[str, ...] = ()
+    """Further types that have the same keys."""
+    ignored: frozenset[str] = frozenset()
+    """Keys beside those of every node that are no matter of kinematics."""
 
     @property
     def keys(self) -> dict[str, FieldInfo]:

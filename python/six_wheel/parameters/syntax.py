@@ -1,8 +1,9 @@
 """YAML as ROS 2 reads it, with the line and the spelling of every key and value.
 
 PyYAML reads YAML 1.1, where ``1e-3`` is text; the parameter parser of ROS 2 (libyaml and C's ``strtod``)
-reads a number. Here the scanning and nesting are PyYAML's, the meaning of an unquoted word is that of ROS 2:
-there are no aliases, and a tab may follow a value but never indent one.
+reads a number, ``010`` is octal and ``0x10`` hexadecimal. Here the scanning and nesting are PyYAML's, the
+meaning of an unquoted word is that of ROS 2: there are no aliases, a tab may follow a value but never indent
+one, and of a key that is given twice the later counts.
 """
 
 import re
@@ -39,11 +40,11 @@ _TAG = "tag:yaml.org,2002:"
 _NULL = re.compile(r"(?:~|null|Null|NULL|)\Z")
 _BOOL = re.compile(r"(?:[yYnN]|yes|no|true|false|on|off|Yes|No|True|False|On|Off|YES|NO|TRUE|FALSE|ON|OFF)\Z")
 _TRUE = {"y", "yes", "true", "on"}
-# A leading zero makes an octal number in ROS 2 and a decimal one in YAML 1.2: such a word stays text.
-_INT = re.compile(r"[-+]?(?:0|[1-9][0-9]*)\Z")
+# As C's strtoll reads them with base 0: a leading zero makes an octal number.
+_INT = re.compile(r"[-+]?(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)\Z")
 _EXPONENT = r"[eE][-+]?[0-9]+"
 _FLOAT = re.compile(
-    rf"[-+]?(?:(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:{_EXPONENT})?|[0-9]+{_EXPONENT}|(?i:\.?inf|infinity|\.?nan))\Z"
+    rf"[-+]?(?:(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:{_EXPONENT})?|[0-9]+{_EXPONENT}|0[0-9]+|(?i:\.?inf|infinity|\.?nan))\Z"
 )
 
 
@@ -127,7 +128,7 @@ for _name, _regex in (("null", _NULL), ("bool", _BOOL), ("int", _INT), ("float",
         _class.add_implicit_resolver(_TAG + _name, _regex, None)
 
 
-def parse(text: str, report: Report) -> Tree:
+def parse(text: str, report: Report, warn: Report | None = None) -> Tree:
     """Read one YAML document.
 
     Parameters
@@ -136,7 +137,9 @@ def parse(text: str, report: Report) -> Tree:
         The document.
     report : callable
         Called with line, path, message and remedy for every mistake that leaves the rest readable: a key
-        given twice, a key that is no text, an unknown tag.
+        that is no text, an unknown tag.
+    warn : callable, optional
+        The same for what ROS 2 reads although it may be a mistake: a key that is given twice, octal numbers.
 
     Returns
     -------
@@ -155,7 +158,7 @@ def parse(text: str, report: Report) -> Tree:
     except (ValueError, OverflowError) as error:  # PyYAML on "\UFFFFFFFF", or a version number of 5000 digits
         remedy = "look for escapes such as \\U in quoted text"
         raise YamlSyntaxError(None, f"not valid YAML: {error}", remedy) from None
-    reader = _Reader(report)
+    reader = _Reader(report, warn or (lambda *_: None))
     return Tree(None if root is None else reader.read(root, ()), reader.places)
 
 
@@ -200,8 +203,8 @@ def _explain(error: yaml.YAMLError, text: str) -> YamlSyntaxError:
 class _Reader:
     """Turns composed nodes into data, remembering where each came from."""
 
-    def __init__(self, report: Report) -> None:
-        self.report = report
+    def __init__(self, report: Report, warn: Report) -> None:
+        self.report, self.warn = report, warn
         self.places: dict[Path, Place] = {}
 
     def read(self, node: yaml.Node, path: Path) -> Any:
@@ -227,7 +230,7 @@ class _Reader:
             case "bool" if _BOOL.match(text):
                 return text.lower() in _TRUE
             case "int" if _INT.match(text) and len(text) < 18:
-                return int(text)
+                return self._whole(text, line, path)
             case "int" | "float" if _FLOAT.match(text) or _INT.match(text):
                 return float(
                     re.sub(r"\.(?=[ni])", "", text.lower())
@@ -251,7 +254,22 @@ class _Reader:
             here = (*path, key)
             if key in data:
                 message = f"{one_line(key)} is given twice, first on line {self.places[here].line}"
-                self.report(line, here, message, "remove one of the two")
-                continue
+                self.warn(line, here, message, "the later counts, as in ROS 2; remove one of the two")
+                if isinstance(value_node, yaml.MappingNode) and isinstance(data[key], dict):
+                    self.places[here] = Place(line, "")
+                    self._fill(data[key], value_node, here)
+                    continue
+                self.places = {at: place for at, place in self.places.items() if at[: len(here)] != here}
             self.places[here] = Place(line, "")
             data[key] = self.read(value_node, here)
+
+    def _whole(self, text: str, line: int, path: Path) -> int:
+        """A whole number as C reads it."""
+        digits = text.lstrip("+-")
+        if digits[:2] in ("0x", "0X"):
+            return int(text, 16)
+        if len(digits) == 1 or digits[0] != "0":
+            return int(text)
+        value = int(text, 8)
+        self.warn(line, path, f"{text} is octal and means {value}, as ROS 2 reads it", f"write {value}")
+        return value

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
     from six_wheel.plot.twist import show_figure
 
@@ -39,6 +40,7 @@ __all__ = [
     "residual_figure",
     "save",
     "show_figure",
+    "side_figure",
     "track_figure",
 ]
 
@@ -53,6 +55,7 @@ __getattr__, __dir__ = attach(
         "reckoning": ("reckoning_figure",),
         "replay": ("replay_figure",),
         "saving": ("picture_path", "save"),
+        "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
         "twist": ("show_figure",),
     },

@@ -92,16 +92,16 @@ def compare(replayed: Replayed) -> Difference:
 
 
 def _figures(run: Run) -> Figures:
-    # Where time jumped back no way was made.
-    steps = np.maximum(np.diff(run.times) / SECOND, 0.0)
-    path = integrate(run.twists[:-1], steps) if len(steps) else np.zeros((1, 3))
+    steps = np.diff(run.times) / SECOND
+    onwards = steps > 0.0  # where time jumped back no way was made
+    steps = steps[onwards]
+    path = integrate(run.twists[:-1][onwards], steps) if len(steps) else np.zeros((1, 3))
     speed = np.hypot(run.twists[:, 0], run.twists[:, 1])
-    turned = np.abs(np.diff(run.steering, axis=0))[steps > 0.0]
-    rates = turned / steps[steps > 0.0, None]
+    rates = np.abs(np.diff(run.steering, axis=0))[onwards] / steps[:, None]
     counts = Counter(name for names in run.reasons for name in names.split("|") if name)
     return Figures(
         len(run.times),
-        float(speed[:-1] @ steps),
+        float(speed[:-1][onwards] @ steps),
         float(speed.max(initial=0.0)),
         float(np.abs(run.twists[:, 2]).max(initial=0.0)),
         float(np.abs(run.speeds).max(initial=0.0)),

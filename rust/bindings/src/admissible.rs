@@ -3,9 +3,9 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use six_wheel_core::{ErrorKind, Keep, Twist, batch};
+use six_wheel_core::{Keep, Twist, batch};
 
-use crate::convert::{Array, Output, Rows, compute, joined, raise, scalar_or_array};
+use crate::convert::{Array, Output, Rows, compute, joined, memory, raise, scalar_or_array};
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
 use crate::rover::Rover;
 
@@ -31,11 +31,8 @@ impl Quick<1> for Admissible {
         [twist]: [Option<Object<'_, 'py>>; 1],
     ) -> Option<Bound<'py, PyAny>> {
         let twist = Twist::from(three(twist?)?);
-        match batch::check_one(&this.get().core, twist) {
-            Ok(()) => Some(truth(this.py(), true)),
-            Err(error) if error.kind == ErrorKind::Infeasible => Some(truth(this.py(), false)),
-            Err(_) => None,
-        }
+        let answer = batch::admissible_one(&this.get().core, twist).ok()?;
+        Some(truth(this.py(), answer))
     }
 }
 
@@ -94,8 +91,11 @@ impl Rover {
     fn admissible<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
-        let answers = compute(py, rows.len(), || batch::admissible(&self.core, rows))
-            .map_err(|error| raise(error, &twists.leading))?;
+        let mut answers = memory::filled(false, rows.len())?;
+        compute(py, rows.len(), || {
+            batch::admissible(&self.core, rows, &mut answers)
+        })
+        .map_err(|error| raise(error, &twists.leading))?;
         scalar_or_array(py, answers, &twists.leading)
     }
 
@@ -134,10 +134,10 @@ impl Rover {
     ) -> PyResult<Array<'py>> {
         let keep = Keep::from_str(keep).map_err(|error| raise(error, &[]))?;
         let twists = Rows::read("twist", twist, 3)?;
-        let mut projected = Output::new(py, "out", out, &twists.shape(), &[Some(&twists)])?;
-        let (rows, target) = (twists.triples(), projected.triples());
+        let mut projected = Output::new(py, "out", out, &twists.shape())?;
+        let (rows, target, fresh) = (twists.triples(), projected.triples(), out.is_none());
         compute(py, rows.len(), || {
-            batch::project(&self.core, rows, keep, target)
+            batch::project(&self.core, rows, keep, target, fresh)
         })
         .map_err(|error| raise(error, &twists.leading))?;
         projected.finish()
@@ -163,7 +163,7 @@ impl Rover {
     fn icr<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_finite("twist")?;
-        let mut centres = Output::new(py, "out", None, &joined(&twists.leading, 2), &[])?;
+        let mut centres = Output::fresh(py, &joined(&twists.leading, 2))?;
         for (twist, centre) in twists
             .triples()
             .iter()

@@ -3,10 +3,9 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use pyo3::types::PyString;
 use six_wheel_core::{Fit as CoreFit, Method, Twist, batch};
 
-use crate::convert::{Output, compute, joined, nested, raise, scalar_or_array};
+use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
 use crate::kinematics::unseen;
 use crate::rover::Rover;
 
@@ -28,9 +27,11 @@ pub struct Fit {
     /// Say of each wheel, shape (..., wheels), 0 to 1.
     #[pyo3(get)]
     pub weights: Py<PyAny>,
-    /// Name of the wheel with the largest residual; nested lists of names for a batch.
-    #[pyo3(get)]
-    pub worst_wheel: Py<PyAny>,
+    rover: Py<Rover>,
+    /// Index of the wheel with the largest residual, -1 where there is none, row after row. Their names are made when
+    /// somebody asks.
+    worst: Vec<i64>,
+    leading: Vec<usize>,
 }
 
 #[pymethods]
@@ -44,19 +45,47 @@ impl Fit {
             text(&self.rank)?,
             text(&self.sigma_min)?,
             text(&self.weights)?,
-            text(&self.worst_wheel)?,
+            text(&self.worst_wheel(py)?)?,
         ))
+    }
+
+    /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
+    #[getter]
+    fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.rover.get().names_of(
+            py,
+            memory::gathered(self.worst.iter().copied())?,
+            &self.leading,
+        )
     }
 }
 
+/// The wheel that disagrees most, if any does: -1 if none.
+pub fn worst_wheel(residual: &[f64]) -> i64 {
+    let largest = residual.iter().copied().fold(0.0, f64::max);
+    let worst = residual
+        .iter()
+        .position(|slid| *slid == largest && largest > 0.0);
+    worst.map_or(-1, |wheel| wheel as i64)
+}
+
 impl Rover {
-    fn wheel_name<'py>(&self, py: Python<'py>, residual: &[f64]) -> Bound<'py, PyAny> {
-        let worst = residual
+    /// Names of wheels, None for -1, in nested lists of this shape.
+    fn names_of(&self, py: Python<'_>, wheels: Vec<i64>, shape: &[usize]) -> PyResult<Py<PyAny>> {
+        let names = self
+            .core
+            .wheels()
             .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(b.1));
-        let name = worst.map_or("", |(i, _)| self.core.wheels()[i].name.as_str());
-        PyString::new(py, name).into_any()
+            .map(|wheel| Some(wheel.name.as_str()));
+        let names: Vec<Option<&str>> = names.chain([None]).collect();
+        if let ([], &[wheel]) = (shape, wheels.as_slice()) {
+            let name = usize::try_from(wheel).ok().and_then(|wheel| names[wheel]);
+            return Ok(name.into_pyobject(py)?.unbind());
+        }
+        let index = scalar_or_array(py, wheels, shape)?;
+        let numpy = py.import("numpy")?;
+        let names = numpy.call_method1("array", (names, "O"))?;
+        Ok(names.get_item(index)?.call_method0("tolist")?.unbind())
     }
 }
 
@@ -91,7 +120,7 @@ impl Rover {
     ///     If a value is not finite, a shape does not fit or the method is unknown.
     #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false))]
     fn fit<'py>(
-        &self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
@@ -99,37 +128,37 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
     ) -> PyResult<Fit> {
+        let this = slf.get();
         let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
-        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
-        let output = |width| Output::new(py, "out", None, &joined(leading, width), &[]);
-        let (mut twist, mut residual) = (output(3)?, output(self.count())?);
-        let mut weights = output(self.count())?;
+        let output = |width| Output::fresh(py, &joined(leading, width));
+        let (mut twist, mut residual) = (output(3)?, output(this.count())?);
+        let mut weights = output(this.count())?;
         let none = CoreFit {
             twist: Twist::ZERO,
             rank: 0,
             sigma_min: 0.0,
         };
-        let mut fits = vec![none; readings.speeds.count()];
+        let mut fits = memory::filled(none, readings.speeds.count())?;
         let unseen = unseen(allow_underdetermined);
         let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
         compute(py, fits.len(), || {
-            batch::fit(&self.core, log, method, unseen, &mut fits, slips, says)
+            batch::fit(&this.core, log, method, unseen, &mut fits, slips, says)
         })
         .map_err(|error| raise(error, leading))?;
         for (fit, target) in fits.iter().zip(twist.triples()) {
             *target = fit.twist.into();
         }
-        let worst: Vec<_> = slips
-            .chunks(self.count())
-            .map(|residual| self.wheel_name(py, residual))
-            .collect();
+        let worst = slips.chunks_exact(this.count()).map(worst_wheel);
         let ranks = fits.iter().map(|fit| fit.rank as i64);
         let sigmas = fits.iter().map(|fit| fit.sigma_min);
         Ok(Fit {
-            rank: scalar_or_array(py, ranks.collect(), leading)?,
-            sigma_min: scalar_or_array(py, sigmas.collect(), leading)?,
-            worst_wheel: nested(py, worst, leading)?.unbind(),
+            worst: memory::gathered(worst)?,
+            rover: slf.clone().unbind(),
+            leading: leading.to_vec(),
+            rank: scalar_or_array(py, memory::gathered(ranks)?, leading)?,
+            sigma_min: scalar_or_array(py, memory::gathered(sigmas)?, leading)?,
             twist: twist.finish()?.into_any().unbind(),
             residual: residual.finish()?.into_any().unbind(),
             weights: weights.finish()?.into_any().unbind(),

@@ -51,7 +51,7 @@ pub struct FourAxle {
 
 impl FourAxle {
     fn build(py: Python<'_>, core: core::FourAxle) -> PyResult<Self> {
-        let rover = Py::new(py, Rover::build(py, core.rover().clone(), None, None)?)?;
+        let rover = Py::new(py, Rover::named(py, Ok(core.rover().clone()))?)?;
         Ok(Self { core, rover })
     }
 }
@@ -234,7 +234,7 @@ impl FourAxle {
     ) -> PyResult<Array<'py>> {
         let points = Rows::read("icr", icr, 2)?;
         let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
-        let mut angles = Output::new(py, "out", None, &shape, &[])?;
+        let mut angles = Output::fresh(py, &shape)?;
         let rows = points.flat().as_chunks::<2>().0.iter();
         for (row, (point, target)) in rows.zip(angles.flat().as_chunks_mut().0).enumerate() {
             *target = self

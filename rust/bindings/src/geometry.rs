@@ -7,7 +7,10 @@ use six_wheel_core::geometry as core;
 use six_wheel_core::{Error, Pose, Twist};
 
 use crate::batch::workers;
-use crate::convert::{Array, Output, Rows, Scalars, compute, raise, refuse, shape_text};
+use crate::convert::{
+    Array, Blocks, Broadcast, Output, Rows, Scalars, compute, joined, joint, named, raise, refuse,
+    shape_text, together,
+};
 
 /// Poses along a log of twists, each held over its step.
 ///
@@ -54,7 +57,7 @@ pub fn integrate<'py>(
     threads: Option<i64>,
     kernel: Option<&str>,
 ) -> PyResult<Array<'py>> {
-    let twists = Rows::read("twists", twists, 3)?;
+    let twists = Blocks::read("twists", twists, 3)?;
     let course = Course::read("twists", twists, dt, start)?;
     poses_along(py, &course, out, (threads, kernel))
 }
@@ -106,7 +109,7 @@ pub fn rollout<'py>(
 /// Logs of twists, with what goes with them.
 pub struct Course<'py> {
     argument: &'static str,
-    pub twists: Rows<'py>,
+    pub twists: Blocks<'py>,
     dt: Scalars<'py>,
     starts: Option<Rows<'py>>,
     /// Steps of a log.
@@ -116,25 +119,30 @@ pub struct Course<'py> {
 impl<'py> Course<'py> {
     pub fn read(
         argument: &'static str,
-        twists: Rows<'py>,
+        mut twists: Blocks<'py>,
         dt: &Bound<'py, PyAny>,
         start: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let Some((&count, logs)) = twists.leading.split_last() else {
+        let Some((&count, logs)) = twists.leading().split_last() else {
             return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
         };
-        let starts = start
+        let mut starts = start
             .map(|start| Rows::read("start", start, 3))
             .transpose()?;
-        if let Some(starts) = starts.as_ref().filter(|starts| !starts.is_single())
+        // One start for all logs is not repeated.
+        if let Some(starts) = starts.as_mut().filter(|starts| !starts.is_single())
             && starts.leading != logs
         {
-            let got = format!("leading axes {}", shape_text(&starts.leading));
-            let rule = format!("be one pose or have leading axes {}", shape_text(logs));
-            return Err(refuse("start", &rule, &got));
+            let Some(common) = joint(logs, &starts.leading) else {
+                let got = format!("leading axes {}", shape_text(&starts.leading));
+                let rule = format!("be one pose or have leading axes {}", shape_text(logs));
+                return Err(refuse("start", &rule, &got));
+            };
+            starts.spread("start", &common)?;
+            twists.spread(argument, &joined(&common, count))?;
         }
-        let dt = Scalars::read("dt", dt)?;
-        dt.fit("dt", &[count])?;
+        let mut dt = Scalars::read("dt", dt)?;
+        dt.fit("dt", count)?;
         Ok(Self {
             argument,
             twists,
@@ -150,8 +158,8 @@ impl<'py> Course<'py> {
         dt: &Bound<'py, PyAny>,
         start: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let controls = Rows::read("controls", controls, 3)?;
-        if controls.leading.len() < 2 {
+        let controls = Blocks::read("controls", controls, 3)?;
+        if controls.leading().len() < 2 {
             let got = format!("shape {}", shape_text(&controls.shape()));
             return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
         }
@@ -160,7 +168,8 @@ impl<'py> Course<'py> {
 
     /// Leading axes of the logs.
     pub fn logs(&self) -> &[usize] {
-        &self.twists.leading[..self.twists.leading.len() - 1]
+        let leading = self.twists.leading();
+        &leading[..leading.len() - 1]
     }
 
     /// Where the poses go.
@@ -172,16 +181,11 @@ impl<'py> Course<'py> {
     ) -> PyResult<Output<'py>> {
         let logs = self.logs().iter().copied();
         let shape: Vec<usize> = logs.chain([self.count + 1, 3]).collect();
-        Output::new(py, argument, out, &shape, &self.inputs())
-    }
-
-    /// What no output may overlap.
-    pub fn inputs(&self) -> [Option<&Rows<'py>>; 2] {
-        [Some(&self.twists), self.starts.as_ref()]
+        Output::new(py, argument, out, &shape)
     }
 
     pub fn durations(&self) -> Durations<'_> {
-        self.dt.durations()
+        self.dt.steps().into()
     }
 
     /// One start for all logs, or one for each.
@@ -197,7 +201,7 @@ impl<'py> Course<'py> {
         let leading = if error.argument == "dt" {
             &[self.count][..]
         } else {
-            &self.twists.leading
+            self.twists.leading()
         };
         raise(error, leading)
     }
@@ -257,9 +261,9 @@ pub fn differentiate<'py>(
     let Some(steps) = count.checked_sub(1) else {
         return Err(refuse("poses", "hold at least one pose", "shape (0, 3)"));
     };
-    let dt = Scalars::read("dt", dt)?;
-    dt.fit("dt", &[steps])?;
-    let mut twists = Output::new(py, "out", None, &[steps, 3], &[])?;
+    let mut dt = Scalars::read("dt", dt)?;
+    dt.fit("dt", steps)?;
+    let mut twists = Output::fresh(py, &[steps, 3])?;
     let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
     compute(py, count, || core::differentiate(rows, steps, target))
         .map_err(|error| raise(error, &[count]))?;
@@ -324,15 +328,15 @@ fn over_time<'py>(
     dt: Option<&Bound<'py, PyAny>>,
     map: impl Fn([f64; 3], f64) -> [f64; 3],
 ) -> PyResult<Array<'py>> {
-    let rows = Rows::read(argument, value, 3)?;
+    let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
-    let dt = Scalars::read("dt", dt.unwrap_or(&one))?;
-    dt.fit("dt", &rows.leading)?;
+    let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
+    together([named(argument, &mut rows), named("dt", &mut dt)])?;
     dt.steps()
         .check(rows.count())
         .map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
-    let mut result = Output::new(py, "out", None, &rows.shape(), &[])?;
+    let mut result = Output::fresh(py, &rows.shape())?;
     for (k, (row, target)) in rows.triples().iter().zip(result.triples()).enumerate() {
         *target = map(*row, dt.steps().get(k));
     }
@@ -356,12 +360,12 @@ pub fn compose<'py>(
     first: &Bound<'py, PyAny>,
     second: &Bound<'py, PyAny>,
 ) -> PyResult<Array<'py>> {
-    let first = Rows::read("first", first, 3)?;
+    let mut first = Rows::read("first", first, 3)?;
     first.check_finite("first")?;
-    let second = Rows::read("second", second, 3)?;
+    let mut second = Rows::read("second", second, 3)?;
     second.check_finite("second")?;
-    second.check_leading("second", &first.leading)?;
-    let mut result = Output::new(py, "out", None, &first.shape(), &[])?;
+    together([named("first", &mut first), named("second", &mut second)])?;
+    let mut result = Output::fresh(py, &first.shape())?;
     let pairs = first.triples().iter().zip(second.triples());
     for ((first, second), target) in pairs.zip(result.triples()) {
         *target = Pose::from(*first).compose(Pose::from(*second)).into();
@@ -389,7 +393,7 @@ pub fn wrap_angle<'py>(py: Python<'py>, angle: &Bound<'py, PyAny>) -> PyResult<B
             .into_pyobject(py)?
             .into_any());
     }
-    let mut result = Output::new(py, "out", None, &angles.shape, &[])?;
+    let mut result = Output::fresh(py, &angles.shape)?;
     for (angle, target) in angles.flat().iter().zip(result.flat()) {
         *target = core::wrap_angle(*angle);
     }

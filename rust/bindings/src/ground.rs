@@ -55,6 +55,8 @@ impl Suspension {
     ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
     /// threads : int, optional
     ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
+    /// kernel : str, optional
+    ///     One of `kernels()`; default the best. Results differ by rounding.
     ///
     /// Returns
     /// -------
@@ -68,7 +70,7 @@ impl Suspension {
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
     /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
-    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None))]
+    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn settle(
         slf: &Bound<'_, Self>,
@@ -79,6 +81,7 @@ impl Suspension {
         derivatives: bool,
         centre_of_mass: Option<&Bound<'_, PyAny>>,
         threads: Option<i64>,
+        kernel: Option<&str>,
     ) -> PyResult<Stand> {
         let chain = &slf.get().chain;
         let poses = Rows::read("poses", poses, 3)?;
@@ -90,11 +93,12 @@ impl Suspension {
             centre.check_finite("centre_of_mass")?;
             settler.balance = centre.triples()[0].into();
         }
-        let threads = any_workers(threads, None)?.threads;
+        let workers = any_workers(threads, kernel)?;
+        settler.level = workers.level;
         let rows = poses.triples();
         let mut stands = vec![ground::Stand::nothing(Status::NotConverged); rows.len()];
         compute(py, rows.len(), || {
-            ground::settle(&settler, rows, &steering, threads, &mut stands)
+            ground::settle(&settler, rows, &steering, workers.threads, &mut stands)
         })
         .map_err(|error| {
             let one = error.argument == "steering" && error.row.is_none();

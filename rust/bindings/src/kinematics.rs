@@ -1,19 +1,55 @@
-//! `Rover.inverse`, `Rover.forward` and `Rover.commands`.
+//! `Rover.inverse` and `Rover.forward`.
 
 mod quick;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyEllipsis, PyTuple};
+use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
 use six_wheel_core::{Twist, Unseen};
 
 use crate::batch::any_workers;
-use crate::convert::{Array, Output, Rows, compute, disjoint, joined, raise, refuse};
+use crate::convert::{
+    Array, Blocks, Output, Rows, compute, given, joined, named, raise, refuse, together,
+};
 use crate::rover::Rover;
 
 pub use quick::install;
 
-/// What a log holds, as read from Python.
+/// What a log holds, as read from Python, over common leading axes.
+pub struct Tables<'py> {
+    steering: Option<Blocks<'py>>,
+    speeds: Blocks<'py>,
+    rates: Option<Blocks<'py>>,
+    leading: Vec<usize>,
+}
+
+impl<'py> Tables<'py> {
+    /// All of it, for the batches.
+    fn tables(&self) -> batch::Readings<'_> {
+        batch::Readings {
+            steering: self
+                .steering
+                .as_ref()
+                .map_or(Table::Flat(&[]), Blocks::table),
+            speeds: self.speeds.table(),
+            steering_rates: self.rates.as_ref().map(Blocks::table),
+        }
+    }
+
+    /// The same, row after row.
+    pub fn flat(self) -> PyResult<Readings<'py>> {
+        let flat = |argument, blocks: Option<Blocks<'py>>| {
+            blocks.map(|blocks| blocks.flat(argument)).transpose()
+        };
+        Ok(Readings {
+            steering: flat("steering", self.steering)?,
+            speeds: self.speeds.flat("speeds")?,
+            rates: flat("steering_rates", self.rates)?,
+        })
+    }
+}
+
+/// What a log holds, row after row.
 pub struct Readings<'py> {
     steering: Option<Rows<'py>>,
     pub speeds: Rows<'py>,
@@ -21,15 +57,6 @@ pub struct Readings<'py> {
 }
 
 impl Readings<'_> {
-    /// All of it, for the batches.
-    fn tables(&self) -> batch::Readings<'_> {
-        batch::Readings {
-            steering: self.steering.as_ref().map_or(Table::Flat(&[]), Rows::table),
-            speeds: self.speeds.table(),
-            steering_rates: self.rates.as_ref().map(Rows::table),
-        }
-    }
-
     /// All of it, as the core takes it.
     pub fn log(&self) -> Log<'_> {
         Log {
@@ -50,33 +77,39 @@ pub fn unseen(allow_underdetermined: bool) -> Unseen {
 }
 
 impl Rover {
-    /// Reads steering angles, speeds and steering rates of equal leading axes.
+    /// Reads steering angles, speeds and steering rates, and repeats what is there over their common leading axes.
     pub fn read_log<'py>(
         &self,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Readings<'py>> {
-        let speeds = Rows::read("speeds", speeds, self.count())?;
-        let given = (!steering.is_none()).then_some(steering);
-        let steering = Rows::read_beside("steering", given, self.joints(), &speeds.leading)?;
-        if steering.is_none() && self.joints() > 0 {
+    ) -> PyResult<Tables<'py>> {
+        let mut speeds = Blocks::read("speeds", speeds, self.count())?;
+        let optional = |argument, value: Option<&Bound<'py, PyAny>>| {
+            value
+                .map(|value| Blocks::read(argument, value, self.joints()))
+                .transpose()
+        };
+        let mut angles = optional("steering", (!steering.is_none()).then_some(steering))?;
+        if angles.is_none() && self.joints() > 0 {
             return Err(refuse(
                 "steering",
                 "hold the angles of the steered wheels",
                 "None",
             ));
         }
-        let rates = Rows::read_beside(
-            "steering_rates",
-            steering_rates,
-            self.joints(),
-            &speeds.leading,
-        )?;
-        Ok(Readings {
-            steering,
+        let mut rates = optional("steering_rates", steering_rates)?;
+        let all = [
+            Some(named("speeds", &mut speeds)),
+            given("steering", &mut angles),
+            given("steering_rates", &mut rates),
+        ];
+        let leading = together(all.into_iter().flatten())?;
+        Ok(Tables {
+            steering: angles,
             speeds,
             rates,
+            leading,
         })
     }
 }
@@ -140,51 +173,48 @@ impl Rover {
         threads: Option<i64>,
         kernel: Option<&str>,
     ) -> PyResult<(Array<'py>, Array<'py>)> {
-        let mut twists = Rows::read("twist", twist, 3)?;
-        if let Some(centre) = centre {
-            let centres = Rows::read("centre", centre, 2)?;
+        let mut twists = Blocks::read("twist", twist, 3)?;
+        let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
+            value
+                .map(|value| Blocks::read(argument, value, width))
+                .transpose()
+        };
+        let mut centres = centre
+            .map(|centre| Rows::read("centre", centre, 2))
+            .transpose()?;
+        let mut previous = optional("previous", previous, self.joints())?;
+        let mut rates = optional("steering_rates", steering_rates, self.joints())?;
+        let mut rolling = optional("previous_speeds", previous_speeds, self.count())?;
+        let all = [
+            Some(named("twist", &mut twists)),
+            given("centre", &mut centres),
+            given("previous", &mut previous),
+            given("steering_rates", &mut rates),
+            given("previous_speeds", &mut rolling),
+        ];
+        let leading = together(all.into_iter().flatten())?;
+        if let Some(centres) = centres {
             centres.check_finite("centre")?;
-            if !centres.is_single() {
-                centres.check_leading("centre", &twists.leading)?;
-            }
-            twists = twists.mapped(|k, row| {
-                let pair = centres.pairs()[if centres.is_single() { 0 } else { k }];
-                Twist::from(row).about(pair).into()
-            });
+            let about = |k, row| Twist::from(row).about(centres.pairs()[k]).into();
+            twists = Blocks::Flat(twists.flat("twist")?.mapped(about)?);
         }
-        let leading = twists.leading.as_slice();
-        let mut previous = Rows::read_beside("previous", previous, self.joints(), leading)?;
-        let beside = |argument, value, width| Rows::read_beside(argument, value, width, leading);
-        let rates = beside("steering_rates", steering_rates, self.joints())?;
-        let mut rolling = beside("previous_speeds", previous_speeds, self.count())?;
         let outputs = pair(out)?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {
-                input.release_if(out);
+                input.release_if(out)?;
             }
         }
-        if let [Some(first), Some(second)] = &outputs
-            && let (Ok(first), Ok(second)) = (first.cast(), second.cast())
-        {
-            disjoint("out[0]", first, second, "out[1]")?;
-        }
-        let inputs = [
-            Some(&twists),
-            previous.as_ref(),
-            rates.as_ref(),
-            rolling.as_ref(),
-        ];
         let [out_steering, out_speeds] = &outputs;
         let output = |argument, out: &Option<Bound<'py, PyAny>>, width| {
-            Output::new(py, argument, out.as_ref(), &joined(leading, width), &inputs)
+            Output::new(py, argument, out.as_ref(), &joined(&leading, width))
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
         let (rows, count) = (twists.table(), twists.count());
         let beside = Beside {
-            previous: previous.as_ref().map(Rows::table),
-            previous_speeds: rolling.as_ref().map(Rows::table),
-            steering_rates: rates.as_ref().map(Rows::table),
+            previous: previous.as_ref().map(Blocks::table),
+            previous_speeds: rolling.as_ref().map(Blocks::table),
+            steering_rates: rates.as_ref().map(Blocks::table),
         };
         let workers = Workers {
             fresh: out.is_none(),
@@ -194,7 +224,7 @@ impl Rover {
         compute(py, count, || {
             batch::inverse(&self.core, rows, beside, angles, rotations, workers)
         })
-        .map_err(|error| raise(error, leading))?;
+        .map_err(|error| raise(error, &leading))?;
         Ok((steering.finish()?, speeds.finish()?))
     }
 
@@ -242,13 +272,8 @@ impl Rover {
         kernel: Option<&str>,
     ) -> PyResult<Array<'py>> {
         let readings = self.read_log(steering, speeds, steering_rates)?;
-        let leading = readings.speeds.leading.as_slice();
-        let inputs = [
-            Some(&readings.speeds),
-            readings.steering.as_ref(),
-            readings.rates.as_ref(),
-        ];
-        let mut twists = Output::new(py, "out", out, &joined(leading, 3), &inputs)?;
+        let leading = readings.leading.as_slice();
+        let mut twists = Output::new(py, "out", out, &joined(leading, 3))?;
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers {
@@ -260,58 +285,6 @@ impl Rover {
         })
         .map_err(|error| raise(error, leading))?;
         twists.finish()
-    }
-
-    /// Joint commands by joint name: what a motor driver takes.
-    ///
-    /// Parameters
-    /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// previous : array_like, shape (..., steered wheels), optional
-    ///     Present steering angles [rad], in the order of `steered_names`.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], each in the order of `steering_joints` and
-    ///     `traction_joints`: for a rover from a parameter file, the order of the file.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
-    ///     As `inverse`.
-    #[pyo3(signature = (twist, *, previous=None))]
-    fn commands<'py>(
-        &self,
-        py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        previous: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let (steering, speeds) =
-            self.inverse(py, twist, previous, None, None, None, None, None, None)?;
-        let commands = PyDict::new(py);
-        let steered = self.core.steered();
-        let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();
-        let angles = self
-            .steering
-            .iter()
-            .map(|(joint, wheel)| (joint, &steering, place(*wheel)));
-        let rotations = self
-            .traction
-            .iter()
-            .map(|(joint, wheel)| (joint, &speeds, *wheel));
-        for (joint, array, column) in angles.chain(rotations) {
-            let values = array.get_item((PyEllipsis::get(py), column))?;
-            let single = values.getattr("ndim")?.extract::<usize>()? == 0;
-            let values = if single {
-                values.call_method0("item")?
-            } else {
-                values
-            };
-            commands.set_item(joint, values)?;
-        }
-        Ok(commands)
     }
 }
 

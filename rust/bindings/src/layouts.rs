@@ -5,9 +5,9 @@ use std::str::FromStr;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::rover::MAX_WHEELS;
-use six_wheel_core::{Drive, Rover as Core, SkidCentres, SteeringRange, presets};
+use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, presets};
 
-use crate::convert::{Rows, Scalars, number, raise, refuse};
+use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
 use crate::rover::Rover;
 use crate::wheel::steering_range;
 
@@ -28,7 +28,8 @@ fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option
 
 /// Positions, one row per wheel.
 fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    Rows::read_table("positions", value, 2).map(|rows| rows.pairs().to_vec())
+    let rows = Rows::read_table("positions", value, 2)?;
+    memory::gathered(rows.pairs().iter().copied())
 }
 
 fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
@@ -37,6 +38,23 @@ fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
 
 fn drive(name: &str) -> PyResult<Drive> {
     Drive::from_str(name).map_err(|error| raise(error, &[]))
+}
+
+impl Rover {
+    /// A layout with a wheelbase, a track width and a wheel radius.
+    fn car(
+        py: Python<'_>,
+        [wheelbase, track_width, wheel_radius]: [&Bound<'_, PyAny>; 3],
+        steering_limit: Option<&Bound<'_, PyAny>>,
+        driven: &str,
+        layout: impl FnOnce(f64, f64, f64, SteeringRange, Drive) -> Result<Core, Error>,
+    ) -> PyResult<Self> {
+        let base = number("wheelbase", wheelbase)?;
+        let track = number("track_width", track_width)?;
+        let radius = number("wheel_radius", wheel_radius)?;
+        let range = limit(steering_limit)?;
+        Self::named(py, layout(base, track, radius, range, drive(driven)?))
+    }
 }
 
 #[pymethods]
@@ -264,18 +282,8 @@ impl Rover {
         steering_limit: Option<&Bound<'_, PyAny>>,
         driven: &str,
     ) -> PyResult<Self> {
-        let (base, track) = (
-            number("wheelbase", wheelbase)?,
-            number("track_width", track_width)?,
-        );
-        let (radius, range) = (
-            number("wheel_radius", wheel_radius)?,
-            limit(steering_limit)?,
-        );
-        Self::named(
-            py,
-            Core::ackermann(base, track, radius, range, drive(driven)?),
-        )
+        let lengths = [wheelbase, track_width, wheel_radius];
+        Self::car(py, lengths, steering_limit, driven, Core::ackermann)
     }
 
     /// A tricycle: one steered front wheel, two fixed rear wheels, origin between the rear ones.
@@ -307,18 +315,8 @@ impl Rover {
         steering_limit: Option<&Bound<'_, PyAny>>,
         driven: &str,
     ) -> PyResult<Self> {
-        let (base, track) = (
-            number("wheelbase", wheelbase)?,
-            number("track_width", track_width)?,
-        );
-        let (radius, range) = (
-            number("wheel_radius", wheel_radius)?,
-            limit(steering_limit)?,
-        );
-        Self::named(
-            py,
-            Core::tricycle(base, track, radius, range, drive(driven)?),
-        )
+        let lengths = [wheelbase, track_width, wheel_radius];
+        Self::car(py, lengths, steering_limit, driven, Core::tricycle)
     }
 
     /// A bicycle: a steered front wheel, a fixed rear wheel, origin at the rear one.

@@ -9,6 +9,7 @@ mod fit;
 mod four_axle;
 mod geometry;
 mod ground;
+mod joints;
 mod kinematics;
 mod layouts;
 mod mobility;
@@ -17,15 +18,22 @@ mod profiles;
 mod rollout;
 mod rover;
 mod sensitivity;
+mod shared;
 mod suspension;
 mod terrain;
 mod wheel;
 
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
 /// The compiled core of six_wheel.
-#[pymodule]
+///
+/// It needs the interpreter's lock: the quick way of single calls (`fast`) and the notes of what memory is in use
+/// (`convert::memory`) rest on it. Free-threaded interpreters switch it on for that, or are refused.
+#[pymodule(gil_used = true)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    check_lock(module.py())?;
+    shared::watch_forks(module.py())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
@@ -69,4 +77,19 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(geometry::compose, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::wrap_angle, module)?)?;
     Ok(())
+}
+
+/// Fails in an interpreter that was told to go on without its lock whatever a module needs.
+fn check_lock(py: Python<'_>) -> PyResult<()> {
+    let sys = py.import("sys")?;
+    let has_lock = match sys.getattr_opt("_is_gil_enabled")? {
+        Some(asked) => asked.call0()?.extract()?,
+        None => true,
+    };
+    if has_lock {
+        return Ok(());
+    }
+    Err(PyImportError::new_err(
+        "six_wheel needs the interpreter's lock: leave out PYTHON_GIL=0 and -X gil=0",
+    ))
 }

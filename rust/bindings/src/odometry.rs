@@ -9,19 +9,20 @@ pub mod values;
 
 use std::str::FromStr;
 
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::PyArray1;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::Method;
 use six_wheel_core::odometry::{
     Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
 };
+use six_wheel_core::{Error, Method};
 
 pub use quick::install;
 
-use crate::convert::{Array, Output, Rows, Scalars, compute, number, raise, refuse};
+use crate::convert::{Array, Output, Rows, Scalars, compute, memory, number, raise, refuse};
 use crate::rover::Rover;
+use crate::shared::Shared;
 use input::{encoders, optional, row, steering_left_out, triple};
 use state::{OdometryState, Spares};
 use values::Noise;
@@ -30,7 +31,7 @@ use values::Noise;
 ///
 /// A step is exact: the displacement that fits the turns of all wheels best, at the steering angles of its middle, is
 /// held as one arc. Its covariance comes from the analytic derivatives of that fit. The first sample is the reference
-/// from which the next one counts.
+/// from which the next one counts. Any thread may call any method: it waits while another one is at work.
 ///
 /// Parameters
 /// ----------
@@ -68,10 +69,15 @@ use values::Noise;
 ///     If a parameter makes no sense.
 ///
 /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 5.
-#[pyclass(module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel")]
 pub struct Odometry {
-    core: Core,
+    work: Shared<Work>,
     rover: Py<Rover>,
+}
+
+/// What one thread at a time works with.
+struct Work {
+    core: Core,
     spares: Spares,
 }
 
@@ -89,18 +95,27 @@ fn readings_named(name: &str) -> PyResult<Readings> {
 }
 
 impl Odometry {
-    /// The state after the last sample, for the caller of `update`.
-    #[inline]
-    fn handed_out<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, OdometryState>> {
-        self.spares.state(&self.core, &self.rover, py)
-    }
-
     fn joints(&self) -> usize {
-        self.core.rover().steered().len()
+        self.rover.get().joints()
     }
 
     fn wheels(&self) -> usize {
-        self.core.rover().wheels().len()
+        self.rover.get().count()
+    }
+
+    fn state_of(&self, core: &Core, py: Python<'_>) -> OdometryState {
+        OdometryState::of(core, self.rover.clone_ref(py))
+    }
+
+    /// Changes the core, and answers with the state after that.
+    fn change(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut Core) -> Result<(), Error>,
+    ) -> PyResult<OdometryState> {
+        let mut work = self.work.lock(py)?;
+        change(&mut work.core).map_err(|error| raise(error, &[]))?;
+        Ok(self.state_of(&work.core, py))
     }
 }
 
@@ -151,10 +166,13 @@ impl Odometry {
             lag: optional("lag", lag)?.unwrap_or(0.0),
             history,
         };
+        let core = Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?;
         Ok(Self {
-            core: Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?,
+            work: Shared::new(Work {
+                core,
+                spares: Spares::default(),
+            }),
             rover: rover.clone().unbind(),
-            spares: Spares::default(),
         })
     }
 
@@ -187,7 +205,7 @@ impl Odometry {
     ///     state is as before.
     #[pyo3(signature = (steering, wheel_angles, stamp, *, yaw=None, yaw_rate=None))]
     fn update(
-        &mut self,
+        &self,
         py: Python<'_>,
         steering: &Bound<'_, PyAny>,
         wheel_angles: &Bound<'_, PyAny>,
@@ -204,10 +222,7 @@ impl Odometry {
             yaw: optional("yaw", yaw)?,
             yaw_rate: optional("yaw_rate", yaw_rate)?,
         };
-        self.core
-            .update(sample)
-            .map_err(|error| raise(error, &[]))?;
-        Ok(self.state(py))
+        self.change(py, |core| core.update(sample).map(|_| ()))
     }
 
     /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
@@ -240,7 +255,7 @@ impl Odometry {
     #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn run<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         wheel_angles: &Bound<'py, PyAny>,
@@ -285,39 +300,39 @@ impl Odometry {
             yaw_rates: rates.as_ref().map(Scalars::flat),
         };
         let rows = wheels.count();
-        let output = |shape: &[usize]| Output::new(py, "out", None, shape, &[]);
+        let output = |shape: &[usize]| Output::fresh(py, shape);
         let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
-        let is_robust = self.core.settings().method == Method::Robust;
+        let is_robust = self.work.lock(py)?.core.settings().method == Method::Robust;
         let (mut poses, mut twists) = (output(&[rows, 3])?, output(&[rows, 3])?);
         let mut covariances = wanted(covariances, &[rows, 3, 3])?;
         let mut residuals = wanted(residuals, &[rows, count])?;
         let mut weights = wanted(is_robust, &[rows, count])?;
-        let health = PyArray1::<u32>::zeros(py, rows, false);
-        let mut flags = health.readwrite();
+        let mut flags = memory::filled(0, rows)?;
         let track = TrackRows {
             poses: poses.triples(),
             twists: twists.triples(),
             covariances: covariances.as_mut().map(|out| out.flat().as_chunks_mut().0),
             residuals: residuals.as_mut().map(Output::flat),
             weights: weights.as_mut().map(Output::flat),
-            health: flags.as_slice_mut()?,
+            health: &mut flags,
         };
-        let core = &mut self.core;
+        let mut work = self.work.lock(py)?;
+        let core = &mut work.core;
         compute(py, rows, || core.run(recording, strict, track))
             .map_err(|error| raise(error, leading))?;
-        drop(flags);
+        drop(work);
         let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> {
             out.map(Output::finish).transpose()
         };
         let keywords = PyDict::new(py);
         keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("stamps", PyArray1::from_slice(py, stamps.flat()))?;
+        keywords.set_item("stamps", memory::array(py, stamps.flat(), &[rows])?)?;
         keywords.set_item("poses", poses.finish()?)?;
         keywords.set_item("twists", twists.finish()?)?;
         keywords.set_item("covariances", finish(covariances)?)?;
         keywords.set_item("residuals", finish(residuals)?)?;
         keywords.set_item("weights", finish(weights)?)?;
-        keywords.set_item("health", health)?;
+        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
         py.import(intern!(py, "six_wheel.odometry"))?
             .getattr(intern!(py, "Track"))?
             .call((), Some(&keywords))
@@ -341,16 +356,13 @@ impl Odometry {
     /// ValueError
     ///     If a value is not finite or the stamp not later than the last one.
     fn command(
-        &mut self,
+        &self,
         py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
     ) -> PyResult<OdometryState> {
         let (twist, stamp) = (triple("twist", twist)?, number("stamp", stamp)?);
-        self.core
-            .command(twist.into(), stamp)
-            .map_err(|error| raise(error, &[]))?;
-        Ok(self.state(py))
+        self.change(py, |core| core.command(twist.into(), stamp).map(|_| ()))
     }
 
     /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.
@@ -370,7 +382,7 @@ impl Odometry {
     /// ValueError
     ///     If a value is not finite, the covariance is none or the stamp too old. The state is as before.
     fn correct(
-        &mut self,
+        &self,
         py: Python<'_>,
         pose: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
@@ -378,10 +390,7 @@ impl Odometry {
     ) -> PyResult<OdometryState> {
         let (pose, stamp) = (triple("pose", pose)?, number("stamp", stamp)?);
         let matrix = input::covariance(Some(covariance))?;
-        self.core
-            .correct(pose.into(), stamp, matrix)
-            .map_err(|error| raise(error, &[]))?;
-        Ok(self.state(py))
+        self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -394,14 +403,14 @@ impl Odometry {
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
     #[pyo3(signature = (pose, covariance=None))]
     fn set_pose(
-        &mut self,
+        &self,
+        py: Python<'_>,
         pose: &Bound<'_, PyAny>,
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let (pose, matrix) = (triple("pose", pose)?, input::covariance(covariance)?);
-        self.core
-            .set_pose(pose.into(), matrix)
-            .map_err(|error| raise(error, &[]))
+        self.change(py, |core| core.set_pose(pose.into(), matrix))?;
+        Ok(())
     }
 
     /// Starts over: the next sample is a first one.
@@ -414,23 +423,25 @@ impl Odometry {
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
     #[pyo3(signature = (pose=None, covariance=None), text_signature = "($self, pose=(0.0, 0.0, 0.0), covariance=None)")]
     fn reset(
-        &mut self,
+        &self,
+        py: Python<'_>,
         pose: Option<&Bound<'_, PyAny>>,
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let pose = pose.map_or(Ok([0.0; 3]), |pose| triple("pose", pose))?;
         let matrix = input::covariance(covariance)?;
-        self.core
-            .set_pose(pose.into(), matrix)
-            .map_err(|error| raise(error, &[]))?;
-        self.core.forget();
+        self.change(py, |core| {
+            core.set_pose(pose.into(), matrix)?;
+            core.forget();
+            Ok(())
+        })?;
         Ok(())
     }
 
     /// Where the rover is after the last sample.
     #[getter]
-    fn state(&self, py: Python<'_>) -> OdometryState {
-        OdometryState::of(&self.core, self.rover.clone_ref(py))
+    fn state(&self, py: Python<'_>) -> PyResult<OdometryState> {
+        Ok(self.state_of(&self.work.lock(py)?.core, py))
     }
 
     /// The rover.
@@ -441,12 +452,12 @@ impl Odometry {
 
     /// Standard deviations of readings and slip.
     #[getter]
-    fn noise(&self) -> Noise {
-        Noise(self.core.settings().noise)
+    fn noise(&self, py: Python<'_>) -> PyResult<Noise> {
+        Ok(Noise(self.work.lock(py)?.core.settings().noise))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let state = Py::new(py, self.state(py))?;
+        let state = Py::new(py, self.state(py)?)?;
         Ok(format!("Odometry({})", state.bind(py).repr()?))
     }
 }

@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
 
-use crate::convert::{Scalars, number, raise, refuse, scalar_or_array, shape_text};
-use made::{Made, class};
+use crate::convert::{Scalars, memory, number, raise, refuse, scalar_or_array, shape_text};
+use made::{Made, class, known_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
 /// The course of one value or of several over time, with three derivatives.
@@ -38,7 +38,7 @@ impl Values {
         let scalars = Scalars::read(argument, value)?;
         match scalars.shape.as_slice() {
             [] | [_] if !scalars.flat().is_empty() => Ok(Self {
-                numbers: scalars.flat().to_vec(),
+                numbers: memory::gathered(scalars.flat().iter().copied())?,
                 is_vector: !scalars.shape.is_empty(),
             }),
             shape => {
@@ -436,8 +436,9 @@ impl Profile {
         times.check_finite("times")?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();
+        let count = memory::count(&[times.flat().len(), width])?;
         for part in &mut parts {
-            part.reserve(times.flat().len() * width);
+            *part = memory::room(count)?;
         }
         for &time in times.flat() {
             for axis in 0..width {
@@ -458,22 +459,9 @@ impl Profile {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         self.made.repr(py)
     }
-
-    fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-        match other.cast::<Self>() {
-            Ok(other) => self.made.equals(py, &other.get().made),
-            Err(_) => Ok(false),
-        }
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.made.hash(py)
-    }
-
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        self.made.reduce(py)
-    }
 }
+
+known_by_its_call!(Profile);
 
 /// Numbers in an array of this shape; the only one itself if the shape is empty.
 fn shaped<T: Element>(py: Python<'_>, values: Vec<T>, shape: &[usize]) -> PyResult<Py<PyAny>> {

@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Costs, Workers};
 
 use crate::batch::workers;
-use crate::convert::{Output, Rows, compute, disjoint, refuse};
+use crate::convert::{Output, Rows, compute, refuse};
 use crate::geometry::Course;
 use crate::rover::Rover;
 
@@ -72,19 +72,11 @@ impl Rover {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
         let outs = five(out)?;
-        apart(&outs)?;
         let mut poses = course.poses(py, "out.poses", outs[0].as_ref())?;
         let mut costs = Vec::with_capacity(COSTS.len());
         for (name, out) in COSTS.iter().zip(&outs[1..]) {
             let argument = format!("out.{name}");
-            let inputs = course.inputs();
-            costs.push(Output::new(
-                py,
-                &argument,
-                out.as_ref(),
-                course.logs(),
-                &inputs,
-            )?);
+            costs.push(Output::new(py, &argument, out.as_ref(), course.logs())?);
         }
         let [wheel_speed, steering_angle, steering_rate, scrub] = costs.as_mut_slice() else {
             return Err(refuse("out", "hold five arrays", "another number"));
@@ -144,19 +136,4 @@ fn five<'py>(out: Option<&Bound<'py, PyAny>>) -> PyResult<[Option<Bound<'py, PyA
         *target = Some(item);
     }
     Ok(outs)
-}
-
-/// Fails if two outputs share memory.
-fn apart(outs: &[Option<Bound<'_, PyAny>>; 5]) -> PyResult<()> {
-    let arrays: Vec<_> = outs
-        .iter()
-        .flatten()
-        .filter_map(|out| out.cast().ok())
-        .collect();
-    for (k, array) in arrays.iter().enumerate() {
-        for other in &arrays[..k] {
-            disjoint("out", array, other, "itself")?;
-        }
-    }
-    Ok(())
 }

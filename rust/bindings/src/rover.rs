@@ -5,10 +5,16 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
+use six_wheel_core::suspension::WHEELS;
 use six_wheel_core::{Rover as Core, SteeringRange};
 
-use crate::convert::{raise, refuse};
+use crate::convert::{items, raise, refuse};
+use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
+use crate::suspension::RockerBogie;
 use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
+
+/// Items of a list that are looked at.
+const MOST_ITEMS: usize = 1 << 16;
 
 /// A wheeled vehicle: wheels, and everything that follows from where they are.
 ///
@@ -23,11 +29,18 @@ use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
 /// traction_joints, steering_joints : mapping of str to str, optional
 ///     Joint name to wheel name, one joint for every driven wheel and for every steered one, in the order
 ///     in which `commands` gives them. Default ``<wheel>_wheel_joint`` and ``<wheel>_steering_joint``.
+/// reversed_joints : sequence of str, optional
+///     Joints that count the other way: a positive speed rolls the wheel backwards, a positive angle steers
+///     it clockwise. What goes by a joint's name has the joint's sign (`commands`, `readings`, logs), arrays
+///     in the order of the wheels have the wheel's.
+/// suspension : RockerBogie, optional
+///     What the six wheels stand on, for a rover whose file says.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If there is no wheel or too many, two share a name, or the joints do not match the wheels.
+///     If there is no wheel or too many, two share a name, the joints do not match the wheels, or a
+///     suspension does not have these wheels.
 ///
 /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
 #[pyclass(frozen, module = "six_wheel")]
@@ -36,65 +49,16 @@ pub struct Rover {
     wheels: Py<PyTuple>,
     pub traction: Joints,
     pub steering: Joints,
+    suspension: Option<Py<RockerBogie>>,
 }
 
-/// Joint names, each with the index of its wheel, in the order of the commands.
-type Joints = Vec<(String, usize)>;
-
-const TRACTION: &str = "wheel_joint";
-const STEERING: &str = "steering_joint";
-
-/// The joints of these wheels under their default names.
-fn default_joints(core: &Core, wheels: &[usize], suffix: &str) -> Joints {
-    wheels
-        .iter()
-        .map(|&i| (format!("{}_{suffix}", core.wheels()[i].name), i))
-        .collect()
-}
-
-/// Reads a mapping of joint names to wheel names, which must name each of these wheels once.
-fn read_joints(
-    core: &Core,
-    wheels: &[usize],
-    argument: &str,
-    given: Option<&Bound<'_, PyMapping>>,
-    suffix: &str,
-) -> PyResult<Joints> {
-    let Some(given) = given else {
-        return Ok(default_joints(core, wheels, suffix));
-    };
-    let mut joints = Joints::new();
-    for item in given.items()?.iter() {
-        let (joint, wheel) = item.extract::<(String, String)>()?;
-        let found = wheels
-            .iter()
-            .copied()
-            .find(|&i| core.wheels()[i].name == wheel);
-        let Some(index) = found else {
-            let names: Vec<_> = wheels
-                .iter()
-                .map(|&i| core.wheels()[i].name.as_str())
-                .collect();
-            let rule = format!("map joints to the wheels {}", names.join(", "));
-            return Err(refuse(argument, &rule, &format!("{wheel:?} for {joint:?}")));
-        };
-        if joints.iter().any(|(_, other)| *other == index) {
-            return Err(refuse(
-                argument,
-                "name every wheel once",
-                &format!("{wheel:?} twice"),
-            ));
-        }
-        joints.push((joint, index));
-    }
-    if let Some(&missing) = wheels
-        .iter()
-        .find(|i| joints.iter().all(|(_, other)| other != *i))
-    {
-        let got = format!("no joint for {:?}", core.wheels()[missing].name);
-        return Err(refuse(argument, "name every wheel once", &got));
-    }
-    Ok(joints)
+/// What a rover has beside its wheels, as its constructor takes it.
+#[derive(Default)]
+pub struct Fittings<'a, 'py> {
+    pub traction: Option<&'a Bound<'py, PyMapping>>,
+    pub steering: Option<&'a Bound<'py, PyMapping>>,
+    pub reversed: Vec<String>,
+    pub suspension: Option<Py<RockerBogie>>,
 }
 
 /// Indices of the wheels with a motor.
@@ -107,7 +71,8 @@ fn driven(core: &Core) -> Vec<usize> {
 impl Rover {
     /// The rover of a core one, with joints under their default names.
     pub fn named(py: Python<'_>, core: Result<Core, six_wheel_core::Error>) -> PyResult<Self> {
-        Self::build(py, core.map_err(|error| raise(error, &[]))?, None, None)
+        let core = core.map_err(|error| raise(error, &[]))?;
+        Self::build(py, core, Fittings::default())
     }
 
     /// Number of steered wheels.
@@ -120,26 +85,28 @@ impl Rover {
         self.core.wheels().len()
     }
 
-    /// A rover of the core with its joints.
-    pub fn build(
-        py: Python<'_>,
-        core: Core,
-        traction: Option<&Bound<'_, PyMapping>>,
-        steering: Option<&Bound<'_, PyMapping>>,
-    ) -> PyResult<Self> {
+    /// A rover of the core with what it has beside its wheels.
+    pub fn build(py: Python<'_>, core: Core, fittings: Fittings<'_, '_>) -> PyResult<Self> {
         let motors = driven(&core);
-        let traction = read_joints(&core, &motors, "traction_joints", traction, TRACTION)?;
-        let steering = read_joints(&core, core.steered(), "steering_joints", steering, STEERING)?;
-        if let Some((joint, _)) = steering
+        let (traction, steering) = (fittings.traction, fittings.steering);
+        let mut traction = read_joints(&core, &motors, "traction_joints", traction, TRACTION)?;
+        let mut steering =
+            read_joints(&core, core.steered(), "steering_joints", steering, STEERING)?;
+        if let Some(joint) = steering
             .iter()
-            .find(|(joint, _)| traction.iter().any(|(other, _)| other == joint))
+            .find(|joint| traction.iter().any(|other| other.name == joint.name))
         {
             let rule = "differ from traction_joints";
-            return Err(refuse(
-                "steering_joints",
-                rule,
-                &format!("{joint:?} in both"),
-            ));
+            let got = format!("{:?} in both", joint.name);
+            return Err(refuse("steering_joints", rule, &got));
+        }
+        reverse(&fittings.reversed, &mut traction, &mut steering)?;
+        let stands = |name: &&str| core.wheels().iter().any(|wheel| wheel.name == **name);
+        if fittings.suspension.is_some() && !(WHEELS.iter().all(stands) && core.wheels().len() == 6)
+        {
+            let rule = format!("be left out unless the wheels are {}", WHEELS.join(", "));
+            let got = format!("{} wheels", core.wheels().len());
+            return Err(refuse("suspension", &rule, &got));
         }
         let wheels: Vec<Wheel> = core.wheels().iter().cloned().map(Wheel).collect();
         let wheels = PyTuple::new(py, wheels)?.unbind();
@@ -148,25 +115,46 @@ impl Rover {
             wheels,
             traction,
             steering,
+            suspension: fittings.suspension,
         })
     }
 
     fn joint_dict<'py>(&self, py: Python<'py>, joints: &Joints) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        for (joint, wheel) in joints {
-            dict.set_item(joint, &self.core.wheels()[*wheel].name)?;
+        for joint in joints {
+            dict.set_item(&joint.name, &self.core.wheels()[joint.wheel].name)?;
         }
         Ok(dict)
     }
 
-    /// The joint arguments that are not the default ones.
-    fn joint_keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// Names of the joints that count the other way, those of the wheels first.
+    fn reversed(&self) -> Vec<&str> {
+        let joints = self.traction.iter().chain(&self.steering);
+        joints
+            .filter(|joint| joint.reversed)
+            .map(|joint| joint.name.as_str())
+            .collect()
+    }
+
+    /// The arguments beside the wheels that are not the default ones.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let keywords = PyDict::new(py);
-        if self.traction != default_joints(&self.core, &driven(&self.core), TRACTION) {
+        let usual = |joints: &Joints, wheels: &[usize], suffix| {
+            let default = default_joints(&self.core, wheels, suffix);
+            let names = |joint: &Joint| (joint.name.clone(), joint.wheel);
+            joints.iter().map(names).eq(default.iter().map(names))
+        };
+        if !usual(&self.traction, &driven(&self.core), TRACTION) {
             keywords.set_item("traction_joints", self.joint_dict(py, &self.traction)?)?;
         }
-        if self.steering != default_joints(&self.core, self.core.steered(), STEERING) {
+        if !usual(&self.steering, self.core.steered(), STEERING) {
             keywords.set_item("steering_joints", self.joint_dict(py, &self.steering)?)?;
+        }
+        if !self.reversed().is_empty() {
+            keywords.set_item("reversed_joints", PyTuple::new(py, self.reversed())?)?;
+        }
+        if let Some(suspension) = &self.suspension {
+            keywords.set_item("suspension", suspension)?;
         }
         Ok(keywords)
     }
@@ -175,16 +163,31 @@ impl Rover {
 #[pymethods]
 impl Rover {
     #[new]
-    #[pyo3(signature = (wheels, *, traction_joints=None, steering_joints=None))]
+    #[pyo3(signature = (
+        wheels, *, traction_joints=None, steering_joints=None, reversed_joints=None, suspension=None
+    ))]
     fn new(
         py: Python<'_>,
-        wheels: Vec<Wheel>,
+        wheels: &Bound<'_, PyAny>,
         traction_joints: Option<&Bound<'_, PyMapping>>,
         steering_joints: Option<&Bound<'_, PyMapping>>,
+        reversed_joints: Option<Vec<String>>,
+        suspension: Option<Py<RockerBogie>>,
     ) -> PyResult<Self> {
+        let wheels = items("wheels", wheels, MOST_ITEMS)?;
+        let wheels: Vec<Wheel> = wheels
+            .iter()
+            .map(|item| Ok(item.extract()?))
+            .collect::<PyResult<_>>()?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
         let core = core.map_err(|error| raise(error, &[]))?;
-        Self::build(py, core, traction_joints, steering_joints)
+        let fittings = Fittings {
+            traction: traction_joints,
+            steering: steering_joints,
+            reversed: reversed_joints.unwrap_or_default(),
+            suspension,
+        };
+        Self::build(py, core, fittings)
     }
 
     /// The wheels, in the order of every array.
@@ -225,6 +228,42 @@ impl Rover {
         self.joint_dict(py, &self.steering)
     }
 
+    /// Names of the joints that count the other way.
+    #[getter]
+    fn reversed_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.reversed())
+    }
+
+    /// What the six wheels stand on, if the rover's file says; None otherwise.
+    #[getter]
+    fn suspension(&self, py: Python<'_>) -> Option<Py<RockerBogie>> {
+        self.suspension.as_ref().map(|arm| arm.clone_ref(py))
+    }
+
+    /// The text of a URDF from which `load` makes this rover again, and which viewers open.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Of the robot.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     With a link and a joint for every wheel and its steering, under the names of the joints, and
+    ///     rockers and bogies where there is a suspension. The base frame lies on the ground, a suspension's
+    ///     where it has its own.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a wheel is none that a URDF can hold: with rollers.
+    #[pyo3(signature = (name="rover"))]
+    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+        let module = slf.py().import("six_wheel.urdf")?;
+        module.call_method1("rover_urdf", (slf, name))?.extract()
+    }
+
     /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.
     ///
     /// It counts along the axle line of the unsteered wheels, or abreast of the origin if there are none.
@@ -242,7 +281,7 @@ impl Rover {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let keywords = self.joint_keywords(py)?;
+        let keywords = self.keywords(py)?;
         if keywords.is_empty()
             && let Some(([d1, d2, d3, d4], radius, range)) = self.core.as_six_wheel()
         {
@@ -265,8 +304,13 @@ impl Rover {
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
             let other = other.get();
+            let suspension = |rover: &Self| {
+                let arm = rover.suspension.as_ref();
+                arm.map(|arm| arm.get().0.clone())
+            };
             (&self.core, &self.traction, &self.steering)
                 == (&other.core, &other.traction, &other.steering)
+                && suspension(self) == suspension(other)
         })
     }
 
@@ -282,6 +326,6 @@ impl Rover {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, rover) = (slf.py(), slf.get());
         let arguments = (rover.wheels.bind(py),).into_pyobject(py)?;
-        reduce(slf.as_any(), &arguments, &rover.joint_keywords(py)?)
+        reduce(slf.as_any(), &arguments, &rover.keywords(py)?)
     }
 }

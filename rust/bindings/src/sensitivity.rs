@@ -1,11 +1,15 @@
 //! `six_wheel.Sensitivity`, the derivatives of an estimated twist, and `Rover.sensitivity`.
 
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use six_wheel_core::batch;
 use six_wheel_core::estimate::sensitivity::Quantity;
 
-use crate::convert::{Output, compute, joined, raise, refuse};
+use crate::convert::{Output, compute, items, joined, raise, refuse};
 use crate::rover::Rover;
+
+/// Names that are read at most.
+const MOST_NAMES: usize = 1000;
 
 /// Every quantity by the name of its attribute.
 const NAMES: [(&str, Quantity); 12] = [
@@ -127,10 +131,18 @@ impl Sensitivity {
 }
 
 /// The quantities of these names.
-fn wanted(quantities: Option<Vec<String>>) -> PyResult<Vec<(&'static str, Quantity)>> {
-    let Some(names) = quantities else {
+fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, Quantity)>> {
+    let Some(quantities) = quantities else {
         return Ok(NAMES.to_vec());
     };
+    if quantities.is_instance_of::<PyString>() {
+        return Err(refuse("quantities", "be a sequence of names", "one name"));
+    }
+    let names = items("quantities", quantities, MOST_NAMES)?;
+    let names: Vec<String> = names
+        .iter()
+        .map(|item| item.extract())
+        .collect::<PyResult<_>>()?;
     let known = |name: &String| {
         let found = NAMES.iter().find(|(known, _)| known == name).copied();
         found.ok_or_else(|| {
@@ -178,12 +190,12 @@ impl Rover {
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
-        quantities: Option<Vec<String>>,
+        quantities: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Sensitivity> {
         let wanted = wanted(quantities)?;
-        let readings = self.read_log(steering, speeds, steering_rates)?;
+        let readings = self.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
-        let mut twists = Output::new(py, "out", None, &joined(leading, 3), &[])?;
+        let mut twists = Output::fresh(py, &joined(leading, 3))?;
         let mut columns = Vec::with_capacity(wanted.len());
         for (_, quantity) in &wanted {
             let width = match quantity {
@@ -191,7 +203,7 @@ impl Rover {
                 _ => self.count(),
             };
             let shape = joined(&joined(leading, 3), width);
-            columns.push(Output::new(py, "out", None, &shape, &[])?);
+            columns.push(Output::fresh(py, &shape)?);
         }
         let mut targets: Vec<_> = wanted
             .iter()

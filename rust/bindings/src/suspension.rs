@@ -64,7 +64,7 @@ pub use steer::SteeringCommand;
 /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
 /// ICRA 1999.
 #[pyclass(frozen, extends = Suspension, module = "six_wheel")]
-pub struct RockerBogie(Core);
+pub struct RockerBogie(pub Core);
 
 impl RockerBogie {
     fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {
@@ -132,7 +132,7 @@ impl Link {
 }
 
 /// Reads three numbers.
-fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+pub fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     let row = Rows::read(argument, value, 3)?;
     match row.triples() {
         [one] if row.is_single() => Ok(*one),
@@ -355,6 +355,25 @@ impl RockerBogie {
         };
         arguments.set_item("differential_bar", bar)?;
         Ok(arguments)
+    }
+
+    /// The text of a URDF from which `load` makes a rover on this suspension, and which viewers open.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Of the robot.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     Rockers, bogies, steering and wheels as links and joints; the base link is the rover's frame R.
+    #[pyo3(signature = (name="rover"))]
+    fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
+        let module = slf.py().import("six_wheel.urdf")?;
+        module
+            .call_method1("suspension_urdf", (slf, name))?
+            .extract()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

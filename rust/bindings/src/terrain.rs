@@ -9,7 +9,9 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::Terrain as Core;
 use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
-use crate::convert::{Output, Rows, compute, number, raise, refuse, scalar_or_array, shape_text};
+use crate::convert::{
+    Output, Rows, compute, memory, number, raise, refuse, scalar_or_array, shape_text,
+};
 use crate::wheel::reduce;
 
 /// Ground as a regular grid of heights.
@@ -41,7 +43,7 @@ pub struct Terrain(pub Arc<Core>);
 fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
     if let Ok(single) = value.cast::<PyArrayDyn<f32>>() {
         let columns = columns(single.shape())?;
-        let heights: Vec<f32> = single.readonly().as_array().iter().copied().collect();
+        let heights = memory::gathered(single.readonly().as_array().iter().copied())?;
         return Ok((Heights::Single(heights.into()), columns));
     }
     let array = value
@@ -101,7 +103,7 @@ impl Terrain {
         if width > 1 {
             shape.push(width);
         }
-        let mut output = Output::new(py, "out", None, &shape, &[])?;
+        let mut output = Output::fresh(py, &shape)?;
         let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
         compute(py, points.len(), || {
             for (&[x, y], target) in points.iter().zip(target.chunks_exact_mut(width)) {
@@ -281,7 +283,7 @@ impl Terrain {
     fn contains<'py>(&self, py: Python<'py>, xy: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
         let rows = Rows::read("xy", xy, 2)?;
         let points = rows.pairs().iter();
-        let inside = points.map(|&[x, y]| self.0.contains(x, y)).collect();
+        let inside = memory::gathered(points.map(|&[x, y]| self.0.contains(x, y)))?;
         scalar_or_array(py, inside, &rows.leading)
     }
 

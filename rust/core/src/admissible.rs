@@ -4,14 +4,17 @@
 //! a turn leaves a double wedge of it, between the two planes on which it rolls exactly at an end of its
 //! range. The admissible set is their intersection: a union of polyhedral cones.
 
+pub(crate) mod faces;
+#[cfg(test)]
+pub(crate) mod tests;
+
 use std::str::FromStr;
 
-use nalgebra::{Cholesky, Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::error::{Error, ErrorKind, finite, number, numbers};
 use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
-use crate::rover::{Mount, Rover};
+use crate::rover::{Bank, Mount, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};
 
@@ -21,11 +24,8 @@ pub const SLIP_TOLERANCE: f64 = 1e-9;
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
 
-/// Squared sine of the angle below which two conditions are one.
-const INDEPENDENT: f64 = 1e-12;
-
 /// Share of a twist's size below which a component of its projection is rounding.
-const VANISHED: f64 = 1e-14;
+pub(crate) const VANISHED: f64 = 1e-14;
 
 /// What [`Rover::project`] preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,37 +57,89 @@ impl FromStr for Keep {
     }
 }
 
-/// A linear condition: the row times the twist is the value.
-type Condition = (Vector3<f64>, f64);
+/// What keeps a rover from a twist.
+#[derive(Clone, Copy, Debug)]
+enum Obstacle {
+    /// The unsteered wheels of a bank slide sideways [m/s].
+    Slip { bank: usize, slip: f64 },
+    /// A wheel cannot steer to where it has to be, and slides sideways at the end of its range [rad, m/s].
+    Range { wheel: usize, angle: f64, slip: f64 },
+}
 
 impl Rover {
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
     pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
         let fastest = self.check_speeds(twist, steering_rates)?;
-        let tolerance = SLIP_TOLERANCE * fastest;
+        match self.obstacle(twist, steering_rates, SLIP_TOLERANCE * fastest) {
+            Some(obstacle) => Err(self.explained(obstacle, twist)),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether the rover can make a twist. Fails if it is not finite.
+    pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
+        let fastest = self.check_speeds(twist, None)?;
+        Ok(self
+            .obstacle(twist, None, SLIP_TOLERANCE * fastest)
+            .is_none())
+    }
+
+    /// The same, a twist that is not finite being impossible.
+    pub(crate) fn is_possible(&self, twist: Twist) -> bool {
+        self.check_speeds(twist, None).is_ok_and(|fastest| {
+            self.obstacle(twist, None, SLIP_TOLERANCE * fastest)
+                .is_none()
+        })
+    }
+
+    /// What keeps the rover from a twist, sliding by `tolerance` or less apart [m/s].
+    fn obstacle(
+        &self,
+        twist: Twist,
+        steering_rates: Option<&[f64]>,
+        tolerance: f64,
+    ) -> Option<Obstacle> {
         let vector = Vector3::from(twist);
-        for bank in &self.banks {
-            let slip = bank.row.dot(&vector).abs();
+        for (bank, Bank { row, .. }) in self.banks.iter().enumerate() {
+            let slip = row.dot(&vector).abs();
             if slip > tolerance {
-                let names: Vec<_> = bank
+                return Some(Obstacle::Slip { bank, slip });
+            }
+        }
+        self.steered().iter().enumerate().find_map(|(joint, &i)| {
+            let rate = steering_rates.map_or(0.0, |rates| rates[joint]);
+            self.out_of_range(i, twist, rate, tolerance)
+        })
+    }
+
+    fn explained(&self, obstacle: Obstacle, twist: Twist) -> Error {
+        let rule = match obstacle {
+            Obstacle::Slip { bank, slip } => {
+                let names: Vec<_> = self.banks[bank]
                     .wheels
                     .iter()
                     .map(|&i| format!("{:?}", self.wheels()[i].name))
                     .collect();
-                let rule = format!(
+                format!(
                     "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
                      project() finds a twist that does not)",
                     names.join(", "),
                     number(slip)
-                );
-                return Err(infeasible(rule, twist));
+                )
             }
-        }
-        for (joint, &i) in self.steered().iter().enumerate() {
-            let rate = steering_rates.map_or(0.0, |rates| rates[joint]);
-            self.check_steering(i, twist, rate, tolerance)?;
-        }
-        Ok(())
+            Obstacle::Range { wheel, angle, slip } => {
+                let wheel = &self.wheels()[wheel];
+                let range = wheel.steering().unwrap_or_default();
+                format!(
+                    "let wheel {:?} steer within {range} rad (at {} rad it would slide at {} m/s; \
+                     project() finds a twist that does not)",
+                    wheel.name,
+                    number(angle),
+                    number(slip)
+                )
+            }
+        };
+        infeasible(rule, twist)
     }
 
     /// Fails unless the twist and every wheel speed are finite; a bound of the fastest pivot's speed [m/s].
@@ -146,39 +198,27 @@ impl Rover {
         }
     }
 
-    /// Fails if the wheel cannot steer to where the twist wants it.
-    fn check_steering(
-        &self,
-        i: usize,
-        twist: Twist,
-        rate: f64,
-        tolerance: f64,
-    ) -> Result<(), Error> {
+    /// Whether the wheel cannot steer to where the twist wants it.
+    fn out_of_range(&self, i: usize, twist: Twist, rate: f64, tolerance: f64) -> Option<Obstacle> {
         let wheel = &self.wheels()[i];
         let Mount::Steered(range, heading) = self.mounts[i] else {
-            return Ok(());
+            return None;
         };
         if range.is_full() && wheel.trail == 0.0 {
-            return Ok(());
+            return None;
         }
         let choice = wheel.choice(range, heading, twist, rate, 0.0);
         let angle = choice.command(choice.nearest()).angle;
         let at_an_end = angle == range.lower || angle == range.upper;
         if !at_an_end && wheel.trail == 0.0 {
-            return Ok(());
+            return None;
         }
         let slip = wheel.side_slip(angle, twist, rate).abs();
-        if slip <= tolerance {
-            return Ok(());
-        }
-        let rule = format!(
-            "let wheel {:?} steer within {range} rad (at {} rad it would slide at {} m/s; \
-             project() finds a twist that does not)",
-            wheel.name,
-            number(angle),
-            number(slip)
-        );
-        Err(infeasible(rule, twist))
+        (slip > tolerance).then_some(Obstacle::Range {
+            wheel: i,
+            angle,
+            slip,
+        })
     }
 
     /// Bound of the speed of every pivot and contact, to a factor of two [m/s].
@@ -204,15 +244,15 @@ impl Rover {
 
     /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
-        match self.check(twist, None) {
-            Ok(()) => return Ok(twist),
-            Err(error) if error.kind == ErrorKind::Value => return Err(error),
-            Err(_) => {}
+        let fastest = self.check_speeds(twist, None)?;
+        if self
+            .obstacle(twist, None, SLIP_TOLERANCE * fastest)
+            .is_none()
+        {
+            return Ok(twist);
         }
-        let speed = (Vector3::x(), twist.vx);
-        let yaw_rate = (Vector3::z(), twist.omega);
-        let nearest = |kept: &[Condition]| {
-            self.nearest(twist, kept).ok_or_else(|| {
+        let nearest = |keep: Keep| {
+            self.nearest(twist, keep).ok_or_else(|| {
                 let kept = if keep == Keep::Speed {
                     "speed"
                 } else {
@@ -225,130 +265,41 @@ impl Rover {
             })
         };
         match keep {
-            Keep::Speed => nearest(&[speed]).map(|found| Twist {
+            Keep::Speed => nearest(keep).map(|found| Twist {
                 vx: twist.vx,
                 ..found
             }),
-            Keep::YawRate => nearest(&[yaw_rate]).map(|found| Twist {
+            Keep::YawRate => nearest(keep).map(|found| Twist {
                 omega: twist.omega,
                 ..found
             }),
-            Keep::Nearest => nearest(&[]),
-            Keep::Curvature => match self.nearest(twist, &[speed, yaw_rate]) {
+            Keep::Nearest => nearest(keep),
+            Keep::Curvature => match self.nearest(twist, keep) {
                 Some(found) => Ok(Twist {
                     vy: found.vy,
                     ..twist
                 }),
-                None => nearest(&[]).map(|found| shrink(found, twist)),
+                None => nearest(Keep::Nearest).map(|found| shrink(found, twist)),
             },
         }
     }
 
-    /// The nearest point of the admissible set under linear conditions.
-    ///
-    /// It lies inside one of the set's faces, and is there the orthogonal projection onto the planes that
-    /// meet in that face: all of them are tried.
-    fn nearest(&self, wanted: Twist, kept: &[Condition]) -> Option<Twist> {
-        let mut conditions: Vec<Condition> = self
-            .banks
-            .iter()
-            .map(|bank| (bank.row, 0.0))
-            .chain(kept.iter().copied())
-            .collect();
-        let limits = self.limit_rows();
-        let mut best: Option<(f64, Twist)> = None;
-        let mut attempt = |conditions: &[Condition]| {
-            let Some(found) = self.closest(wanted, conditions) else {
-                return;
-            };
-            let change = Vector3::from(found) - Vector3::from(wanted);
-            let distance = change.dot(&(self.metric * change));
-            let better = best.is_none_or(|(least, _)| distance < least);
-            if better && self.check(found, None).is_ok() {
-                best = Some((distance, found));
-            }
-        };
-        attempt(&conditions);
-        for (k, &first) in limits.iter().enumerate() {
-            conditions.push((first, 0.0));
-            attempt(&conditions);
-            for &second in &limits[k + 1..] {
-                conditions.push((second, 0.0));
-                attempt(&conditions);
-                conditions.pop();
-            }
-            conditions.pop();
-        }
-        if kept.iter().all(|(_, value)| *value == 0.0) {
-            attempt(&[
-                (Vector3::x(), 0.0),
-                (Vector3::y(), 0.0),
-                (Vector3::z(), 0.0),
-            ]);
-        }
-        best.map(|(_, twist)| twist)
-    }
-
-    /// The planes on which a steered wheel rolls exactly at an end of its range.
-    fn limit_rows(&self) -> Vec<Vector3<f64>> {
-        let ends = |&i: &usize| {
+    /// The planes on which a steered wheel rolls exactly at an end of its range, with its joint.
+    fn limit_planes(&self) -> Vec<(usize, [Vector3<f64>; 2])> {
+        let ends = |(joint, &i): (usize, &usize)| {
             let wheel = &self.wheels()[i];
             let range = wheel
                 .steering()
-                .filter(|range| !range.is_full() || wheel.trail != 0.0);
+                .filter(|range| !range.is_full() || wheel.trail != 0.0)?;
             let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
-            range.map_or_else(Vec::new, |range| vec![row(range.lower), row(range.upper)])
+            Some((joint, [row(range.lower), row(range.upper)]))
         };
-        self.steered().iter().flat_map(ends).collect()
+        self.steered().iter().enumerate().filter_map(ends).collect()
     }
 
-    /// The point nearest to a twist where all conditions hold, if they agree.
-    fn closest(&self, wanted: Twist, conditions: &[Condition]) -> Option<Twist> {
-        // With metric = L Lᵀ and t = t0 + L⁻ᵀ y, the distance is |y|.
-        let to_twist = Cholesky::new(self.metric)?.l().transpose().try_inverse()?;
-        let mut normal = Matrix3::zeros();
-        let mut gradient = Vector3::zeros();
-        let scaled: Vec<Condition> = conditions
-            .iter()
-            .map(|(row, value)| {
-                let row = to_twist.transpose() * row;
-                let length = row.norm();
-                (row / length, value / length)
-            })
-            .collect();
-        for (row, _) in &scaled {
-            normal += row * row.transpose();
-        }
-        let inverse = Jacobi::new(&normal).inverse(INDEPENDENT);
-        let start = to_twist.try_inverse()? * Vector3::from(wanted);
-        let mut point = start;
-        // The second round removes the rounding of the first, which is of the size of the wanted twist.
-        for _ in 0..2 {
-            gradient.fill(0.0);
-            for (row, value) in &scaled {
-                gradient += row * (value - row.dot(&point));
-            }
-            point += inverse * gradient;
-        }
-        let size = start.amax();
-        let agree = scaled
-            .iter()
-            .all(|(row, value)| (row.dot(&point) - value).abs() <= 1e-9 * size);
-        // What is left of a component that vanishes is rounding, and rounding has no direction.
-        let snap = |value: f64, length: f64| {
-            if value.abs() * length <= VANISHED * size {
-                0.0
-            } else {
-                value
-            }
-        };
-        let point = to_twist * point;
-        let found = [
-            snap(point.x, 1.0),
-            snap(point.y, 1.0),
-            snap(point.z, self.size),
-        ];
-        agree.then(|| Twist::from(found))
+    fn limit_rows(&self) -> Vec<Vector3<f64>> {
+        let planes = self.limit_planes();
+        planes.into_iter().flat_map(|(_, rows)| rows).collect()
     }
 
     /// Smallest radius from which on every turn is possible, and largest up to which every one is.
@@ -361,7 +312,7 @@ impl Rover {
         // Turning about P + R n, P = m e the foot of the origin: R times straight plus one turn about P.
         let straight = Vector3::new(line.y, -line.x, 0.0);
         let spin = Vector3::new(-line.z * line.x, -line.z * line.y, 1.0);
-        let possible = |twist: Vector3<f64>| self.check(Twist::from(twist), None).is_ok();
+        let possible = |twist: Vector3<f64>| self.is_possible(twist.into());
         let mut ends: Vec<f64> = self
             .limit_rows()
             .iter()

@@ -12,6 +12,8 @@ pub enum ErrorKind {
     Infeasible,
     /// The readings do not determine the twist.
     Underdetermined,
+    /// What was asked for does not fit into memory.
+    Memory,
 }
 
 /// "`argument` must `rule`, got `value`": what every failure of this crate says.

@@ -451,7 +451,7 @@ impl Rover {
     }
 
     /// Rank and smallest singular value of the stacked rows.
-    fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
+    pub(crate) fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
         let rows = readings.iter().zip(weights).flat_map(|(reading, weight)| {
             let root = weight.sqrt();
             [reading.rolling * root, reading.side_slip * root]

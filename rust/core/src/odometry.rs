@@ -241,6 +241,9 @@ impl Odometry {
 
     #[inline]
     fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+        self.history
+            .make_room(sample.stamp)
+            .map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
             Some(slips) => Ok(self.conclude(&sample, Health::SLIP.when(slips), None)),
             None => self.take_any(sample),

@@ -1,8 +1,12 @@
 //! A rover is a list of wheels, checked once; from it follow layout, inverse kinematics and the named layouts.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+use crate::admissible::faces::Faces;
 use crate::batch;
+use crate::batch::Cone;
 use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
@@ -59,6 +63,10 @@ pub struct Rover {
     pub(crate) single_forward: Option<batch::one_row::forward::Plan>,
     min_radius: f64,
     spin_radius: f64,
+    /// The admissible twists as registers judge them, where they do.
+    pub(crate) cone: Option<Cone>,
+    /// Made when they are first asked for: many rovers are never asked to project.
+    faces: OnceLock<Faces>,
 }
 
 impl PartialEq for Rover {
@@ -130,8 +138,11 @@ impl Rover {
             single_forward: None,
             min_radius: 0.0,
             spin_radius: f64::INFINITY,
+            cone: None,
+            faces: OnceLock::new(),
         };
         rover.solution = rover.constant_solution();
+        rover.cone = Cone::new(&rover);
         (rover.min_radius, rover.spin_radius) = rover.turning_limits();
         rover.single = batch::one_row::inverse::Plan::new(&rover);
         rover.single_forward = batch::one_row::forward::Plan::new(&rover);
@@ -146,6 +157,16 @@ impl Rover {
     /// Indices of the steered wheels, in the order of the steering arrays.
     pub fn steered(&self) -> &[usize] {
         &self.steered
+    }
+
+    /// The admissible twists as registers judge them, where these say it all.
+    pub(crate) fn whole_cone(&self) -> Option<&Cone> {
+        self.cone.as_ref().filter(|cone| cone.is_whole)
+    }
+
+    /// The faces of the admissible set.
+    pub(crate) fn faces(&self) -> &Faces {
+        self.faces.get_or_init(|| Faces::new(self))
     }
 
     /// The lines on which the fixed wheels allow the centre of rotation.

@@ -10,7 +10,7 @@ pub(crate) const ANGLE_TOLERANCE: f64 = 1e-9;
 
 /// A wheel whose two ways differ by less than this is undecided: it goes with the other undecided wheels,
 /// so that angles on either side of a quarter turn do not split the rover [rad].
-const UNDECIDED: f64 = 10.0 * PI / 180.0;
+pub(crate) const UNDECIDED: f64 = 10.0 * PI / 180.0;
 
 /// Angles a steered wheel can take, counted from its heading [rad].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -115,6 +115,13 @@ impl Cell {
         [self.along + self.twist * b, self.across + self.twist * a]
     }
 
+    /// Height of the highest corner, which no point of the cell is above [m].
+    #[inline]
+    pub fn highest(&self) -> f64 {
+        let opposite = self.along + self.across + self.twist;
+        self.h00 + self.along.max(self.across).max(opposite).max(0.0)
+    }
+
     /// Whether all four corners are known.
     #[inline]
     pub fn is_known(&self) -> bool {
@@ -265,19 +272,22 @@ impl Terrain {
         [cos * u - sin * v, sin * u + cos * v]
     }
 
-    /// A cell by its lowest column and row; these are at most the number of columns and rows less 2.
+    /// Heights of a cell's corners by its lowest column and row, which are at most the number of columns and rows
+    /// less 2: there, a column on, a row on, both [m].
+    #[inline]
+    pub fn corners(&self, column: usize, row: usize) -> [f64; 4] {
+        let k = row * self.columns + column;
+        let places = [k, k + 1, k + self.columns, k + self.columns + 1];
+        match &self.heights {
+            Heights::Double(heights) => places.map(|k| heights[k]),
+            Heights::Single(heights) => places.map(|k| f64::from(heights[k])),
+        }
+    }
+
+    /// A cell by its lowest column and row, as for [`Self::corners`].
     #[inline]
     pub fn cell(&self, column: usize, row: usize) -> Cell {
-        let k = row * self.columns + column;
-        let (h00, h10, h01, h11) = match &self.heights {
-            Heights::Double(h) => (h[k], h[k + 1], h[k + self.columns], h[k + self.columns + 1]),
-            Heights::Single(h) => (
-                f64::from(h[k]),
-                f64::from(h[k + 1]),
-                f64::from(h[k + self.columns]),
-                f64::from(h[k + self.columns + 1]),
-            ),
-        };
+        let [h00, h10, h01, h11] = self.corners(column, row);
         Cell {
             h00,
             along: h10 - h00,

@@ -103,7 +103,7 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
             assert_eq!(taken(fit), 0, "{method:?}");
         }
         assert_eq!(taken(|| rover.check(TWIST, None)), 0);
-        assert_eq!(taken(|| batch::check_one(&rover, TWIST)), 0);
+        assert_eq!(taken(|| batch::admissible_one(&rover, TWIST)), 0);
         assert_eq!(taken(|| rover.project(TWIST, Keep::Curvature)), 0);
         assert_eq!(
             taken(|| batch::project_one(&rover, TWIST, Keep::Curvature)),

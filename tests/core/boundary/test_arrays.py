@@ -258,7 +258,7 @@ def wheel(name="w", x=0.0, y=0.0, **keywords):
             lambda: ROVER.forward(STEERING, SPEEDS[:2]),
             r"steering must have shape \(2, 4\), got shape \(5, 4\)",
         ),
-        (lambda: ROVER.inverse(TWISTS, previous=STEERING[0]), r"previous must have shape \(5, 4\)"),
+        (lambda: ROVER.inverse(TWISTS, previous=STEERING[:2]), r"previous must have shape \(5, 4\)"),
         (lambda: ROVER.inverse(TWISTS[0], previous=[math.nan] * 4), "previous must be finite"),
         (lambda: ROVER.forward(STEERING[0], [1e308] * 6), "speeds must be small enough for a finite twist"),
     ],

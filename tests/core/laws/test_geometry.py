@@ -119,13 +119,19 @@ BAD = [
     (lambda: sw.integrate([(1e308, 0, 0)] * 3, 10.0), r"twists\[0\] must keep the pose finite over its step"),
     (lambda: sw.integrate([(1, 0, 0)], 0.1, (0, 0)), r"start must have shape \(..., 3\), got shape \(2,\)"),
     (lambda: sw.integrate([(1, 0, 0)], 0.1, (0, 0, math.inf)), "start must be finite"),
-    (lambda: sw.integrate([(1, 0, 0)], 0.1, [(0, 0, 0)] * 2), "start must be one pose or have leading axes"),
+    (
+        lambda: sw.integrate([[(1, 0, 0)]] * 3, 0.1, [(0, 0, 0)] * 2),
+        "start must be one pose or have leading axes",
+    ),
     (lambda: sw.integrate([(1, 0, 0)], "0.1"), "dt must be real numbers, got dtype <U3"),
     (lambda: sw.differentiate(np.empty((0, 3)), 0.1), "poses must hold at least one pose"),
     (lambda: sw.differentiate((0, 0, 0), 0.1), r"poses must have shape \(n \+ 1, 3\)"),
     (lambda: sw.differentiate([(0, 0, 0), (math.nan, 0, 0)], 0.1), r"poses\[1\] must be finite"),
     (lambda: sw.exp((1, 0, 0), -1.0), "dt must be finite and positive, got -1.0"),
-    (lambda: sw.compose((0, 0, 0), [(0, 0, 0)]), r"second must have shape \(3,\), got shape \(1, 3\)"),
+    (
+        lambda: sw.compose([(0, 0, 0)] * 3, [(0, 0, 0)] * 2),
+        r"second must have shape \(3, 3\), got shape \(2, 3\)",
+    ),
     (lambda: sw.wrap_angle(math.nan), "angle must be finite"),
 ]
 

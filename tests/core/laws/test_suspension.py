@@ -376,7 +376,10 @@ def test_no_rows_give_no_rows():
         (lambda: ROCKY.frames(0.0, 0.0), r"beta must have shape \(\.\.\., 2\), got a number"),
         (lambda: ROCKY.frames([0.0] * 3, [(0, 0)] * 2), r"rho must be one number or have shape \(2,\), got"),
         (lambda: ROCKY.frames(0.0, (0, 0), (0, 0, 0, 0)), r"psi must have shape \(\.\.\., 2\), got"),
-        (lambda: ROCKY.frames(0.0, [(0, 0)] * 3, (0, 0)), r"psi must have shape \(3, 2\), got shape \(2,\)"),
+        (
+            lambda: ROCKY.frames(0.0, [(0, 0)] * 3, [(0, 0)] * 2),
+            r"psi must have shape \(3, 2\), got shape \(2, 2\)",
+        ),
         (lambda: ROCKY.frames(math.nan, (0, 0)), r"rho must be finite, got nan"),
         (lambda: ROCKY.frames(math.inf, [(0, 0)] * 2), r"rho must be finite, got inf"),
         (lambda: ROCKY.frames([0, math.nan], [(0, 0)] * 2), r"rho\[1\] must be finite, got nan"),
@@ -387,7 +390,10 @@ def test_no_rows_give_no_rows():
         (lambda: ROCKY.icr_offset(0.0, [[(0, 0), (0, math.nan)]]), r"beta\[0, 1\] must be finite"),
         (lambda: ROCKY.steer(math.nan, 0, 0, (0, 0)), r"speed must be finite, got nan"),
         (lambda: ROCKY.steer(0, [0, math.inf], 0, [(0, 0)] * 2), r"yaw_rate\[1\] must be finite, got inf"),
-        (lambda: ROCKY.steer([1, 2], 0, 0, (0, 0)), r"speed must be one number or have shape \(\), got"),
+        (
+            lambda: ROCKY.steer([1, 2], 0, 0, [(0, 0)] * 3),
+            r"speed must be one number or have shape \(3,\), got",
+        ),
         (lambda: ROCKY.steer(1, 0, 0, (0, 0), previous=(0,)), r"previous must have shape"),
         (lambda: ROCKY.steer(1, 0, 0, (0, 0), previous=(0, math.nan)), r"previous must be finite"),
         (lambda: ROCKY.frames("0.1", (0, 0)), r"rho must be real numbers"),

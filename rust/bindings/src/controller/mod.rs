@@ -6,7 +6,6 @@ mod quick;
 pub mod run;
 
 use std::str::FromStr;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -18,6 +17,7 @@ use crate::controller::output::ControllerOutput;
 use crate::controller::run::ControllerRun;
 use crate::convert::{Rows, number, raise};
 use crate::rover::Rover;
+use crate::shared::Shared;
 
 pub use quick::install;
 
@@ -25,7 +25,8 @@ pub use quick::install;
 ///
 /// Every output has one centre of rotation. While only the speed changes, or a limit slows the rover down, the
 /// curvature stays. A command the rover cannot follow at once is approached as fast as the limits allow; `reasons`
-/// says which of them does. Time is given, never read. Any thread may call any method.
+/// says which of them does. Time is given, never read. Any thread may call any method: it waits while another one is at
+/// work.
 ///
 /// Parameters
 /// ----------
@@ -63,17 +64,10 @@ pub use quick::install;
 ///     If an option makes no sense, or a limit does not for this rover.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Controller {
-    core: Mutex<Core>,
+    core: Shared<Core>,
     rover: Py<Rover>,
     joints: usize,
     wheels: usize,
-}
-
-impl Controller {
-    /// The state, whoever else is at it. A panic of theirs cannot have left it half changed: steps do not panic.
-    fn lock(&self) -> MutexGuard<'_, Core> {
-        self.core.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 #[pymethods]
@@ -121,7 +115,7 @@ impl Controller {
             }
         });
         Ok(Self {
-            core: Mutex::new(core.map_err(|error| raise(error, &[]))?),
+            core: Shared::new(core.map_err(|error| raise(error, &[]))?),
             wheels: rover.get().count(),
             rover: rover.unbind(),
             joints,
@@ -155,6 +149,7 @@ impl Controller {
     #[pyo3(signature = (twist, stamp, mode=None))]
     fn command(
         &self,
+        py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
         mode: Option<&str>,
@@ -164,7 +159,8 @@ impl Controller {
         let stamp = number("stamp", stamp)?;
         let mode = mode.map(Mode::from_str).transpose();
         let twist = Twist::from(twists.triples()[0]);
-        let taken = mode.and_then(|mode| self.lock().command(twist, stamp, mode));
+        let mut core = self.core.lock(py)?;
+        let taken = mode.and_then(|mode| core.command(twist, stamp, mode));
         taken.map_err(|error| raise(error, &[]))
     }
 
@@ -190,12 +186,13 @@ impl Controller {
     #[pyo3(signature = (now, measured=None))]
     fn step(
         &self,
+        py: Python<'_>,
         now: &Bound<'_, PyAny>,
         measured: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<ControllerOutput> {
         let now = number("now", now)?;
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
-        let mut core = self.lock();
+        let mut core = self.core.lock(py)?;
         core.step(now, measured.as_ref().map(Rows::flat))
             .map_err(|error| raise(error, &[]))?;
         Ok(ControllerOutput::of(&core))
@@ -234,8 +231,9 @@ impl Controller {
     }
 
     /// Back to where it was when it was made: at rest, without a command and with the clock stopped.
-    fn reset(&self) {
-        self.lock().reset();
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.core.lock(py)?.reset();
+        Ok(())
     }
 
     /// What is driven.
@@ -246,43 +244,44 @@ impl Controller {
 
     /// What its motion may not exceed.
     #[getter]
-    fn limits(&self) -> Limits {
-        Limits(*self.lock().limits())
+    fn limits(&self, py: Python<'_>) -> PyResult<Limits> {
+        Ok(Limits(*self.core.lock(py)?.limits()))
     }
 
     /// The motion commanded by the last step, ``[vx, vy, omega]``, shape (3,).
     #[getter]
-    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &<[f64; 3]>::from(self.lock().twist()))
+    fn twist<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let twist = self.core.lock(py)?.twist();
+        Ok(PyArray1::from_slice(py, &<[f64; 3]>::from(twist)))
     }
 
     /// The steering angles commanded by the last step [rad], shape (steered wheels,).
     #[getter]
-    fn steering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.lock().steering())
+    fn steering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, self.core.lock(py)?.steering()))
     }
 
     /// Time of the last step [s], or None.
     #[getter]
-    fn now(&self) -> Option<f64> {
-        self.lock().now()
+    fn now(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        Ok(self.core.lock(py)?.now())
     }
 
     /// Whether body and joints stand still.
     #[getter]
-    fn stopped(&self) -> bool {
-        self.lock().stopped()
+    fn stopped(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.stopped())
     }
 
     /// How far the body's origin moves, at most, if a stop begins with the next step [m].
     #[getter]
-    fn stopping_distance(&self) -> f64 {
-        self.lock().stopping_distance()
+    fn stopping_distance(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.core.lock(py)?.stopping_distance())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let rover = self.rover.bind(py).repr()?;
-        let core = self.lock();
+        let core = self.core.lock(py)?;
         let (options, usual) = (core.options(), Options::default());
         let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).text());
         if options.timeout != usual.timeout {

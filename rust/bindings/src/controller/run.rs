@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use six_wheel_core::controller::Steps;
 
 use super::Controller;
-use crate::convert::{Output, Rows, Scalars, compute, raise};
+use crate::convert::{Output, Rows, Scalars, compute, memory, raise};
 
 /// What the steps of `Controller.run` command, one row a step.
 #[pyclass(frozen, module = "six_wheel")]
@@ -43,10 +43,10 @@ impl ControllerRun {
         let twists = Rows::read("twists", twists, 3)?;
         twists.check_leading("twists", &[commands])?;
 
-        let output = |width| Output::new(py, "out", None, &[count, width], &[]);
+        let output = |width| Output::fresh(py, &[count, width]);
         let (mut steering, mut rates) = (output(controller.joints)?, output(controller.joints)?);
         let (mut speeds, mut motions) = (output(controller.wheels)?, output(3)?);
-        let mut reasons = vec![0; count];
+        let mut reasons = memory::filled(0, count)?;
         let steps = Steps {
             steering: steering.flat(),
             steering_rates: rates.flat(),
@@ -55,11 +55,10 @@ impl ControllerRun {
             reasons: &mut reasons,
         };
         let (stamps, twists, times) = (stamps.flat(), twists.triples(), times.flat());
-        // Whoever waits for the controller holds the interpreter: it is let go before that is asked for again.
-        compute(py, count, || {
-            controller.lock().run(stamps, twists, times, steps)
-        })
-        .map_err(|error| raise(error, &[count.max(commands)]))?;
+        let mut guard = controller.core.lock(py)?;
+        let core = &mut *guard;
+        compute(py, count, || core.run(stamps, twists, times, steps))
+            .map_err(|error| raise(error, &[count.max(commands)]))?;
         let array = |output: Output<'py>| Ok::<_, PyErr>(output.finish()?.into_any().unbind());
         Ok(Self {
             steering: array(steering)?,

@@ -1,76 +1,59 @@
 //! Arguments on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
-use std::cell::OnceCell;
-
-use numpy::{
-    PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
-};
+use numpy::npyffi::PyArrayObject;
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
-use six_wheel_core::batch::{Durations, Table};
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
+use six_wheel_core::batch::Table;
 use six_wheel_core::error::finite;
 use six_wheel_core::geometry::Steps;
 
+use super::broadcast::Broadcast;
+use super::memory::{self, Held};
 use super::strided::Strided;
-use super::{ArgumentTypeError, Array, joined, numpy, raise, refuse, shape_text};
+use super::{ArgumentTypeError, joined, numpy, raise, refuse, shape_text};
 
-/// Rows of numbers: leading axes are samples, the last axis has meaning.
+/// Numbers from which an array in another form is read block by block.
+const MANY: usize = 1 << 15;
+
+/// How deep lists are looked through for arrays with a mask.
+pub const DEEP: usize = 8;
+
+/// The numbers of an array that is C-contiguous, aligned and of native `f64`, as they were when it was read:
+/// whatever becomes of the array object, they stay where they are.
+struct Memory<'py> {
+    data: *const f64,
+    count: usize,
+    array: Bound<'py, PyUntypedArray>,
+    _held: Held,
+}
+
+impl Memory<'_> {
+    fn numbers(&self) -> &[f64] {
+        if self.count == 0 {
+            return &[];
+        }
+        // SAFETY: so many aligned numbers were there when the array was read; it is held, and with it its memory.
+        // No kernel writes to it (`memory`).
+        unsafe { std::slice::from_raw_parts(self.data, self.count) }
+    }
+}
+
+enum Data<'py> {
+    Three([f64; 3]),
+    Array(Memory<'py>),
+    Owned(Vec<f64>),
+}
+
+/// Rows of numbers, one after the other: leading axes are samples, the last axis has meaning.
 pub struct Rows<'py> {
     data: Data<'py>,
     /// Lengths of the leading axes.
     pub leading: Vec<usize>,
     width: usize,
-    /// The caller's array, if it came as one.
-    pub source: Option<Bound<'py, PyUntypedArray>>,
-}
-
-enum Data<'py> {
-    Three([f64; 3]),
-    Array(Numbers<'py>),
-    Owned(Vec<f64>),
-}
-
-/// The numbers of an array.
-enum Numbers<'py> {
-    /// As the kernels take them.
-    Borrowed(PyReadonlyArrayDyn<'py, f64>),
-    /// To be read a block at a time, or all at once where that is asked for.
-    Strided {
-        strided: Strided,
-        all: OnceCell<Vec<f64>>,
-        /// Keeps the memory.
-        _array: Bound<'py, PyUntypedArray>,
-        _borrow: Option<PyReadonlyArrayDyn<'py, f64>>,
-    },
-}
-
-/// Numbers from which an array in another form is read block by block.
-const MANY: usize = 1 << 15;
-
-impl Numbers<'_> {
-    fn shape(&self) -> &[usize] {
-        match self {
-            Self::Borrowed(array) => array.shape(),
-            Self::Strided { _array, .. } => _array.shape(),
-        }
-    }
-
-    /// All of them, row after row.
-    fn flat(&self) -> &[f64] {
-        match self {
-            // Contiguity was established on reading: an empty slice cannot come of it.
-            Self::Borrowed(array) => array.as_slice().unwrap_or_default(),
-            Self::Strided { strided, all, .. } => all.get_or_init(|| strided.all()),
-        }
-    }
-
-    fn table(&self) -> Table<'_> {
-        match self {
-            Self::Strided { strided, .. } => Table::Read(strided),
-            Self::Borrowed(_) => Table::Flat(self.flat()),
-        }
-    }
 }
 
 impl<'py> Rows<'py> {
@@ -83,32 +66,18 @@ impl<'py> Rows<'py> {
                 data: Data::Three(three),
                 leading: Vec::new(),
                 width,
-                source: None,
             });
         }
-        let array = read_array(argument, value)?;
-        let Some((last, leading)) = array.shape().split_last() else {
-            return Err(refuse(
-                argument,
-                &format!("have shape (..., {width})"),
-                "a number",
-            ));
-        };
-        if *last != width {
-            let got = format!("shape {}", shape_text(array.shape()));
-            return Err(refuse(
-                argument,
-                &format!("have shape (..., {width})"),
-                &got,
-            ));
-        }
-        let leading = leading.to_vec();
-        let source = value.cast::<PyUntypedArray>().ok().cloned();
+        Self::of(argument, &read_array(argument, value)?, width)
+    }
+
+    /// The rows of an array of real numbers.
+    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
+        let leading = leading(argument, array, width)?;
         Ok(Self {
-            data: Data::Array(array),
+            data: Data::Array(contiguous(argument, array)?),
             leading,
             width,
-            source,
         })
     }
 
@@ -149,16 +118,8 @@ impl<'py> Rows<'py> {
     pub fn flat(&self) -> &[f64] {
         match &self.data {
             Data::Three(three) => three,
-            Data::Array(numbers) => numbers.flat(),
+            Data::Array(memory) => memory.numbers(),
             Data::Owned(values) => values,
-        }
-    }
-
-    /// All numbers, for the batches: those of a large array in another form are read block by block.
-    pub fn table(&self) -> Table<'_> {
-        match &self.data {
-            Data::Array(numbers) => numbers.table(),
-            _ => Table::Flat(self.flat()),
         }
     }
 
@@ -186,13 +147,16 @@ impl<'py> Rows<'py> {
     }
 
     /// Other triples in place of these.
-    pub fn mapped(self, map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Self {
+    pub fn mapped(self, map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> PyResult<Self> {
         let rows = self.triples().iter().enumerate();
-        let mapped = rows.flat_map(|(k, row)| map(k, *row)).collect();
-        Self {
+        let mut mapped = memory::room(self.flat().len())?;
+        for (k, row) in rows {
+            mapped.extend(map(k, *row));
+        }
+        Ok(Self {
             data: Data::Owned(mapped),
             ..self
-        }
+        })
     }
 
     /// Number of rows.
@@ -204,20 +168,171 @@ impl<'py> Rows<'py> {
     pub fn is_single(&self) -> bool {
         self.leading.is_empty()
     }
+}
+
+impl Broadcast for Rows<'_> {
+    fn leading(&self) -> &[usize] {
+        &self.leading
+    }
+
+    fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
+        joined(leading, self.width)
+    }
+
+    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+        let shape = joined(leading, self.width);
+        if let Data::Array(memory) = &self.data {
+            let wide = spread(&memory.array, &joined(&self.leading, self.width), &shape)?;
+            *self = Self::of(argument, &wide, self.width)?;
+            return Ok(());
+        }
+        // What is no array is one row.
+        let row = self.flat();
+        let mut all = memory::room(memory::count(&shape)?)?;
+        for _ in 0..leading.iter().product() {
+            all.extend_from_slice(row);
+        }
+        self.data = Data::Owned(all);
+        self.leading = leading.to_vec();
+        Ok(())
+    }
+}
+
+/// Rows that need not be one after the other: those of a large array in another form are read block by block.
+pub enum Blocks<'py> {
+    /// As the kernels take them.
+    Flat(Rows<'py>),
+    /// To be read a block at a time.
+    Strided {
+        strided: Strided,
+        leading: Vec<usize>,
+        width: usize,
+        /// Keeps the memory.
+        array: Bound<'py, PyUntypedArray>,
+        _held: Held,
+    },
+}
+
+impl<'py> Blocks<'py> {
+    /// As [`Rows::read`].
+    pub fn read(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        if width == 3 && three_numbers(value).is_some() {
+            return Rows::read(argument, value, width).map(Self::Flat);
+        }
+        Self::of(argument, &read_array(argument, value)?, width)
+    }
+
+    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
+        if array.len() >= MANY
+            && !is_flat(array)
+            && let Some(strided) = Strided::of(array)
+        {
+            return Ok(Self::Strided {
+                strided,
+                leading: leading(argument, array, width)?,
+                width,
+                array: array.clone(),
+                _held: memory::read(argument, array)?,
+            });
+        }
+        Rows::of(argument, array, width).map(Self::Flat)
+    }
+
+    /// Lengths of the leading axes.
+    pub fn leading(&self) -> &[usize] {
+        match self {
+            Self::Flat(rows) => &rows.leading,
+            Self::Strided { leading, .. } => leading,
+        }
+    }
+
+    fn width(&self) -> usize {
+        match self {
+            Self::Flat(rows) => rows.width,
+            Self::Strided { width, .. } => *width,
+        }
+    }
+
+    /// Lengths of all axes.
+    pub fn shape(&self) -> Vec<usize> {
+        joined(self.leading(), self.width())
+    }
+
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        self.leading().iter().product()
+    }
+
+    /// All numbers, for the batches.
+    pub fn table(&self) -> Table<'_> {
+        match self {
+            Self::Flat(rows) => Table::Flat(rows.flat()),
+            Self::Strided { strided, .. } => Table::Read(strided),
+        }
+    }
+
+    /// All of them one after the other, in a copy where they are not.
+    pub fn flat(self, argument: &str) -> PyResult<Rows<'py>> {
+        match self {
+            Self::Flat(rows) => Ok(rows),
+            Self::Strided { array, width, .. } => Rows::of(argument, &array, width),
+        }
+    }
+
+    /// The array that is read, if one is.
+    fn array(&self) -> Option<&Bound<'py, PyUntypedArray>> {
+        match self {
+            Self::Flat(Rows {
+                data: Data::Array(memory),
+                ..
+            }) => Some(&memory.array),
+            Self::Strided { array, .. } => Some(array),
+            Self::Flat(_) => None,
+        }
+    }
 
     /// Lets go of the caller's array by copying it, so that the array may also be written to.
-    pub fn release_if(&mut self, array: &Bound<'py, PyAny>) {
-        if self.source.as_ref().is_some_and(|source| source.is(array)) {
-            self.data = Data::Owned(self.flat().to_vec());
-            self.source = None;
+    pub fn release_if(&mut self, written: &Bound<'py, PyAny>) -> PyResult<()> {
+        if !self.array().is_some_and(|array| array.is(written)) {
+            return Ok(());
         }
+        let numbers = match self {
+            Self::Flat(rows) => memory::gathered(rows.flat().iter().copied())?,
+            Self::Strided { strided, .. } => strided.all()?,
+        };
+        *self = Self::Flat(Rows {
+            data: Data::Owned(numbers),
+            leading: self.leading().to_vec(),
+            width: self.width(),
+        });
+        Ok(())
+    }
+}
+
+impl Broadcast for Blocks<'_> {
+    fn leading(&self) -> &[usize] {
+        self.leading()
+    }
+
+    fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
+        joined(leading, self.width())
+    }
+
+    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+        if let Some(array) = self.array() {
+            let wide = spread(array, &self.shape(), &self.shape_over(leading))?;
+            *self = Self::of(argument, &wide, self.width())?;
+        } else if let Self::Flat(rows) = self {
+            rows.spread(argument, leading)?;
+        }
+        Ok(())
     }
 }
 
 /// One number, or one per row.
 pub struct Scalars<'py> {
     one: f64,
-    each: Option<Numbers<'py>>,
+    each: Option<Memory<'py>>,
     /// The shape: empty for one number.
     pub shape: Vec<usize>,
 }
@@ -232,13 +347,17 @@ impl<'py> Scalars<'py> {
                 shape: Vec::new(),
             });
         }
-        let array = read_array(argument, value)?;
+        Self::of(argument, &read_array(argument, value)?)
+    }
+
+    /// The numbers of an array of real ones.
+    fn of(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Self> {
         let shape = array.shape().to_vec();
-        let one = match shape.is_empty() {
-            true => array.flat().first().copied().unwrap_or_default(),
-            false => 0.0,
+        let memory = contiguous(argument, array)?;
+        let (one, each) = match memory.numbers() {
+            [one] if shape.is_empty() => (*one, None),
+            _ => (0.0, Some(memory)),
         };
-        let each = (!shape.is_empty()).then_some(array);
         Ok(Self { one, each, shape })
     }
 
@@ -246,15 +365,7 @@ impl<'py> Scalars<'py> {
     pub fn steps(&self) -> Steps<'_> {
         match &self.each {
             None => Steps::Constant(self.one),
-            Some(each) => Steps::Each(each.flat()),
-        }
-    }
-
-    /// The numbers as durations, for the batches.
-    pub fn durations(&self) -> Durations<'_> {
-        match &self.each {
-            None => Durations::Constant(self.one),
-            Some(each) => Durations::Each(each.table(), self.shape.iter().product()),
+            Some(each) => Steps::Each(each.numbers()),
         }
     }
 
@@ -267,7 +378,7 @@ impl<'py> Scalars<'py> {
     pub fn flat(&self) -> &[f64] {
         match &self.each {
             None => std::slice::from_ref(&self.one),
-            Some(each) => each.flat(),
+            Some(each) => each.numbers(),
         }
     }
 
@@ -289,17 +400,41 @@ impl<'py> Scalars<'py> {
         ))
     }
 
-    /// Fails unless it is one number or has this shape.
-    pub fn fit(&self, argument: &str, shape: &[usize]) -> PyResult<()> {
-        if self.shape.is_empty() || self.shape == shape {
+    /// Fails unless it is one number or one for each of so many.
+    pub fn fit(&mut self, argument: &str, count: usize) -> PyResult<()> {
+        if self.shape.is_empty() || self.shape == [count] {
             return Ok(());
         }
-        let rule = format!("be one number or have shape {}", shape_text(shape));
+        if self.shape == [1] {
+            return self.spread(argument, &[count]);
+        }
         Err(refuse(
             argument,
-            &rule,
+            &self.rule(&[count]),
             &format!("shape {}", shape_text(&self.shape)),
         ))
+    }
+}
+
+impl Broadcast for Scalars<'_> {
+    fn leading(&self) -> &[usize] {
+        &self.shape
+    }
+
+    fn shape_over(&self, leading: &[usize]) -> Vec<usize> {
+        leading.to_vec()
+    }
+
+    fn rule(&self, leading: &[usize]) -> String {
+        format!("be one number or have shape {}", shape_text(leading))
+    }
+
+    /// One number stays one.
+    fn spread(&mut self, argument: &str, leading: &[usize]) -> PyResult<()> {
+        if let Some(each) = &self.each {
+            *self = Self::of(argument, &spread(&each.array, &self.shape, leading)?)?;
+        }
+        Ok(())
     }
 }
 
@@ -320,7 +455,7 @@ fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     let number = |item: &Bound<'_, PyAny>| {
         if let Ok(float) = item.cast::<PyFloat>() {
             Some(float.value())
-        } else if item.is_instance_of::<PyInt>() && !item.is_instance_of::<PyBool>() {
+        } else if item.is_exact_instance_of::<PyInt>() {
             item.extract().ok()
         } else {
             None
@@ -346,61 +481,153 @@ fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
 }
 
-/// Native `f64`, C-contiguous and aligned: the caller's own memory where it is that already, read block by
-/// block where it is large, a copy otherwise.
-fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Numbers<'py>> {
-    if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
-        && array.is_c_contiguous()
-        && array.is_aligned()
-    {
-        return borrow(argument, array).map(Numbers::Borrowed);
-    }
-    let numpy = numpy(value.py())?;
-    let array = numpy
-        .call_method1(intern!(value.py(), "asarray"), (value,))
-        .map_err(|_| {
-            let kind = value
-                .get_type()
-                .name()
-                .map_or_else(|_| "an object".into(), |n| n.to_string());
-            refuse(
-                argument,
-                "be numbers of one rectangular shape",
-                &format!("a ragged {kind}"),
-            )
-        })?;
-    let dtype = array.getattr(intern!(value.py(), "dtype"))?;
-    let kind: char = dtype.getattr(intern!(value.py(), "kind"))?.extract()?;
-    if !matches!(kind, 'f' | 'i' | 'u') {
+/// What a caller hands over, as an array of real numbers: its own memory, however it is laid out, wherever NumPy
+/// can look at that.
+fn read_array<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = value.py();
+    refuse_masks(argument, value, 0)?;
+    let array = match value.cast::<PyUntypedArray>() {
+        Ok(array) => array.clone(),
+        Err(_) => numpy(py)?
+            .call_method1(intern!(py, "asarray"), (value,))
+            .map_err(|error| not_rectangular(argument, value, error))?
+            .cast_into()?,
+    };
+    let dtype = array.dtype();
+    if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
         let message = format!("{argument} must be real numbers, got dtype {dtype}");
         return Err(ArgumentTypeError::new_err(message));
     }
-    if value.is_instance_of::<PyUntypedArray>()
-        && let Ok(large) = array.cast::<PyUntypedArray>()
-        && large.len() >= MANY
-        && let Some(strided) = Strided::of(large)
-    {
-        let floats = array.cast::<PyArrayDyn<f64>>().ok();
-        return Ok(Numbers::Strided {
-            strided,
-            all: OnceCell::new(),
-            _array: large.clone(),
-            _borrow: floats.map(|array| borrow(argument, array)).transpose()?,
-        });
-    }
-    let array = numpy
-        .call_method1(intern!(value.py(), "require"), (array, "d", ["C", "A"]))
-        .and_then(|array| Ok(array.cast_into::<PyArrayDyn<f64>>()?))?;
-    borrow(argument, &array).map(Numbers::Borrowed)
+    Ok(array)
 }
 
-fn borrow<'py>(argument: &str, array: &Array<'py>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    let busy = |_| {
-        refuse(
-            argument,
-            "not be written to meanwhile",
-            "an array in use as out=",
-        )
+/// What is under a mask is not meant, and would be read all the same.
+pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
+    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = value.py();
+    if let Ok(array) = value.cast::<PyUntypedArray>() {
+        if array.is_exact_instance_of::<PyUntypedArray>() {
+            return Ok(());
+        }
+        let masked = MASKED.get_or_try_init(py, || {
+            let module = py.import("numpy.ma")?;
+            PyResult::Ok(module.getattr("MaskedArray")?.unbind())
+        })?;
+        if value.is_instance(masked.bind(py))? {
+            let message = format!(
+                "{argument} must be without a mask, got a masked array: fill it, or leave out what is masked"
+            );
+            return Err(ArgumentTypeError::new_err(message));
+        }
+        return Ok(());
+    }
+    if depth == DEEP {
+        return Ok(());
+    }
+    let item = |item: Bound<'_, PyAny>| {
+        if item.is_exact_instance_of::<PyFloat>() {
+            return Ok(());
+        }
+        refuse_masks(argument, &item, depth + 1)
     };
-    array.try_readonly().map_err(busy)
+    if let Ok(list) = value.cast::<PyList>() {
+        list.iter().try_for_each(item)
+    } else if let Ok(tuple) = value.cast::<PyTuple>() {
+        tuple.iter().try_for_each(item)
+    } else {
+        Ok(())
+    }
+}
+
+/// NumPy's own complaint about the shape of lists, in the words of this library. What an argument's own code
+/// raises comes through.
+fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+    let py = value.py();
+    let is_own = error.traceback(py).is_none()
+        && error.is_instance_of::<PyValueError>(py)
+        && error.to_string().contains("inhomogeneous");
+    if !is_own {
+        return error;
+    }
+    let kind = value
+        .get_type()
+        .name()
+        .map_or_else(|_| "an object".into(), |name| name.to_string());
+    refuse(
+        argument,
+        "be numbers of one rectangular shape",
+        &format!("a ragged {kind}"),
+    )
+}
+
+/// Lengths of the axes before the last one, which has this width.
+fn leading(
+    argument: &str,
+    array: &Bound<'_, PyUntypedArray>,
+    width: usize,
+) -> PyResult<Vec<usize>> {
+    let rule = || format!("have shape (..., {width})");
+    match array.shape().split_last() {
+        Some((last, leading)) if *last == width => Ok(leading.to_vec()),
+        Some(_) => {
+            let got = format!("shape {}", shape_text(array.shape()));
+            Err(refuse(argument, &rule(), &got))
+        }
+        None => Err(refuse(argument, &rule(), "a number")),
+    }
+}
+
+/// Whether it is C-contiguous, aligned and of native `f64`.
+fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
+    let dtype = array.dtype();
+    (dtype.kind(), dtype.itemsize()) == (b'f', size_of::<f64>())
+        && dtype.is_native_byteorder() != Some(false)
+        && array.is_c_contiguous()
+        && array.is_aligned()
+}
+
+/// C-contiguous, aligned and of native `f64`: the memory of the array itself where it is that already, a copy
+/// otherwise. What is copied is in use too: whether a result may go there does not depend on how it is laid out.
+fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Memory<'py>> {
+    let py = array.py();
+    let held = memory::read(argument, array)?;
+    let array = if is_flat(array) {
+        array.clone()
+    } else {
+        memory::count(array.shape())?;
+        numpy(py)?
+            .call_method1(intern!(py, "require"), (array, "d", ["C", "A"]))?
+            .cast_into()?
+    };
+    let count = memory::count(array.shape())?;
+    Ok(Memory {
+        // SAFETY: a live array object has a valid header; only the address is taken here.
+        data: unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }
+            .cast_const()
+            .cast(),
+        count,
+        array,
+        _held: held,
+    })
+}
+
+/// A view of an array with more rows: axes of length 1, and those it has not got, repeat what there is. Whoever
+/// has changed the shape of the array since it was read is told so.
+fn spread<'py>(
+    array: &Bound<'py, PyUntypedArray>,
+    was: &[usize],
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = array.py();
+    memory::count(shape)?;
+    if array.shape() != was {
+        return Err(PyValueError::new_err(
+            "the shape of an array must stay while it is read",
+        ));
+    }
+    let wide = numpy(py)?.call_method1(intern!(py, "broadcast_to"), (array, shape.to_vec()))?;
+    Ok(wide.cast_into()?)
 }

@@ -1,21 +1,24 @@
 //! Where shapes, dtypes and memory order meet: Python objects in, slices of `f64` out, and back.
 
+mod broadcast;
 mod input;
+pub mod memory;
 mod output;
 mod strided;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use numpy::PyArrayDyn;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyBool;
 use six_wheel_core::{Error, ErrorKind};
 
-pub use input::{Rows, Scalars};
-pub use output::{Output, disjoint, nested, scalar_or_array};
+pub use broadcast::{Broadcast, Named, given, joint, named, together};
+pub use input::{Blocks, Rows, Scalars};
+pub use output::{Output, scalar_or_array};
 
 import_exception!(six_wheel.errors, ArgumentTypeError);
 import_exception!(six_wheel.errors, InfeasibleMotionError);
@@ -38,6 +41,7 @@ pub fn raise(error: Error, leading: &[usize]) -> PyErr {
         ErrorKind::Value => PyValueError::new_err(message),
         ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
         ErrorKind::Underdetermined => UnderdeterminedError::new_err(message),
+        ErrorKind::Memory => PyMemoryError::new_err(message),
     }
 }
 
@@ -68,8 +72,18 @@ pub fn shape_text(shape: &[usize]) -> String {
     format!("({}{comma})", lengths.join(", "))
 }
 
+/// Whether an error is the interpreter's own word that a value is of another kind. What an argument's own code
+/// raises is not, and comes through.
+pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
+    error.traceback(py).is_none()
+        && (error.is_instance_of::<PyTypeError>(py)
+            || error.is_instance_of::<PyValueError>(py)
+            || error.is_instance_of::<PyOverflowError>(py))
+}
+
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let py = value.py();
     let refused = || {
         let text = value
             .repr()
@@ -81,13 +95,44 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
-    value.extract::<f64>().map_err(|_| refused())
+    input::refuse_masks(argument, value, input::DEEP)?;
+    value
+        .extract::<f64>()
+        .map_err(|error| match is_of_another_kind(py, &error) {
+            true => refused(),
+            false => error,
+        })
+}
+
+/// The items of an iterable, `most` at most: more are none that could be meant.
+pub fn items<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    most: usize,
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let mut items = Vec::new();
+    for item in value.try_iter()? {
+        if items.len() == most {
+            return Err(refuse(argument, &format!("hold {most} at most"), "more"));
+        }
+        items
+            .try_reserve(1)
+            .map_err(|_| memory::none_for(&[items.len()]))?;
+        items.push(item?);
+    }
+    Ok(items)
 }
 
 fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
     static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
     let module = NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?;
     Ok(module.bind(py))
+}
+
+/// After a fork only the thread that forked is left: whatever others were at is not going on.
+pub fn after_fork() {
+    BATCHES.store(0, Ordering::Relaxed);
+    memory::forget();
 }
 
 /// Kernels at work while other Python threads run.

@@ -1,43 +1,49 @@
 //! Results on their way out: into fresh arrays or the caller's.
 
-use std::ops::Range;
-
-use numpy::ndarray::IxDyn;
-use numpy::{
-    Element, PyArray1, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn,
-    PyUntypedArray, PyUntypedArrayMethods,
-};
-use pyo3::intern;
+use numpy::npyffi::{NPY_ARRAY_WRITEABLE, PyArrayObject};
+use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, ndarray::IxDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyList;
 
-use super::{ArgumentTypeError, Array, Rows, numpy, refuse, shape_text};
+use super::memory::{self, Held};
+use super::{ArgumentTypeError, Array, refuse, shape_text};
+
+/// Set on arrays that warn when they are written to.
+const WARN_ON_WRITE: i32 = 1 << 31;
 
 /// A result on its way out: the caller's array, or a fresh one.
 pub struct Output<'py> {
+    /// What is returned.
     array: Array<'py>,
-    buffer: PyReadwriteArrayDyn<'py, f64>,
-    copy: bool,
+    /// What is written to instead, where that is not contiguous.
+    beside: Option<Array<'py>>,
+    data: *mut f64,
+    count: usize,
+    _held: Option<Held>,
 }
 
 impl<'py> Output<'py> {
-    /// The caller's `out`, checked, or a fresh array of this shape.
+    /// A fresh array of this shape.
+    pub fn fresh(py: Python<'py>, shape: &[usize]) -> PyResult<Self> {
+        let array = memory::zeros(py, shape)?;
+        Ok(Self {
+            data: data(&array),
+            count: memory::count(shape)?,
+            array,
+            beside: None,
+            _held: None,
+        })
+    }
+
+    /// The caller's `out`, checked, or a fresh array of this shape. Every argument that is read has to be read
+    /// before: what is in use is not written to.
     pub fn new(
         py: Python<'py>,
         argument: &str,
         out: Option<&Bound<'py, PyAny>>,
         shape: &[usize],
-        inputs: &[Option<&Rows<'py>>],
     ) -> PyResult<Self> {
-        let fresh = || PyArrayDyn::<f64>::zeros(py, IxDyn(shape), false);
         let Some(out) = out else {
-            let array = fresh();
-            let buffer = array.readwrite();
-            return Ok(Self {
-                array,
-                buffer,
-                copy: false,
-            });
+            return Self::fresh(py, shape);
         };
         let rule = || {
             format!(
@@ -46,49 +52,44 @@ impl<'py> Output<'py> {
             )
         };
         let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
-            let got = out.getattr("dtype").map_or_else(
-                |_| out.get_type().to_string(),
-                |dtype| format!("an array of dtype {dtype}"),
-            );
+            let got = match out.cast::<numpy::PyUntypedArray>() {
+                Ok(array) => format!("an array of dtype {}", array.dtype()),
+                Err(_) => out.get_type().to_string(),
+            };
             ArgumentTypeError::new_err(format!("{argument} must {}, got {got}", rule()))
         })?;
         if array.shape() != shape {
-            return Err(refuse(
-                argument,
-                &rule(),
-                &format!("shape {}", shape_text(array.shape())),
-            ));
+            let got = format!("shape {}", shape_text(array.shape()));
+            return Err(refuse(argument, &rule(), &got));
         }
-        for source in inputs
-            .iter()
-            .flatten()
-            .filter_map(|rows| rows.source.as_ref())
-        {
-            disjoint(argument, array.as_untyped(), source, "the input")?;
+        // SAFETY: a live array object has a valid header.
+        let flags = unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.flags };
+        if flags & (NPY_ARRAY_WRITEABLE | WARN_ON_WRITE) != NPY_ARRAY_WRITEABLE {
+            return Err(refuse(argument, &rule(), "a read-only array or one in use"));
         }
-        let copy = !(array.is_c_contiguous() && array.is_aligned());
-        let target = if copy { fresh() } else { array.clone() };
-        let read_only = |_| refuse(argument, &rule(), "a read-only array or one in use");
-        let buffer = target.try_readwrite().map_err(read_only)?;
-        if copy
-            && !out
-                .getattr("flags")?
-                .getattr("writeable")?
-                .extract::<bool>()?
-        {
-            return Err(refuse(argument, &rule(), "a read-only array"));
+        if !memory::places(array.as_untyped()).are_apart() {
+            return Err(refuse(argument, "not overlap itself", "shared memory"));
         }
+        let held = memory::write(argument, &rule(), array.as_untyped())?;
+        let is_flat = array.is_c_contiguous() && array.is_aligned();
+        let beside = (!is_flat).then(|| memory::zeros(py, shape)).transpose()?;
         Ok(Self {
+            data: data(beside.as_ref().unwrap_or(array)),
+            count: memory::count(shape)?,
             array: array.clone(),
-            buffer,
-            copy,
+            beside,
+            _held: Some(held),
         })
     }
 
     /// Where to write, row after row.
     pub fn flat(&mut self) -> &mut [f64] {
-        // Fresh or checked in `new`: contiguous either way.
-        self.buffer.as_slice_mut().unwrap_or_default()
+        if self.count == 0 {
+            return &mut [];
+        }
+        // SAFETY: so many aligned numbers were there when the array was checked or made; it is held, and with it its
+        // memory. No other kernel reads or writes there (`memory`).
+        unsafe { std::slice::from_raw_parts_mut(self.data, self.count) }
     }
 
     /// Where to write, as triples.
@@ -98,51 +99,17 @@ impl<'py> Output<'py> {
 
     /// The array to return.
     pub fn finish(self) -> PyResult<Array<'py>> {
-        if self.copy {
-            self.buffer.copy_to(&self.array)?;
+        if let Some(beside) = &self.beside {
+            beside.copy_to(&self.array)?;
         }
         Ok(self.array)
     }
 }
 
-/// Fails if two arrays share memory.
-pub fn disjoint(
-    argument: &str,
-    array: &Bound<'_, PyUntypedArray>,
-    other: &Bound<'_, PyUntypedArray>,
-    name: &str,
-) -> PyResult<()> {
-    let (first, second) = (extent(array), extent(other));
-    if first.end <= second.start || second.end <= first.start {
-        return Ok(());
-    }
-    // Interleaved views need a closer look.
-    let py = array.py();
-    let shares = numpy(py)?.call_method1(intern!(py, "shares_memory"), (array, other))?;
-    if shares.extract()? {
-        let rule = format!("not overlap {name}");
-        return Err(refuse(argument, &rule, "shared memory"));
-    }
-    Ok(())
-}
-
-/// The addresses between which the elements of an array lie.
-fn extent(array: &Bound<'_, PyUntypedArray>) -> Range<usize> {
-    // SAFETY: a live array object has a valid header; only the address is read, not what is there.
-    let data = unsafe { (*array.as_array_ptr()).fields.data } as usize;
-    if array.is_empty() {
-        return data..data;
-    }
-    let (mut low, mut high) = (data, data + array.dtype().itemsize());
-    for (length, stride) in array.shape().iter().zip(array.strides()) {
-        let reach = (length - 1) * stride.unsigned_abs();
-        if *stride < 0 {
-            low -= reach;
-        } else {
-            high += reach;
-        }
-    }
-    low..high
+/// Where the numbers of an array begin.
+fn data(array: &Array<'_>) -> *mut f64 {
+    // SAFETY: a live array object has a valid header; only the address is taken here.
+    unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }.cast()
 }
 
 /// One value as a Python scalar, many as an array of this shape.
@@ -158,24 +125,4 @@ pub fn scalar_or_array<T: Element>(
         array.into_any()
     };
     Ok(result.unbind())
-}
-
-/// Items in nested lists of this shape; the only item itself if the shape is empty.
-pub fn nested<'py>(
-    py: Python<'py>,
-    items: Vec<Bound<'py, PyAny>>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyAny>> {
-    let Some((_, inner)) = shape.split_first() else {
-        return items
-            .into_iter()
-            .next()
-            .ok_or_else(|| refuse("fit", "have a row", "none"));
-    };
-    let size = inner.iter().product::<usize>().max(1);
-    let groups: Vec<_> = items
-        .chunks(size)
-        .map(|group| nested(py, group.to_vec(), inner))
-        .collect::<PyResult<_>>()?;
-    Ok(PyList::new(py, groups)?.into_any())
 }

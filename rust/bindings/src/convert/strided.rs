@@ -1,11 +1,13 @@
 //! Arrays in any memory order and of any real dtype, read a few numbers at a time.
 //!
-//! The one place that follows raw pointers into an array. It reads bytes, so nothing depends on alignment, and
+//! It follows raw pointers into an array. It reads bytes, so nothing depends on alignment, and
 //! it never leaves the extent that shape and strides span.
 
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use six_wheel_core::batch::Source;
+
+use super::memory;
 
 /// How a number is kept.
 #[derive(Clone, Copy, Debug)]
@@ -73,10 +75,10 @@ impl Strided {
     }
 
     /// All numbers in C order.
-    pub fn all(&self) -> Vec<f64> {
-        let mut all = vec![0.0; self.shape.iter().product()];
+    pub fn all(&self) -> PyResult<Vec<f64>> {
+        let mut all = memory::filled(0.0, memory::count(&self.shape)?)?;
         self.read(0, &mut all);
-        all
+        Ok(all)
     }
 
     /// Reads numbers of `N` bytes each.

@@ -2,13 +2,32 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::four_axle::{Pair, State};
+use six_wheel_core::four_axle::{Axles, Brakes, Pair, State};
+use six_wheel_core::{Error, FourAxle as Core};
 
 use super::FourAxle;
 use super::values::{
     array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step,
 };
-use crate::convert::{Rows, number, refuse};
+use crate::convert::{Rows, items, number, refuse};
+
+/// Steps of a sequence that are looked at.
+const MOST_STEPS: usize = 1 << 20;
+
+impl FourAxle {
+    fn with_brakes<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        pair: &str,
+        change: impl FnOnce(&Core, &Axles, Brakes, Pair) -> Result<Brakes, Error>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let state = read_state(state)?;
+        let pair = pair.parse().map_err(raised)?;
+        let brakes = change(&self.core, &state.angles, state.brakes, pair).map_err(raised)?;
+        write_state(py, &State { brakes, ..state })
+    }
+}
 
 #[pymethods]
 impl FourAxle {
@@ -36,11 +55,7 @@ impl FourAxle {
         state: &Bound<'py, PyAny>,
         pair: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let state = read_state(state)?;
-        let pair: Pair = pair.parse().map_err(raised)?;
-        let locked = self.core.lock(&state.angles, state.brakes, pair);
-        let brakes = locked.map_err(raised)?;
-        write_state(py, &State { brakes, ..state })
+        self.with_brakes(py, state, pair, Core::lock)
     }
 
     /// The state with a pair free.
@@ -69,11 +84,7 @@ impl FourAxle {
         state: &Bound<'py, PyAny>,
         pair: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let state = read_state(state)?;
-        let pair: Pair = pair.parse().map_err(raised)?;
-        let freed = self.core.release(&state.angles, state.brakes, pair);
-        let brakes = freed.map_err(raised)?;
-        write_state(py, &State { brakes, ..state })
+        self.with_brakes(py, state, pair, Core::release)
     }
 
     /// The step that drives on with both pairs locked.
@@ -249,7 +260,7 @@ impl FourAxle {
     ) -> PyResult<Bound<'py, PyAny>> {
         let dt = number("dt", dt)?;
         let start = state.map_or(Ok(State::default()), read_state)?;
-        let given = sequence.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+        let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
         let (track, end) = py
             .detach(|| self.core.simulate(start, &steps, dt))

@@ -1,14 +1,11 @@
 //! States, steps and results of `six_wheel.four_axle`: plain values of Python, read and written.
 
-use numpy::PyArrayDyn;
-use numpy::ndarray::ArrayD;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::Error;
 use six_wheel_core::four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace, State};
 
-use crate::convert::{ArgumentTypeError, Array, Rows, number, raise, refuse};
+use crate::convert::{ArgumentTypeError, Array, Rows, items, memory, number, raise, refuse};
 
 /// A class of `six_wheel.four_axle`.
 pub fn value<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -36,7 +33,7 @@ pub fn axles(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Axles> {
 
 /// Wheel speeds, of which some may be None.
 pub fn drives(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Drives> {
-    let items = given.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+    let items = items(argument, given, 5)?;
     let mut drives: Drives = [None; 4];
     if items.len() != drives.len() {
         return Err(refuse(
@@ -142,10 +139,7 @@ pub fn write_plan<'py>(py: Python<'py>, plan: &core::Plan) -> PyResult<Bound<'py
 
 /// Rows as an array.
 pub fn array<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Array<'py>> {
-    let flat = rows.iter().flatten().copied().collect();
-    let array = ArrayD::from_shape_vec(vec![rows.len(), N], flat)
-        .map_err(|error| PyValueError::new_err(error.to_string()))?;
-    Ok(PyArrayDyn::from_owned_array(py, array))
+    memory::array(py, rows.as_flattened(), &[rows.len(), N])
 }
 
 /// Numbers as an array.

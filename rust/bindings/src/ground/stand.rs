@@ -69,7 +69,7 @@ impl Stand {
     ) -> PyResult<Array<'py>> {
         let shape: Vec<usize> = self.leading.iter().chain(last).copied().collect();
         let width = last.iter().product::<usize>();
-        let mut output = Output::new(py, "out", None, &shape, &[])?;
+        let mut output = Output::fresh(py, &shape)?;
         let rows = output.flat().chunks_exact_mut(width.max(1));
         for (k, (row, stand)) in rows.zip(&self.stands).enumerate() {
             fill(k, stand, row);

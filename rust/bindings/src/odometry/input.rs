@@ -1,11 +1,12 @@
 //! What `Odometry` is told: encoders, readings of one instant, poses and covariances.
 
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use six_wheel_core::odometry::Encoder as CoreEncoder;
 
 use super::values::Encoder;
-use crate::convert::{Rows, number, refuse};
+use crate::convert::{Rows, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(
@@ -43,12 +44,12 @@ pub fn encoders(
     if given.is_instance_of::<Encoder>() {
         return Ok(vec![one(given)?]);
     }
-    let items = given.try_iter().map_err(|_| {
-        one(given)
-            .err()
-            .unwrap_or_else(|| refuse(argument, "be an Encoder", "something else"))
-    })?;
-    let all: Vec<CoreEncoder> = items.map(|item| one(&item?)).collect::<PyResult<_>>()?;
+    if !given.hasattr(intern!(given.py(), "__iter__"))? {
+        return one(given).map(|encoder| vec![encoder]);
+    }
+    // One more than there may be, to tell.
+    let items = items(argument, given, names.len() + 1)?;
+    let all: Vec<CoreEncoder> = items.iter().map(one).collect::<PyResult<_>>()?;
     if all.len() == names.len() {
         Ok(all)
     } else {

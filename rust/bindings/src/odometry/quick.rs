@@ -31,7 +31,9 @@ impl Quick<5> for Update {
         [steering, wheels, stamp, yaw, yaw_rate]: [Option<Object<'_, 'py>>; 5],
     ) -> Option<Bound<'py, PyAny>> {
         let py = this.py();
-        let mut this = this.try_borrow_mut().ok()?;
+        let this = this.get();
+        let mut work = this.work.try_lock()?;
+        let work = &mut *work;
         let (joints, count) = (this.joints(), this.wheels());
         let mut rooms = [Numbers::new(), Numbers::new()];
         let [room, other] = &mut rooms;
@@ -54,7 +56,8 @@ impl Quick<5> for Update {
             }
         };
         // What is refused here is refused again by the general way, which says why.
-        this.core.update(sample).ok()?;
-        this.handed_out(py).ok().map(Bound::into_any)
+        work.core.update(sample).ok()?;
+        let state = work.spares.state(&work.core, &this.rover, py);
+        state.ok().map(Bound::into_any)
     }
 }

@@ -8,7 +8,9 @@ use six_wheel_core::profiles::Wheels;
 use six_wheel_core::{Error, Rover as CoreRover, Twist};
 
 use super::made::class;
-use crate::convert::{Rows, Scalars, compute, number, raise, refuse, scalar_or_array, shape_text};
+use crate::convert::{
+    Rows, Scalars, compute, memory, number, raise, refuse, scalar_or_array, shape_text,
+};
 use crate::rover::Rover;
 
 /// A core error without rows.
@@ -126,10 +128,12 @@ pub fn states<'py>(
     times.check_finite("times")?;
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let rows = times.flat().len();
-    let [mut steering, mut rates, mut accelerations] = [0; 3].map(|_| vec![0.0; rows * joints]);
-    let mut speeds = vec![0.0; rows * wheels];
-    let mut twists: Vec<f64> = Vec::with_capacity(3 * rows);
-    let mut scrubs: Vec<f64> = Vec::with_capacity(rows);
+    let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
+    let (mut steering, mut rates, mut accelerations) =
+        (zeros(joints)?, zeros(joints)?, zeros(joints)?);
+    let mut speeds = zeros(wheels)?;
+    let mut twists: Vec<f64> = memory::room(memory::count(&[rows, 3])?)?;
+    let mut scrubs: Vec<f64> = memory::room(rows)?;
     let flat = times.flat();
     compute(py, rows, || {
         for (k, &time) in flat.iter().enumerate() {

@@ -45,3 +45,27 @@ impl Made {
         (class(py, "_remake")?, call).into_pyobject(py)
     }
 }
+
+/// What a class has for being known by the call that makes it.
+macro_rules! known_by_its_call {
+    ($class: ident) => {
+        #[pymethods]
+        impl $class {
+            fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+                match other.cast::<Self>() {
+                    Ok(other) => self.made.equals(py, &other.get().made),
+                    Err(_) => Ok(false),
+                }
+            }
+
+            fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+                self.made.hash(py)
+            }
+
+            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+                self.made.reduce(py)
+            }
+        }
+    };
+}
+pub(super) use known_by_its_call;

@@ -7,7 +7,7 @@ use six_wheel_core::profiles::{
 };
 
 use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
-use super::made::{Made, class};
+use super::made::{Made, class, known_by_its_call};
 use crate::convert::refuse;
 use crate::rover::Rover;
 
@@ -26,21 +26,6 @@ macro_rules! value_methods {
             fn rover(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
                 Ok(self.made.arguments.bind(py).get_item(0)?.unbind())
             }
-
-            fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-                match other.cast::<Self>() {
-                    Ok(other) => self.made.equals(py, &other.get().made),
-                    Err(_) => Ok(false),
-                }
-            }
-
-            fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-                self.made.hash(py)
-            }
-
-            fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-                self.made.reduce(py)
-            }
         }
     };
 }
@@ -53,6 +38,7 @@ pub struct BodyTransition {
 }
 
 value_methods!(BodyTransition);
+known_by_its_call!(BodyTransition);
 
 #[pymethods]
 impl BodyTransition {
@@ -172,6 +158,7 @@ pub struct ModuleTransition {
 }
 
 value_methods!(ModuleTransition);
+known_by_its_call!(ModuleTransition);
 
 /// The pair (steering, speeds).
 fn modules(
@@ -316,6 +303,7 @@ pub struct IcrTransition {
 }
 
 value_methods!(IcrTransition);
+known_by_its_call!(IcrTransition);
 
 #[pymethods]
 impl IcrTransition {

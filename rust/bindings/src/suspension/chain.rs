@@ -6,7 +6,10 @@ use six_wheel_core::suspension::{self as core, FRAMES, WHEELS};
 use six_wheel_core::{Error, RockerBogie as Core};
 
 use super::RockerBogie;
-use crate::convert::{Output, Rows, Scalars, compute, raise, refuse, shape_text};
+use crate::convert::{
+    Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text,
+    together,
+};
 
 /// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
 pub struct Joints<'py> {
@@ -15,12 +18,16 @@ pub struct Joints<'py> {
 }
 
 impl<'py> Joints<'py> {
-    /// Reads `rho` and `beta` of equal leading axes; `rho` may be one number.
+    /// Reads `rho` and `beta`.
     pub fn read(rho: &Bound<'py, PyAny>, beta: &Bound<'py, PyAny>) -> PyResult<Self> {
         let beta = Rows::read("beta", beta, 2)?;
         let rho = Scalars::read("rho", rho)?;
-        rho.fit("rho", &beta.leading)?;
         Ok(Self { rho, beta })
+    }
+
+    /// Both, to be brought to the same leading axes.
+    pub fn both(&mut self) -> [Named<'_>; 2] {
+        [named("beta", &mut self.beta), named("rho", &mut self.rho)]
     }
 
     /// Reads the angles of one sample.
@@ -28,7 +35,8 @@ impl<'py> Joints<'py> {
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
     ) -> PyResult<(f64, [f64; 2])> {
-        let joints = Self::read(rho, beta)?;
+        let mut joints = Self::read(rho, beta)?;
+        together(joints.both())?;
         if !joints.beta.is_single() {
             let got = format!("shape {}", shape_text(&joints.beta.shape()));
             return Err(refuse("beta", "be one row of shape (2,)", &got));
@@ -42,15 +50,15 @@ impl<'py> Joints<'py> {
     }
 
     /// One row of all joints per sample; steering angles default to 0.
-    pub fn with_steering(&self, psi: Option<&Rows<'_>>, steered: usize) -> Vec<f64> {
+    pub fn with_steering(&self, psi: Option<&Rows<'_>>, steered: usize) -> PyResult<Vec<f64>> {
         let straight = vec![0.0; steered];
-        let mut rows = Vec::with_capacity(self.beta.count() * (3 + steered));
+        let mut rows = memory::room(memory::count(&[self.beta.count(), 3 + steered])?)?;
         for k in 0..self.beta.count() {
             let (rho, beta) = self.row(k);
             rows.extend([rho, beta[0], beta[1]]);
             rows.extend(psi.map_or(&straight[..], |psi| &psi.flat()[k * steered..][..steered]));
         }
-        rows
+        Ok(rows)
     }
 
     /// The exception of a core error, indexed as the argument at fault is.
@@ -78,16 +86,19 @@ impl RockerBogie {
         kernel: Kernel,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (rho, beta, psi) = angles;
-        let joints = Joints::read(rho, beta)?;
-        let leading = joints.beta.leading.as_slice();
-        let psi = Rows::read_beside("psi", psi, self.steered().len(), leading)?;
-        let rows = joints.with_steering(psi.as_ref(), self.steered().len());
+        let mut joints = Joints::read(rho, beta)?;
+        let mut psi = psi
+            .map(|psi| Rows::read("psi", psi, self.steered().len()))
+            .transpose()?;
+        let all = joints.both().into_iter().chain(given("psi", &mut psi));
+        let leading = together(all)?;
+        let rows = joints.with_steering(psi.as_ref(), self.steered().len())?;
         let shape: Vec<usize> = [names.len()]
             .into_iter()
             .chain(leading.iter().copied())
             .chain(last)
             .collect();
-        let mut block = Output::new(py, "out", None, &shape, &[])?;
+        let mut block = Output::fresh(py, &shape)?;
         let target = block.flat();
         compute(py, joints.beta.count(), || kernel(&self.0, &rows, target))
             .map_err(|error| joints.raise(error))?;

@@ -2,11 +2,13 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::Inputs;
-use six_wheel_core::suspension::{self as core, WHEELS};
+use six_wheel_core::suspension::WHEELS;
 
 use super::RockerBogie;
 use super::chain::Joints;
-use crate::convert::{Output, Rows, Scalars, compute, joined, scalar_or_array};
+use crate::convert::{
+    Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
+};
 use crate::rover::Rover;
 
 /// What the wheels have to do for a forward speed and a yaw rate.
@@ -92,17 +94,16 @@ impl RockerBogie {
         rho: &Bound<'_, PyAny>,
         beta: &Bound<'_, PyAny>,
     ) -> PyResult<Py<PyAny>> {
-        let joints = Joints::read(rho, beta)?;
-        let rows: Vec<_> = (0..joints.beta.count()).map(|k| joints.row(k)).collect();
-        let offset = |(k, &(rho, beta)): (usize, &(f64, [f64; 2]))| {
-            let offset = self.0.icr_offset(rho, beta);
-            offset.map_err(|error| error.at_row(k))
-        };
-        let offsets = compute(py, rows.len(), || {
-            rows.iter()
-                .enumerate()
-                .map(offset)
-                .collect::<Result<_, _>>()
+        let mut joints = Joints::read(rho, beta)?;
+        together(joints.both())?;
+        let rows = memory::gathered((0..joints.beta.count()).map(|k| joints.row(k)))?;
+        let mut offsets = memory::filled(0.0, rows.len())?;
+        compute(py, rows.len(), || {
+            for (k, (target, &(rho, beta))) in offsets.iter_mut().zip(&rows).enumerate() {
+                let offset = self.0.icr_offset(rho, beta);
+                *target = offset.map_err(|error| error.at_row(k))?;
+            }
+            Ok(())
         })
         .map_err(|error| joints.raise(error))?;
         scalar_or_array(py, offsets, &joints.beta.leading)
@@ -154,54 +155,67 @@ impl RockerBogie {
         previous: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<SteeringCommand> {
-        let joints = Joints::read(rho, beta)?;
-        let (leading, steered) = (joints.beta.leading.as_slice(), self.steered().len());
+        let steered = self.steered().len();
+        let mut joints = Joints::read(rho, beta)?;
         let read = |argument: &'static str, value| {
             let scalars = Scalars::read(argument, value)?;
-            scalars.fit(argument, leading)?;
             scalars.check_finite(argument)?;
             PyResult::Ok(scalars)
         };
-        let (speeds, yaw_rates) = (read("speed", speed)?, read("yaw_rate", yaw_rate)?);
-        let previous = Rows::read_beside("previous", previous, steered, leading)?;
-        let rolling = Rows::read_beside("previous_speeds", previous_speeds, WHEELS.len(), leading)?;
+        let (mut speeds, mut yaw_rates) = (read("speed", speed)?, read("yaw_rate", yaw_rate)?);
+        let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
+            value
+                .map(|value| Rows::read(argument, value, width))
+                .transpose()
+        };
+        let mut previous = optional("previous", previous, steered)?;
+        let mut rolling = optional("previous_speeds", previous_speeds, WHEELS.len())?;
+        let all = joints
+            .both()
+            .into_iter()
+            .chain([
+                named("speed", &mut speeds),
+                named("yaw_rate", &mut yaw_rates),
+            ])
+            .chain(given("previous", &mut previous))
+            .chain(given("previous_speeds", &mut rolling));
+        let leading = together(all)?;
         let (previous, rolling) = (
             previous.as_ref().map(Rows::flat),
             rolling.as_ref().map(Rows::flat),
         );
-        let motions: Vec<_> = (0..joints.beta.count())
-            .map(|k| (speeds.at(k), yaw_rates.at(k), joints.row(k)))
-            .collect();
-        let steer = |(k, &(speed, yaw_rate, (rho, beta))): (usize, &_)| {
-            let inputs = Inputs {
-                previous: previous.map(|angles| &angles[k * steered..][..steered]),
-                previous_speeds: rolling.map(|speeds| &speeds[k * WHEELS.len()..][..WHEELS.len()]),
-                steering_rates: None,
-            };
-            let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
-            command.map_err(|error| error.at_row(k))
-        };
-        let commands: Vec<core::SteeringCommand> = compute(py, motions.len(), || {
-            motions
-                .iter()
-                .enumerate()
-                .map(steer)
-                .collect::<Result<_, _>>()
+        let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
+        let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
+        let output = |width| Output::fresh(py, &joined(&leading, width));
+        let (mut steering, mut wheel_speeds) = (output(steered)?, output(WHEELS.len())?);
+        let unsteered = WHEELS.len() - steered;
+        let mut scrub = output(unsteered)?;
+        let mut radii = memory::filled(0.0, motions.len())?;
+        let targets = (steering.flat(), wheel_speeds.flat(), scrub.flat());
+        compute(py, motions.len(), || {
+            for (k, &(speed, yaw_rate, (rho, beta))) in motions.iter().enumerate() {
+                let row = |width: usize| k * width..(k + 1) * width;
+                let inputs = Inputs {
+                    previous: previous.map(|angles| &angles[row(steered)]),
+                    previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
+                    steering_rates: None,
+                };
+                let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
+                let command = command.map_err(|error| error.at_row(k))?;
+                targets.0[row(steered)].copy_from_slice(&command.steering);
+                targets.1[row(WHEELS.len())].copy_from_slice(&command.wheel_speeds);
+                targets.2[row(unsteered)].copy_from_slice(&command.scrub);
+                radii[k] = command.turning_radius;
+            }
+            Ok(())
         })
         .map_err(|error| joints.raise(error))?;
-        let write = |width, row: fn(&core::SteeringCommand) -> &[f64]| {
-            let mut array = Output::new(py, "out", None, &joined(leading, width), &[])?;
-            for (target, command) in array.flat().chunks_exact_mut(width.max(1)).zip(&commands) {
-                target.copy_from_slice(row(command));
-            }
-            PyResult::Ok(array.finish()?.into_any().unbind())
-        };
-        let radii = commands.iter().map(|command| command.turning_radius);
+        let array = |output: Output<'py>| PyResult::Ok(output.finish()?.into_any().unbind());
         Ok(SteeringCommand {
-            turning_radius: scalar_or_array(py, radii.collect(), leading)?,
-            steering: write(steered, |command| &command.steering)?,
-            wheel_speeds: write(WHEELS.len(), |command| &command.wheel_speeds)?,
-            scrub: write(WHEELS.len() - steered, |command| &command.scrub)?,
+            turning_radius: scalar_or_array(py, radii, &leading)?,
+            steering: array(steering)?,
+            wheel_speeds: array(wheel_speeds)?,
+            scrub: array(scrub)?,
         })
     }
 }

@@ -22,15 +22,19 @@
 
 mod calls;
 mod formulas;
-mod machine;
+pub(crate) mod machine;
 pub(crate) mod one_row;
 
 pub use calls::poses::integrate;
 pub use calls::rows::{forward, inverse};
-pub use calls::singly::{admissible, fit, project, sensitivity};
+pub use calls::singly::{fit, sensitivity};
+pub use calls::twists::{admissible, project};
+pub(crate) use formulas::cone::Cone;
 pub use formulas::rollout_cost::{Costs, rollout_cost};
 pub use machine::level::Level;
+pub use machine::places::Places;
 pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};
 pub use machine::workers::Workers;
 pub use one_row::forward::forward_one;
-pub use one_row::inverse::{check_one, inverse_one, project_one};
+pub use one_row::inverse::inverse_one;
+pub use one_row::twist::{admissible_one, project_one};

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation2, Vector2};
 
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Motion, State, Step};
-use crate::error::{Error, finite, number};
+use crate::error::{Error, ErrorKind, finite, number};
 use crate::geometry::{Pose, Twist};
 
 /// A step is halved until halving changes nothing by more than this [rad, m]; well above the rounding of the
@@ -42,6 +42,28 @@ pub struct Track {
 }
 
 impl Track {
+    /// With room for so many samples.
+    fn with_room(samples: usize) -> Result<Self, Error> {
+        let mut track = Self::default();
+        let reserved = [
+            track.times.try_reserve_exact(samples),
+            track.poses.try_reserve_exact(samples),
+            track.angles.try_reserve_exact(samples),
+            track.twists.try_reserve_exact(samples),
+            track.speeds.try_reserve_exact(samples),
+            track.residual.try_reserve_exact(samples),
+        ];
+        if reserved.iter().all(Result::is_ok) {
+            return Ok(track);
+        }
+        let error = Error::value(
+            "dt",
+            "leave few enough samples for the memory",
+            samples.to_string(),
+        );
+        Err(error.of_kind(ErrorKind::Memory))
+    }
+
     fn push(&mut self, time: f64, state: &State, motion: &Motion) {
         self.times.push(time);
         self.poses.push(state.pose.into());
@@ -93,8 +115,8 @@ impl FourAxle {
         sequence: &[Step],
         dt: f64,
     ) -> Result<(Track, State), Error> {
-        self.check_sequence(start, sequence, dt)?;
-        let mut track = Track::default();
+        let samples = self.check_sequence(start, sequence, dt)?;
+        let mut track = Track::with_room(samples)?;
         let mut state = start;
         let mut time = 0.0;
         for (row, step) in sequence.iter().enumerate() {
@@ -135,7 +157,8 @@ impl FourAxle {
         Ok((track, state))
     }
 
-    fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<(), Error> {
+    /// How many samples it takes at most.
+    fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<usize, Error> {
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
         crate::error::positive("dt", dt)?;
@@ -148,13 +171,13 @@ impl FourAxle {
             }
             self.check_speeds(&step.speeds)
                 .map_err(|error| error.at_row(row))?;
-            samples += (step.duration / dt).ceil();
+            samples += (step.duration / dt).ceil().max(1.0);
         }
         if samples > MOST_SAMPLES {
             let rule = format!("give at most {MOST_SAMPLES:e} samples");
             return Err(Error::value("dt", rule, number(dt)));
         }
-        Ok(())
+        Ok(samples as usize + 1)
     }
 
     /// The state after holding these wheel speeds for `dt` [s].

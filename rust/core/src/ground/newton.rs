@@ -133,6 +133,19 @@ impl<'a> Settler<'a> {
         2e-12 + 2e-15 * state[0].abs()
     }
 
+    /// The wheels at a state. None where the differential does not reach.
+    pub(crate) fn touches(
+        &self,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Touches<'a>>,
+    ) -> Option<Touches<'a>> {
+        let (ground, chain) = (self.ground, self.chain);
+        Touches::of(ground, chain, pose, state, steering, part, near, self.level)
+    }
+
     /// Closes the gaps from a start. None where the differential does not reach.
     pub(crate) fn close(
         &self,
@@ -141,20 +154,21 @@ impl<'a> Settler<'a> {
         start: State,
         hold: &Hold,
     ) -> Option<Attempt<'a>> {
-        let at =
-            |state: &State, part| Touches::of(self.ground, self.chain, pose, state, steering, part);
+        let at = |state: &State, part, near: Option<&Touches<'a>>| {
+            self.touches(pose, state, steering, part, near)
+        };
         let (mut part, mut stalls) = (Part::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
-        let mut touches = at(&state, part)?;
+        let mut touches = at(&state, part, None)?;
         let mut worst = self.worst(&touches, hold);
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only a walk along the whole rim says that nothing else touches.
-                touches = at(&state, Part::Whole)?;
+                touches = at(&state, Part::Whole, Some(&touches))?;
                 worst = self.worst(&touches, hold);
                 if worst <= tolerance {
                     return Some(Attempt {
@@ -180,7 +194,7 @@ impl<'a> Settler<'a> {
                     trial[k] += share * step[k];
                 }
                 if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                    let there = at(&trial, part)?;
+                    let there = at(&trial, part, Some(&touches))?;
                     let size = self.worst(&there, hold);
                     if best.as_ref().is_none_or(|best| size < best.2) {
                         best = Some((trial, there, size));
@@ -221,7 +235,7 @@ impl<'a> Settler<'a> {
         state: State,
         hold: &Hold,
     ) -> Option<Attempt<'a>> {
-        let touches = Touches::of(self.ground, self.chain, pose, &state, steering, Part::Whole)?;
+        let touches = self.touches(pose, &state, steering, Part::Whole, None)?;
         let closed = self.worst(&touches, hold) < 1e-10;
         Some(Attempt {
             state,

@@ -61,6 +61,8 @@ pub struct Rim {
     pub unknown: bool,
     /// Whether it leaves the map.
     pub outside: bool,
+    /// The least gap so far, or that of another point of the rim [m].
+    bound: f64,
 }
 
 impl Rim {
@@ -69,15 +71,21 @@ impl Rim {
         next: None,
         unknown: false,
         outside: false,
+        bound: f64::INFINITY,
     };
 
-    /// The least gap [m]; infinite where there is no known ground.
-    fn gap(&self) -> f64 {
-        self.least.map_or(f64::INFINITY, |least| least.gap)
+    /// One minimum over ground that is known all along.
+    pub(crate) fn of(minimum: Minimum) -> Self {
+        Self {
+            least: Some(minimum),
+            bound: minimum.gap,
+            ..Self::NOTHING
+        }
     }
 
     /// Takes in another minimum.
     fn offer(&mut self, minimum: Minimum) {
+        self.bound = self.bound.min(minimum.gap);
         let Some(least) = self.least else {
             self.least = Some(minimum);
             return;
@@ -101,16 +109,20 @@ pub(crate) enum Part {
 }
 
 /// Walks along the rim.
-pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part) -> Rim {
+///
+/// A point near the contact makes it quick: arcs that are higher everywhere are passed over.
+pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part, near: Direction) -> Rim {
     let mut rim = Rim::NOTHING;
+    rim.bound = gap_at(ground, circle, near);
     half(ground, circle, &mut rim);
-    if part == Part::Whole && upper_half_matters(ground, circle, rim.gap()) {
+    if part == Part::Whole && upper_half_matters(ground, circle, rim.bound) {
         let turned = Circle {
             forward: circle.forward.map(|x| -x),
             up: circle.up.map(|x| -x),
             ..*circle
         };
         let mut upper = Rim::NOTHING;
+        upper.bound = rim.bound;
         half(ground, &turned, &mut upper);
         for mut minimum in [upper.least, upper.next].into_iter().flatten() {
             minimum.at = Direction {
@@ -122,14 +134,39 @@ pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part) -> Rim {
         rim.unknown |= upper.unknown;
         rim.outside |= upper.outside;
     }
-    let least = rim.gap();
+    let least = rim.bound;
     rim.next = rim.next.filter(|next| next.gap - least <= TIE);
     rim
 }
 
+/// The gap at a point of the rim [m]; infinite where the ground is not known.
+fn gap_at(ground: &Terrain, circle: &Circle, at: Direction) -> f64 {
+    let [x, y] = point(circle, at);
+    if !ground.on_grid(x, y) {
+        return f64::INFINITY;
+    }
+    let [rows, columns] = ground.shape();
+    let (column, row) = ((x as usize).min(columns - 2), (y as usize).min(rows - 2));
+    let height = ground
+        .cell(column, row)
+        .height(x - column as f64, y - row as f64);
+    let gap = rise(circle, at) - height;
+    // What rounding may take away from the minimum beside it.
+    if gap.is_nan() {
+        f64::INFINITY
+    } else {
+        gap + 1e-12 * (1.0 + height.abs())
+    }
+}
+
+/// Height of a point of the rim [m].
+fn rise(circle: &Circle, Direction { sin, cos }: Direction) -> f64 {
+    circle.centre[2] + circle.forward[2] * sin - circle.up[2] * cos
+}
+
 /// Whether a part of the upper half may be nearer to the ground than this, or over ground that is not known.
-fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
-    let reach = |k: usize| circle.forward[k].hypot(circle.up[k]);
+pub(crate) fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) -> bool {
+    let reach = |k: usize| length([circle.forward[k], circle.up[k]]);
     let (rx, ry) = (reach(0), reach(1));
     let [x, y, z] = circle.centre;
     let [rows, columns] = ground.shape();
@@ -175,7 +212,7 @@ struct Gap {
 type Jet = [f64; 3];
 
 impl Gap {
-    fn new(cell: &Cell, circle: &Circle, column: f64, row: f64) -> Self {
+    fn new(cell: &Cell, circle: &Circle, [column, row]: [f64; 2]) -> Self {
         let ([x, y, z], [hx, hy, hz], [ux, uy, uz]) = (circle.centre, circle.forward, circle.up);
         let (a, b) = (x - column, y - row);
         let [along, across] = cell.slope(a, b);
@@ -191,7 +228,7 @@ impl Gap {
             q,
             r,
             s,
-            fourth: p.hypot(q) + 16.0 * r.hypot(s),
+            fourth: length([p, q]) + 16.0 * length([r, s]),
         }
     }
 
@@ -237,7 +274,7 @@ impl Arc<'_> {
         let doubt = self.gap.fourth * eighth;
         let (least, most) = (c1.min(c2) - doubt, c1.max(c2) + doubt);
         let bound = g1.min(g2) - most.max(0.0) * eighth;
-        if most <= 0.0 || bound > rim.gap() + TIE || length < SHORTEST_ARC {
+        if most <= 0.0 || bound > rim.bound + TIE || length < SHORTEST_ARC {
             return; // concave, or too high
         }
         if least >= 0.0 {
@@ -332,10 +369,14 @@ fn inside(from: Direction, to: Direction) -> Direction {
 }
 
 /// At least the angle between two directions up to half a radian apart: the chord is shorter by less than this.
-fn length(from: Direction, to: Direction) -> f64 {
-    let (sin, cos) = (to.sin - from.sin, to.cos - from.cos);
-    let square = sin * sin + cos * cos;
-    square.sqrt() * (1.0 + 0.05 * square)
+fn angle(from: Direction, to: Direction) -> f64 {
+    let chord = length([to.sin - from.sin, to.cos - from.cos]);
+    chord * (1.0 + 0.05 * chord * chord)
+}
+
+/// Length of a vector none of whose numbers is huge.
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// Columns and rows of a point of the rim.
@@ -363,7 +404,7 @@ impl Cuts {
         })?;
         for k in 0..2 {
             let (h, u, centre) = (circle.forward[k], circle.up[k], circle.centre[k]);
-            let size = h.hypot(u);
+            let size = length([h, u]);
             if size < 1e-12 {
                 continue; // along a line of the grid
             }
@@ -401,6 +442,15 @@ impl Cuts {
     }
 }
 
+/// A bound of the heights of the rim between two directions.
+fn lowest(circle: &Circle, from: Direction, to: Direction) -> f64 {
+    let (start, end) = (rise(circle, from), rise(circle, to));
+    // The arc hangs below its chord by at most chord^2 / 8 of the radius, and a bit where it is long.
+    let (sin, cos) = (to.sin - from.sin, to.cos - from.cos);
+    let sag = (sin * sin + cos * cos) * 0.25;
+    start.min(end) - sag * length([circle.forward[2], circle.up[2]])
+}
+
 /// The end of an arc: the gap there, its slope along the rim, and the slope of the ground.
 struct End {
     at: Direction,
@@ -424,23 +474,24 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
             continue; // a node of the grid: the cell between its two lines is not touched
         }
         let [x, y] = point(circle, inside(from, to));
-        let (column, row) = (x.floor(), y.floor());
-        let inside = column >= 0.0
-            && row >= 0.0
-            && column <= (columns - 2) as f64
-            && row <= (rows - 2) as f64;
-        let cell = inside.then(|| ground.cell(column as usize, row as usize));
+        let inside = x >= 0.0 && y >= 0.0 && x < (columns - 1) as f64 && y < (rows - 1) as f64;
+        let cell = inside.then(|| ground.cell(x as usize, y as usize));
         rim.outside |= cell.is_none();
         rim.unknown |= cell.is_some_and(|cell| !cell.is_known());
         let Some(cell) = cell.filter(Cell::is_known) else {
             edge(before.take(), None, rim);
             continue;
         };
+        if lowest(circle, from, to) - cell.highest() > rim.bound + TIE {
+            before = None; // and so are its ends
+            continue;
+        }
+        let corner = [x as usize as f64, y as usize as f64];
         let arc = Arc {
-            gap: Gap::new(&cell, circle, column, row),
+            gap: Gap::new(&cell, circle, corner),
             cell: &cell,
             circle,
-            corner: [column, row],
+            corner,
         };
         let mut start = from;
         let mut jet = arc.gap.jet(start);
@@ -462,7 +513,7 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
                 turned(start, LONGEST_ARC)
             };
             let last = arc.gap.jet(end);
-            arc.search([start, end], [jet, last], length(start, end), rim);
+            arc.search([start, end], [jet, last], angle(start, end), rim);
             (start, jet) = (end, last);
             if whole {
                 break;

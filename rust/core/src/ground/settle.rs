@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::newton::{Attempt, Hold};
 use super::stops::Stops;
 use super::touch::Touches;
+use crate::batch::Level;
 use crate::error::{Error, finite};
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, PlanPose, State};
 use crate::terrain::Terrain;
@@ -61,6 +62,8 @@ pub struct Settler<'a> {
     pub chain: &'a Chain,
     /// Where the weight acts, in the body [m]: it decides which wheel hangs where several might.
     pub balance: Vector3<f64>,
+    /// With which instructions wheels are looked at together.
+    pub level: Level,
 }
 
 /// A pose with what came of it.
@@ -85,6 +88,7 @@ impl<'a> Settler<'a> {
             ground,
             chain,
             balance: chain.balance(),
+            level: Level::best(),
         }
     }
 
@@ -141,11 +145,9 @@ impl<'a> Settler<'a> {
                 // Elsewhere than where the first attempt went.
                 let bend = bent(number);
                 start[0] += 0.1;
-                for k in 1..MAX_STATE {
-                    start[k] = 0.5 * start[k] + bend[k];
-                }
-                for k in self.chain.state_count()..MAX_STATE {
-                    start[k] = 0.0;
+                let free = start.iter_mut().zip(bend).take(self.chain.state_count());
+                for (value, bend) in free.skip(1) {
+                    *value = 0.5 * *value + bend;
                 }
             }
             let Some(attempt) = self.close(pose, steering, start, &Hold::NONE) else {
@@ -165,7 +167,7 @@ impl<'a> Settler<'a> {
     /// Why a chain does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
         let part = super::rim::Part::Whole;
-        Touches::of(self.ground, self.chain, pose, near, steering, part)
+        self.touches(pose, near, steering, part, None)
             .map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 

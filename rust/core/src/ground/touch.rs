@@ -3,9 +3,15 @@
 use nalgebra::Vector3;
 
 use super::derivatives::gap_slopes;
-use super::rim::{Circle, Minimum, Part, Rim, walk};
+use super::rim::{Circle, Minimum, Part, Rim, upper_half_matters, walk};
+use super::rims::{self, RIMS};
+use crate::batch::Level;
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;
+use crate::wheels::Direction;
+
+/// Straight below a wheel.
+const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
 
 /// A wheel over the ground.
 #[derive(Clone, Copy, Debug)]
@@ -32,20 +38,23 @@ pub struct Touches<'a> {
     pub wheels: [Touch; MAX_WHEELS],
 }
 
+/// The rim of a wheel over the grid.
+fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> Circle {
+    let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
+    let [dx, dy] = ground.spacing();
+    let in_grid = |direction: Vector3<f64>| {
+        let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
+        [u / dx, v / dy, direction.z * radius]
+    };
+    Circle {
+        centre: [x, y, frame.centre.z],
+        forward: in_grid(frame.forward),
+        up: in_grid(frame.up),
+    }
+}
+
 impl Touch {
-    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, part: Part) -> Self {
-        let [x, y] = ground.grid_from_world(frame.centre.x, frame.centre.y);
-        let [dx, dy] = ground.spacing();
-        let in_grid = |direction: Vector3<f64>| {
-            let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
-            [u / dx, v / dy, direction.z * radius]
-        };
-        let circle = Circle {
-            centre: [x, y, frame.centre.z],
-            forward: in_grid(frame.forward),
-            up: in_grid(frame.up),
-        };
-        let rim = walk(ground, &circle, part);
+    fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: Rim) -> Self {
         let mut touch = Self {
             frame,
             rim,
@@ -83,7 +92,9 @@ impl Touch {
 }
 
 impl<'a> Touches<'a> {
-    /// A chain at a pose, a state and steering angles over the ground. None where a differential does not reach.
+    /// A chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
+    /// nearby, if there is one. None where a differential does not reach.
+    #[allow(clippy::too_many_arguments)] // one caller, which names them
     pub(crate) fn of(
         ground: &Terrain,
         chain: &'a Chain,
@@ -91,31 +102,38 @@ impl<'a> Touches<'a> {
         state: &State,
         steering: &[f64],
         part: Part,
+        near: Option<&Self>,
+        level: Level,
     ) -> Option<Self> {
         let placed = chain.place(pose, state, steering)?;
-        let one = |wheel: usize| {
-            let wheel = if wheel < chain.wheels().len() {
-                wheel
-            } else {
-                0
-            };
-            Touch::of(
-                ground,
-                placed.wheel(wheel),
-                chain.wheels()[wheel].radius,
-                part,
-            )
+        let count = chain.wheels().len();
+        // Lanes without a wheel repeat the first.
+        let frames: [WheelFrame; RIMS] =
+            std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
+        let radius = |k: usize| chain.wheels()[if k < count { k } else { 0 }].radius;
+        let circles: [Circle; RIMS] =
+            std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
+        let least = rims::walk(level, ground, &circles, count);
+        let touch = |k: usize| {
+            let sure = least[k].filter(|least| {
+                part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap)
+            });
+            let rim = sure.map_or_else(
+                || {
+                    let near = near.and_then(|near| near.wheels[k].rim.least);
+                    let near = near.map_or(BELOW, |least| least.at);
+                    walk(ground, &circles[k], part, near)
+                },
+                Rim::of,
+            );
+            Touch::of(ground, frames[k], radius(k), rim)
         };
-        let first = one(0);
-        let mut wheels = [first; MAX_WHEELS];
-        for (wheel, touch) in wheels
-            .iter_mut()
-            .enumerate()
-            .take(chain.wheels().len())
-            .skip(1)
-        {
-            *touch = one(wheel);
-        }
+        let first = touch(0);
+        let wheels = std::array::from_fn(|k| match k {
+            0 => first,
+            k if k < count => touch(k),
+            _ => first,
+        });
         Some(Self { placed, wheels })
     }
 

@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use super::state::{State, advance, check_covariance, meet_yaw};
 use super::step::Motion;
 use super::{Odometry, Readings, Sample, Settings};
-use crate::error::{Error, finite, number};
+use crate::error::{Error, ErrorKind, finite, number};
 use crate::geometry::{Pose, wrap_angle};
 
 /// A sample with the state after it.
@@ -29,16 +29,25 @@ struct Correction {
     covariance: Matrix3<f64>,
 }
 
-/// A ring of samples, all of its memory taken at the start.
+/// Bytes that a piece of memory takes beside what is asked for, at most.
+const OVERHEAD: usize = 32;
+
+/// Samples for which there is room from the start.
+const FEW: usize = 1024;
+
+/// A ring of samples. Its memory for the first [`FEW`] is taken at the start, and grows as more have to be kept.
 #[derive(Clone, Debug)]
 pub(crate) struct History {
+    /// Entry `k` at place `k % entries.len()`, those from `first` to `next`.
     entries: Vec<Entry>,
     corrections: Vec<Correction>,
     /// Number of the oldest entry and of the next one.
     first: u64,
     next: u64,
-    /// First correction that may still be taken in again, and number of corrections in the ring.
+    /// Where the oldest correction is, once there is no room for more.
     oldest_correction: usize,
+    /// Samples to keep at most.
+    most: usize,
     lag: f64,
     last_dt: f64,
     /// Stamp of the last command, if no sample came since.
@@ -47,11 +56,12 @@ pub(crate) struct History {
 
 impl History {
     pub fn new(settings: &Settings, state: &State, wheels: usize, joints: usize) -> Self {
-        let capacity = if settings.lag > 0.0 {
+        let most = if settings.lag > 0.0 {
             settings.history.max(2)
         } else {
             0
         };
+        let capacity = most.min(FEW);
         let entry = Entry {
             stamp: 0.0,
             dt: 0.0,
@@ -67,6 +77,7 @@ impl History {
             first: 0,
             next: 0,
             oldest_correction: 0,
+            most,
             lag: settings.lag,
             last_dt: 0.0,
             commanded: None,
@@ -88,6 +99,62 @@ impl History {
 
     fn place(&self, entry: u64) -> usize {
         (entry % self.entries.len() as u64) as usize
+    }
+
+    /// Makes room for one more sample, at this stamp, where what is kept has to stay. Fails where there is none.
+    #[inline]
+    pub fn make_room(&mut self, stamp: f64) -> Result<(), Error> {
+        let length = self.entries.len();
+        let is_full = length > 0 && self.next - self.first == length as u64;
+        if !is_full || length >= self.most || self.is_too_old(self.first, stamp) {
+            return Ok(());
+        }
+        self.grow()
+    }
+
+    /// Whether more samples may have to be kept than there is room for now.
+    pub fn may_grow(&self) -> bool {
+        self.entries.len() < self.most
+    }
+
+    /// Fails unless there is memory for a copy of all of it.
+    pub fn check_copy(&self) -> Result<(), Error> {
+        self.check_room(self.entries.len())
+    }
+
+    /// Fails unless there is memory for so many more entries and what they hold. It is asked for in one piece and
+    /// given back: there are no small requests that may fail.
+    fn check_room(&self, more: usize) -> Result<(), Error> {
+        let Some(entry) = self.entries.first() else {
+            return Ok(());
+        };
+        let carried = entry.state.uncertainty.carried.len();
+        let numbers = entry.angles.len() + entry.turned.len() + 3 * carried;
+        let each = size_of::<Entry>() + numbers * size_of::<f64>() + 3 * OVERHEAD;
+        let probe = Vec::<u8>::new().try_reserve_exact(each.saturating_mul(more));
+        probe.map_err(|_| {
+            let total = self.entries.len().saturating_add(more).to_string();
+            Error::value("history", "fit into memory", total).of_kind(ErrorKind::Memory)
+        })
+    }
+
+    /// Twice as much room.
+    #[cold]
+    fn grow(&mut self) -> Result<(), Error> {
+        let grown = self.most.min(2 * self.entries.len());
+        // The entries move to a larger place, and the new ones are made.
+        self.check_room(2 * grown)?;
+        // The oldest first, so that numbers and places go together again.
+        let oldest = self.place(self.first);
+        self.entries.rotate_left(oldest);
+        self.entries.resize(grown, self.entries[0].clone());
+        let shift = (self.first % grown as u64) as usize;
+        self.entries.rotate_right(shift);
+        Ok(())
+    }
+
+    fn is_too_old(&self, entry: u64, stamp: f64) -> bool {
+        self.entries[self.place(entry)].stamp < stamp - self.lag
     }
 
     #[inline]
@@ -129,15 +196,15 @@ impl History {
         entry.state.copy_from(state);
         self.next += 1;
         self.first = self.first.max(self.next.saturating_sub(capacity));
-        let too_old = sample.stamp - self.lag;
-        while self.first < self.next && self.entries[self.place(self.first)].stamp < too_old {
+        while self.first < self.next && self.is_too_old(self.first, sample.stamp) {
             self.first += 1;
         }
     }
 
     /// Remembers a correction; the oldest one makes room.
     fn remember(&mut self, correction: Correction) {
-        if self.corrections.len() < self.corrections.capacity() {
+        let is_full = self.corrections.len() >= self.most;
+        if !is_full && self.corrections.try_reserve(1).is_ok() {
             self.corrections.push(correction);
         } else if !self.corrections.is_empty() {
             self.corrections[self.oldest_correction] = correction;

@@ -4,7 +4,7 @@
 //! counter that goes on from another value for good is followed from the second such row on.
 
 use super::{Health, Odometry, Readings, Refusal, Sample};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 
 /// What is remembered of rows that were left out, until a row is taken in again.
 ///
@@ -115,11 +115,12 @@ pub struct TrackRows<'a> {
 
 impl Odometry {
     /// Takes in a sample if it can be; otherwise leaves it out and says why. The state goes on from the last good
-    /// one either way.
-    pub fn absorb(&mut self, sample: Sample<'_>) -> Health {
+    /// one either way. Fails, with nothing changed, only where there is no memory for what is kept.
+    pub fn absorb(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
         match self.take(sample) {
-            Ok(health) => health,
-            Err(refusal) => self.doubt(sample, &refusal),
+            Ok(health) => Ok(health),
+            Err(refusal) if refusal.error.kind == ErrorKind::Memory => Err(refusal.error),
+            Err(refusal) => Ok(self.doubt(sample, &refusal)),
         }
     }
 
@@ -174,8 +175,24 @@ impl Odometry {
     }
 
     /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
-    /// error, and the rows before it have been taken in; otherwise such rows are left out and flagged.
+    /// error; otherwise such rows are left out and flagged. On failure nothing has changed.
     pub fn run(
+        &mut self,
+        recording: Recording<'_>,
+        strict: bool,
+        track: TrackRows<'_>,
+    ) -> Result<(), Error> {
+        let may_fail = strict || self.history.may_grow();
+        let before = may_fail.then(|| self.history.check_copy()).transpose()?;
+        let before = before.map(|()| self.clone());
+        let taken = self.take_all(recording, strict, track);
+        if let (Err(_), Some(before)) = (&taken, before) {
+            *self = before;
+        }
+        taken
+    }
+
+    fn take_all(
         &mut self,
         recording: Recording<'_>,
         strict: bool,
@@ -192,11 +209,15 @@ impl Odometry {
         } = track;
         for k in 0..recording.stamps.len() {
             let sample = recording.row(wheels, joints, k);
-            let flags = if strict {
-                self.update(sample).map_err(|error| error.at_row(k))?
+            let taken = if strict {
+                self.update(sample)
             } else {
                 self.absorb(sample)
             };
+            let flags = taken.map_err(|error| match error.kind {
+                ErrorKind::Memory => error,
+                _ => error.at_row(k),
+            })?;
             poses[k] = self.pose().into();
             twists[k] = self.twist().into();
             health[k] = flags.0;

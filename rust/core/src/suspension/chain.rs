@@ -225,7 +225,7 @@ impl Chain {
                 Turning::Steering(joint) => (steering.get(joint).copied().unwrap_or(0.0), 1.0),
             };
             placed.parts[k] = PlacedPart {
-                rotation: rotation * Rotation3::from_axis_angle(&part.axis, angle).into_inner(),
+                rotation: turned(rotation, &part.axis, angle),
                 origin: origin + rotation * part.origin,
                 axis: rotation * *part.axis,
                 slope,
@@ -255,6 +255,24 @@ impl Chain {
             .sum::<Vector3<f64>>()
             / count as f64
     }
+}
+
+/// A rotation followed, in its own axes, by a turn about an axis; most turn about y or z.
+fn turned(rotation: Matrix3<f64>, axis: &Unit<Vector3<f64>>, angle: f64) -> Matrix3<f64> {
+    if angle == 0.0 {
+        return rotation;
+    }
+    let (first, second) = match axis.as_slice() {
+        [0.0, 1.0, 0.0] => (2, 0),
+        [0.0, 0.0, 1.0] => (0, 1),
+        _ => return rotation * Rotation3::from_axis_angle(axis, angle).into_inner(),
+    };
+    let (sin, cos) = angle.sin_cos();
+    let (a, b) = (rotation.column(first), rotation.column(second));
+    let mut turned = rotation;
+    turned.set_column(first, &(a * cos + b * sin));
+    turned.set_column(second, &(b * cos - a * sin));
+    turned
 }
 
 /// A part where its pose, the state and the steering put it, in world axes.

@@ -177,6 +177,8 @@ impl Chain {
         positive("track_width", track_width)?;
         finite("drop", &[drop])?;
         positive("wheel_radius", wheel_radius)?;
+        steering.check()?;
+        limit.check("roll_limit")?;
         let part = |name: &'static str, parent, x, axis, turning| Part {
             name: name.into(),
             parent,

@@ -3,6 +3,7 @@
 pub(crate) mod poses;
 pub(crate) mod rows;
 pub(crate) mod singly;
+pub(crate) mod twists;
 
 /// Rows that are read, or checked and written, at a time where that is not done for all rows at once: their
 /// numbers stay in the second-level cache.

@@ -15,7 +15,7 @@ use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
 /// Rows from which a batch is worth setting up a kernel for.
-const FEW: usize = 8;
+pub(super) const FEW: usize = 8;
 
 /// The rows in blocks of this size.
 fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
@@ -78,7 +78,7 @@ impl<'a> Commands<'a> {
     /// Fails at the first row that the rover cannot make.
     fn check(&self, first: usize, twists: &[[f64; 3]], inputs: Inputs<'_>) -> Result<(), Error> {
         if let Some(plan) = &self.plan {
-            return plan.check(self.level, twists, first);
+            return plan.check(self.level, twists, inputs, first);
         }
         for (k, twist) in twists.iter().enumerate() {
             let inputs = inputs.row(self.rover, k);
@@ -96,7 +96,7 @@ impl<'a> Commands<'a> {
         speeds: &mut [f64],
     ) {
         if let Some(plan) = &self.plan {
-            return plan.solve(self.level, twists, steering, speeds, self.past);
+            return plan.solve(self.level, twists, inputs, steering, speeds, self.past);
         }
         let joints = self.rover.steered().len();
         let speeds = speeds.chunks_exact_mut(self.rover.wheels().len());
@@ -121,7 +121,7 @@ pub fn inverse<'a>(
     let Workers { level, fresh, .. } = workers.here();
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let (count, beside) = (speeds.len() / wheels, inputs.into());
-    let planned = level != Level::Plain && count >= FEW && beside.is_empty();
+    let planned = level != Level::Plain && count >= FEW;
     let commands = Commands {
         rover,
         plan: planned.then(|| command::Plan::new(rover)).flatten(),

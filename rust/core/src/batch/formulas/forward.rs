@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use nalgebra::Matrix3;
+
+use super::inverse::all_within;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
@@ -31,6 +34,8 @@ enum Part {
         radius: f64,
         arm: [f64; 2],
     },
+    /// It is steered and has no say.
+    Unheard,
     /// It measures nothing.
     Castor,
 }
@@ -47,13 +52,23 @@ pub(crate) struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// Nothing where the solution depends on the readings.
     pub fn new(rover: &'a Rover) -> Option<Self> {
-        let solution = rover.solution?;
+        Self::weighted(rover, rover.solution?, |_| 1.0)
+    }
+
+    /// Wheels with a say of 1 or 0, and the solution of their normal equations.
+    pub fn weighted(
+        rover: &'a Rover,
+        solution: Matrix3<f64>,
+        weight: impl Fn(usize) -> f64,
+    ) -> Option<Self> {
         let turned = |wheel: &Wheel| wheel.heading.abs() > LARGEST_ANGLE / 2.0;
         if rover.reading_bound > LARGEST_ROVER || rover.wheels().iter().any(turned) {
             return None;
         }
         let (size, centre) = (rover.size, rover.centre);
-        let part = |(wheel, mount): (&Wheel, &Mount)| match *mount {
+        let part = |(i, (wheel, mount)): (usize, (&Wheel, &Mount))| match *mount {
+            Mount::Steered(..) if weight(i) == 0.0 => Part::Unheard,
+            _ if weight(i) == 0.0 => Part::Castor,
             Mount::Castor(_) => Part::Castor,
             Mount::Fixed(rows) => Part::Fixed((rover.shifted(&rows.rolling) * wheel.radius).into()),
             Mount::Steered(..) => Part::Steered {
@@ -71,7 +86,9 @@ impl<'a> Plan<'a> {
         ];
         Some(Self {
             rover,
-            parts: rover.wheels().iter().zip(&rover.mounts).map(part).collect(),
+            parts: (rover.wheels().iter().zip(&rover.mounts).enumerate())
+                .map(part)
+                .collect(),
             joints: rover.steered().len(),
             solution: rows.map(|row| [row.x, row.y, row.z]),
         })
@@ -124,18 +141,6 @@ impl<'a> Plan<'a> {
             steering_rates: None,
         }
     }
-}
-
-/// Whether all numbers are at most so large. False for NaN.
-#[inline(always)]
-fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
-    let bound = Lanes::splat(simd, largest);
-    let (registers, rest) = S::as_simd_f64s(values);
-    let mut within = bound.at_most(bound);
-    for k in 0..registers.len() {
-        within = within & Lanes::load(simd, registers, k).abs().at_most(bound);
-    }
-    !(!within).any() && rest.iter().all(|value| value.abs() <= largest)
 }
 
 struct Check<'a> {
@@ -231,7 +236,7 @@ impl Kernel for Solve<'_> {
 
 /// Solves a block, `rows` taken apart. Whether all of its readings are of a usual size.
 #[inline(always)]
-fn solve_block<S: Vector>(
+pub(super) fn solve_block<S: Vector>(
     simd: S,
     plan: &Plan<'_>,
     steering: &[Column],
@@ -274,6 +279,7 @@ fn solve_block<S: Vector>(
                     z = v.mul_add(Lanes::splat(simd, arm_x), z);
                     z = u.mul_add(Lanes::splat(simd, -arm_y), z);
                 }
+                Part::Unheard => joint += 1,
                 Part::Castor => {}
             }
         }

@@ -1,10 +1,14 @@
-//! Inverse kinematics of whole registers of twists: fixed wheels, rollers, and wheels steered about their
-//! contact. What the kernel does not decide itself, it leaves to the plain core, row by row.
+//! Inverse kinematics of whole registers of twists. What the kernel is not sure of, it leaves to the plain core, row by
+//! row.
+
+#[cfg(test)]
+mod tests;
 
 use pulp::Simd;
 
+use super::choice::Asked;
+use super::cone::{Cone, dot};
 use super::steered::{Reach, Steer, Steered, absolute, load};
-use crate::admissible::SLIP_TOLERANCE;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::stream::{Output, fetch_ahead};
@@ -22,73 +26,83 @@ pub(in crate::batch) const LARGEST: f64 = 1e100;
 /// Sizes of rovers with which that holds at every pivot.
 pub(in crate::batch) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
+/// Blocks after one that needed the whole formula, until the usual one is tried again.
+const TRIES: usize = 8;
+
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Part {
     Fixed([f64; 3]),
+    Castor(Steered),
     Steered(Steered),
 }
 
 /// What the kernel needs to know of a rover.
 pub(crate) struct Plan<'a> {
     rover: &'a Rover,
+    cone: &'a Cone,
     /// Every wheel with one over its radius.
     pub parts: Vec<(Part, f64)>,
     joints: usize,
     pub banks: Vec<[f64; 3]>,
-    /// Two pivots far apart: the faster one is a lower bound of the fastest.
-    pivots: [[f64; 2]; 2],
-    /// The longest way to a pivot, along the axes [m].
-    arm: f64,
+    /// Whether every wheel can be steered without a second thought, but for resting ones and such.
+    is_simple: bool,
+    /// Whether there is only one way of making a motion, wherever the wheels are, unless they rest.
+    is_inner: bool,
 }
 
 impl<'a> Plan<'a> {
-    /// Nothing where a wheel is not one of those the kernel knows.
+    /// Nothing where sizes are extreme.
     pub fn new(rover: &'a Rover) -> Option<Self> {
-        let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
+        let cone = rover.cone.as_ref()?;
         let part = |(wheel, mount): (&Wheel, &Mount)| {
-            let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
-            if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
-                return None;
-            }
-            let part = match *mount {
-                Mount::Fixed(rows) => Part::Fixed(rows.rolling.into()),
-                Mount::Castor(_) => return None,
-                Mount::Steered(range, heading) if wheel.is_centred() => Part::Steered(Steered {
-                    x: wheel.x,
-                    y: wheel.y,
-                    heading: (wheel.heading != 0.0).then_some(heading),
-                    range,
-                    reach: Reach::new(range)?,
-                }),
-                Mount::Steered(..) => return None,
+            let part = match (*mount, Steered::new(wheel, *mount)) {
+                (Mount::Castor(_), Some(steered)) => Part::Castor(steered),
+                (_, Some(steered)) => Part::Steered(steered),
+                (Mount::Fixed(rows), None) => Part::Fixed(rows.rolling.into()),
+                (_, None) => return None,
             };
             Some((part, 1.0 / wheel.radius))
         };
         let wheels = rover.wheels();
         let parts: Option<Vec<_>> = wheels.iter().zip(&rover.mounts).map(part).collect();
+        let parts = parts?;
+        let all = |holds: &dyn Fn(&Reach) -> bool| {
+            parts.iter().all(|(part, _)| match part {
+                Part::Steered(steered) => steered.reach.as_ref().is_some_and(holds),
+                Part::Fixed(_) | Part::Castor(_) => true,
+            })
+        };
         Some(Self {
             rover,
-            parts: parts?,
+            cone,
+            is_simple: all(&|_| true),
+            is_inner: all(&|reach| reach.inner),
+            parts,
             joints: rover.steered().len(),
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
-            pivots: pivots_apart(wheels),
-            arm: wheels
-                .iter()
-                .map(|wheel| wheel.x.abs() + wheel.y.abs())
-                .fold(0.0, f64::max),
         })
     }
 
     /// Fails at the first row that the rover cannot make; rows count from `first`.
-    pub fn check(&self, level: Level, twists: &[[f64; 3]], first: usize) -> Result<(), Error> {
-        let check = Check {
-            plan: self,
-            twists,
-            first,
-        };
-        level
-            .run(check)
-            .unwrap_or_else(|| self.check_rows(twists, first))
+    pub fn check(
+        &self,
+        level: Level,
+        twists: &[[f64; 3]],
+        inputs: Inputs<'_>,
+        first: usize,
+    ) -> Result<(), Error> {
+        let swinging = !self.cone.is_whole && inputs.steering_rates.is_some();
+        with_columns(if swinging { self.joints } else { 0 }, |rates| {
+            let check = Check {
+                plan: self,
+                twists,
+                inputs,
+                first,
+                rates,
+            };
+            let checked = level.run(check);
+            checked.unwrap_or_else(|| self.check_rows(twists, inputs, 0, first))
+        })
     }
 
     /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
@@ -96,14 +110,19 @@ impl<'a> Plan<'a> {
         &self,
         level: Level,
         twists: &[[f64; 3]],
+        inputs: Inputs<'_>,
         steering: &mut [f64],
         speeds: &mut [f64],
         past: bool,
     ) {
-        with_columns(self.joints + self.parts.len(), |columns| {
+        let joints = |given: Option<&[f64]>| given.map_or(0, |_| self.joints);
+        let rolling = inputs.previous_speeds.map_or(0, |_| self.parts.len());
+        let beside = joints(inputs.previous) + joints(inputs.steering_rates) + rolling;
+        with_columns(self.joints + self.parts.len() + beside, |columns| {
             level.run(Solve {
                 plan: self,
                 twists,
+                inputs,
                 steering,
                 speeds,
                 past,
@@ -112,51 +131,75 @@ impl<'a> Plan<'a> {
         });
     }
 
-    fn check_rows(&self, twists: &[[f64; 3]], first: usize) -> Result<(), Error> {
+    /// Row by row; `row` is the first of the twists among those of the inputs, `first` among those of the batch.
+    fn check_rows(
+        &self,
+        twists: &[[f64; 3]],
+        inputs: Inputs<'_>,
+        row: usize,
+        first: usize,
+    ) -> Result<(), Error> {
         for (k, twist) in twists.iter().enumerate() {
-            let checked = self.rover.check(Twist::from(*twist), None);
-            checked.map_err(|error| error.at_row(first + k))?;
+            let inputs = inputs.row(self.rover, row + k);
+            let checked = inputs
+                .check()
+                .and_then(|()| self.rover.check(Twist::from(*twist), inputs.steering_rates));
+            checked.map_err(|error| error.at_row(first + row + k))?;
         }
         Ok(())
     }
 
-    /// Whether a twist is surely finite, and its squares are too.
-    #[inline(always)]
-    pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let [vx, vy, omega] = absolute(twist);
-        let size = vx + vy + omega;
-        let fits = size.at_most(Lanes::splat(simd, LARGEST));
-        let zero = size.at_most(Lanes::splat(simd, 0.0));
-        fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
-    }
-
     /// Whether the plain core would surely let a twist pass.
     #[inline(always)]
-    fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let mut passes = Self::usual(simd, twist);
-        if !self.banks.is_empty() {
-            let [vx, vy, omega] = twist;
-            let mut fastest = Lanes::splat(simd, 0.0);
-            for [x, y] in self.pivots {
-                let ux = vx - omega * Lanes::splat(simd, y);
-                let uy = vy + omega * Lanes::splat(simd, x);
-                fastest = fastest.max(ux.abs() + uy.abs());
-            }
-            let tolerance = Lanes::splat(simd, SLIP_TOLERANCE) * fastest;
-            for row in &self.banks {
-                passes = passes & dot(simd, row, twist).abs().at_most(tolerance);
-            }
+    fn passes<S: Simd>(
+        &self,
+        simd: S,
+        twist: [Lanes<S>; 3],
+        rates: &[Column],
+        k: usize,
+    ) -> Mask<S> {
+        let mut passes = self.cone.judge(simd, twist).yes;
+        if self.cone.is_whole {
+            return passes;
         }
+        let zero = Lanes::splat(simd, 0.0);
+        let mut joint = 0;
         for (part, _) in &self.parts {
             let Part::Steered(steered) = part else {
                 continue;
             };
-            if steered.reach.limited {
-                passes = passes & steered.decides(simd, twist);
+            if steered.trail != 0.0 {
+                let rate = rates.get(joint).map_or(zero, |rates| rates.load(simd, k));
+                let asked = Asked {
+                    twist,
+                    before: zero,
+                    rate,
+                };
+                let chosen = steered.choose(simd, asked, None);
+                passes = passes & chosen.inside & chosen.sure;
             }
+            joint += 1;
         }
         passes
     }
+}
+
+/// Whether a twist is surely finite, and its squares are too.
+#[inline(always)]
+pub(crate) fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+    let [vx, vy, omega] = absolute(twist);
+    let size = vx + vy + omega;
+    let fits = size.at_most(Lanes::splat(simd, LARGEST));
+    let zero = size.at_most(Lanes::splat(simd, 0.0));
+    fits & (zero | Lanes::splat(simd, SMALLEST).at_most(size))
+}
+
+/// Whether the squares of a wheel's sizes neither overflow nor lose digits.
+pub(crate) fn is_usual(wheel: &Wheel) -> bool {
+    let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
+    let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
+    let offsets = [wheel.scrub.abs(), wheel.trail.abs()];
+    lengths.into_iter().all(usual) && offsets.iter().all(|offset| offset < SIZES.end())
 }
 
 /// Two pivots far apart.
@@ -172,17 +215,32 @@ pub(in crate::batch) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
     [first, other]
 }
 
-/// A row times a twist, by the same operations as the plain core.
+/// The rows of a block out of those of a batch.
+fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[f64] {
+    values.map_or(&[], |values| {
+        &values[first * width..(first + count) * width]
+    })
+}
+
+/// Whether all numbers are at most so large. False for NaN.
 #[inline(always)]
-pub(crate) fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
-    let [a, b, c] = [row[0], row[1], row[2]];
-    vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
+pub(crate) fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
+    let bound = Lanes::splat(simd, largest);
+    let (registers, rest) = S::as_simd_f64s(values);
+    let mut within = bound.at_most(bound);
+    for k in 0..registers.len() {
+        within = within & Lanes::load(simd, registers, k).abs().at_most(bound);
+    }
+    !(!within).any() && rest.iter().all(|value| value.abs() <= largest)
 }
 
 struct Check<'a> {
     plan: &'a Plan<'a>,
     twists: &'a [[f64; 3]],
+    inputs: Inputs<'a>,
     first: usize,
+    /// One per rate, where they are part of the question.
+    rates: &'a mut [Column],
 }
 
 impl Kernel for Check<'_> {
@@ -190,15 +248,39 @@ impl Kernel for Check<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
+        let plan = self.plan;
+        let (joints, wheels) = (plan.joints, plan.parts.len());
+        let Inputs {
+            previous,
+            previous_speeds,
+            steering_rates,
+        } = self.inputs;
         let mut columns = [Column::ZERO; 3];
-        for (block, rows) in self.twists.chunks(BLOCK).enumerate() {
-            unweave(simd, rows.as_flattened(), &mut columns);
-            let mut pass = self.plan.passes(simd, load(simd, &columns, 0));
-            for k in 1..BLOCK / S::F64_LANES {
-                pass = pass & self.plan.passes(simd, load(simd, &columns, k));
+        for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
+            let first = b * BLOCK;
+            let of = |values, width| block(values, width, first, rows.len());
+            let beside = [
+                of(previous, joints),
+                of(previous_speeds, wheels),
+                of(steering_rates, joints),
+            ];
+            let mut pass = true;
+            for values in beside {
+                pass = pass && all_within(simd, values, f64::MAX);
             }
-            if (!pass).any() {
-                self.plan.check_rows(rows, self.first + block * BLOCK)?;
+            if pass {
+                unweave(simd, rows.as_flattened(), &mut columns);
+                if !self.rates.is_empty() {
+                    unweave(simd, of(steering_rates, joints), self.rates);
+                }
+                let mut passes = plan.passes(simd, load(simd, &columns, 0), self.rates, 0);
+                for k in 1..BLOCK / S::F64_LANES {
+                    passes = passes & plan.passes(simd, load(simd, &columns, k), self.rates, k);
+                }
+                pass = !(!passes).any();
+            }
+            if !pass {
+                plan.check_rows(rows, self.inputs, first, self.first)?;
             }
         }
         Ok(())
@@ -208,10 +290,11 @@ impl Kernel for Check<'_> {
 struct Solve<'a> {
     plan: &'a Plan<'a>,
     twists: &'a [[f64; 3]],
+    inputs: Inputs<'a>,
     steering: &'a mut [f64],
     speeds: &'a mut [f64],
     past: bool,
-    /// One per steering angle and one per speed.
+    /// One per steering angle, one per speed, and one per number of the inputs.
     columns: &'a mut [Column],
 }
 
@@ -222,28 +305,49 @@ impl Kernel for Solve<'_> {
     fn run<S: Vector>(self, simd: S) {
         let plan = self.plan;
         let (joints, wheels) = (plan.joints, plan.parts.len());
+        let Inputs {
+            previous,
+            previous_speeds,
+            steering_rates,
+        } = self.inputs;
         let mut twists = [Column::ZERO; 3];
-        let (steering, speeds) = self.columns.split_at_mut(joints);
+        let (steering, rest) = self.columns.split_at_mut(joints);
+        let (speeds, rest) = rest.split_at_mut(wheels);
+        let (before, rest) = rest.split_at_mut(previous.map_or(0, |_| joints));
+        let (rolling, rates) = rest.split_at_mut(previous_speeds.map_or(0, |_| wheels));
         let output = |target, width| Output::new(simd, target, width * BLOCK, self.past);
         let mut all_steering = output(self.steering, joints);
         let mut all_speeds = output(self.speeds, wheels);
-        for rows in self.twists.chunks(BLOCK) {
+        let simple =
+            plan.is_simple && (previous.is_none() && previous_speeds.is_none() || plan.is_inner);
+        let mut usual = true;
+        for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
+            let first = b * BLOCK;
             fetch_ahead(simd, rows.as_flattened(), 0, 1);
             unweave(simd, rows.as_flattened(), &mut twists);
             let steering_rows = all_steering.next(rows.len() * joints);
             let speed_rows = all_speeds.next(rows.len() * wheels);
-            let brisk = solve_block(simd, plan, &twists, steering, speeds);
-            let doubtful = !brisk && hold_still(simd, plan, &twists, steering, speeds);
+            let mut doubts = Column::ZERO;
+            let mut doubtful = false;
+            // Where the last block needed the whole formula, this one most likely does; now and then it is tried.
+            let tries = simple && (usual || b % TRIES == 0);
+            usual = tries && solve_block(simd, plan, &twists, steering, speeds);
+            if !usual {
+                let of = |values, width| block(values, width, first, rows.len());
+                unweave(simd, of(previous, joints), before);
+                unweave(simd, of(previous_speeds, wheels), rolling);
+                unweave(simd, of(steering_rates, joints), rates);
+                let beside = [&*before, rolling, rates];
+                doubtful = choose_block(simd, plan, &twists, beside, steering, speeds, &mut doubts);
+            }
             weave(simd, steering, steering_rows);
             weave(simd, speeds, speed_rows);
             if doubtful {
-                let mut doubts = Column::ZERO;
-                find_doubts(simd, plan, &twists, &mut doubts);
                 let doubtful = |(k, _): &(usize, _)| doubts.0[*k] != 0.0;
                 for (k, twist) in rows.iter().enumerate().filter(doubtful) {
                     plan.rover.solve(
                         Twist::from(*twist),
-                        Inputs::default(),
+                        self.inputs.row(plan.rover, first + k),
                         &mut steering_rows[k * joints..(k + 1) * joints],
                         &mut speed_rows[k * wheels..(k + 1) * wheels],
                     );
@@ -253,7 +357,7 @@ impl Kernel for Solve<'_> {
     }
 }
 
-/// Solves a block. Whether that was all: every wheel moves, well inside its range.
+/// Solves a block. Whether that was all: every wheel moves, and goes the one way there is.
 #[inline(always)]
 fn solve_block<S: Simd>(
     simd: S,
@@ -268,38 +372,36 @@ fn solve_block<S: Simd>(
     let margins = S::as_mut_simd_f64s(&mut margins.0).0;
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
-        sure = sure & Plan::usual(simd, twist);
+        sure = sure & usual(simd, twist);
         let [vx, vy, omega] = absolute(twist);
-        let summed = vx + vy + omega * Lanes::splat(simd, plan.arm);
+        let summed = vx + vy + omega * Lanes::splat(simd, plan.cone.arm);
         (summed * Lanes::splat(simd, 2.0 * REST)).store(margins, k);
     }
     let mut joint = 0;
     for ((part, per_radius), speeds) in plan.parts.iter().zip(speeds) {
-        let speeds = S::as_mut_simd_f64s(&mut speeds.0).0;
         let per_radius = Lanes::splat(simd, *per_radius);
         match part {
-            Part::Fixed(row) => {
-                for k in 0..BLOCK / S::F64_LANES {
-                    let rim_speed = dot(simd, row, load(simd, twists, k));
-                    (rim_speed * per_radius).store(speeds, k);
-                }
-            }
+            Part::Fixed(row) => roll(simd, row, per_radius, twists, speeds),
+            Part::Castor(castor) => sure = sure & follow(simd, castor, per_radius, twists, speeds),
             Part::Steered(steered) => {
                 let angles = S::as_mut_simd_f64s(&mut steering[joint].0).0;
                 joint += 1;
+                let Some(reach) = &steered.reach else {
+                    continue;
+                };
                 let steer = Steer {
                     twists,
                     margins,
                     per_radius,
                     angles,
-                    speeds,
+                    speeds: S::as_mut_simd_f64s(&mut speeds.0).0,
                 };
                 sure = sure
-                    & match (steered.heading, steered.reach.symmetric) {
-                        (None, true) => steer.run::<false, true>(simd, steered),
-                        (None, false) => steer.run::<false, false>(simd, steered),
-                        (Some(_), true) => steer.run::<true, true>(simd, steered),
-                        (Some(_), false) => steer.run::<true, false>(simd, steered),
+                    & match (steered.heading, reach.inner) {
+                        (None, true) => steer.run::<false, true>(simd, steered, reach),
+                        (None, false) => steer.run::<false, false>(simd, steered, reach),
+                        (Some(_), true) => steer.run::<true, true>(simd, steered, reach),
+                        (Some(_), false) => steer.run::<true, false>(simd, steered, reach),
                     };
             }
         }
@@ -307,51 +409,122 @@ fn solve_block<S: Simd>(
     !(!sure).any()
 }
 
-/// Puts right the wheels of a block that rest. Whether there are rows in it that are for the plain core.
+/// A wheel that is not steered.
 #[inline(always)]
-fn hold_still<S: Simd>(
+fn roll<S: Simd>(
+    simd: S,
+    row: &[f64; 3],
+    per_radius: Lanes<S>,
+    twists: &[Column; 3],
+    speeds: &mut Column,
+) {
+    for k in 0..BLOCK / S::F64_LANES {
+        let rim_speed = dot(simd, row, load(simd, twists, k));
+        speeds.store(k, rim_speed * per_radius);
+    }
+}
+
+/// A castor, and where it is sure how it rolls.
+#[inline(always)]
+fn follow<S: Simd>(
+    simd: S,
+    castor: &Steered,
+    per_radius: Lanes<S>,
+    twists: &[Column; 3],
+    speeds: &mut Column,
+) -> Mask<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    let mut all = zero.at_most(zero);
+    for k in 0..BLOCK / S::F64_LANES {
+        let (rim_speed, sure) = castor.follow(simd, load(simd, twists, k));
+        speeds.store(k, rim_speed * per_radius);
+        all = all & sure;
+    }
+    all
+}
+
+/// Solves a block with everything there is to know about the wheels: present angles, speeds and rates, as far as they are
+/// given. Marks the rows that are for the plain core; whether there are any.
+#[inline(always)]
+fn choose_block<S: Simd>(
     simd: S,
     plan: &Plan<'_>,
     twists: &[Column; 3],
+    [before, rolling, rates]: [&[Column]; 3],
     steering: &mut [Column],
     speeds: &mut [Column],
+    doubts: &mut Column,
 ) -> bool {
-    let zero = Lanes::splat(simd, 0.0);
-    let mut sure = zero.at_most(zero);
-    for k in 0..BLOCK / S::F64_LANES {
-        let twist = load(simd, twists, k);
-        sure = sure & Plan::usual(simd, twist);
-        let mut joint = 0;
-        for ((part, _), speeds) in plan.parts.iter().zip(speeds.iter_mut()) {
-            let Part::Steered(steered) = part else {
-                continue;
-            };
-            sure = sure & steered.decides(simd, twist);
-            let rests = steered.rests(simd, twist);
-            for column in [&mut steering[joint], speeds] {
-                let column = S::as_mut_simd_f64s(&mut column.0).0;
-                let moving = Lanes::load(simd, column, k);
-                rests.select(zero, moving).store(column, k);
-            }
-            joint += 1;
-        }
-    }
-    (!sure).any()
-}
-
-/// Marks the rows of a block that are for the plain core.
-#[inline(always)]
-fn find_doubts<S: Simd>(simd: S, plan: &Plan<'_>, twists: &[Column; 3], doubts: &mut Column) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let doubts = S::as_mut_simd_f64s(&mut doubts.0).0;
+    let none = zero.below(zero);
+    let mut doubtful = none;
     for k in 0..BLOCK / S::F64_LANES {
         let twist = load(simd, twists, k);
-        let mut sure = Plan::usual(simd, twist);
-        for (part, _) in &plan.parts {
-            if let Part::Steered(steered) = part {
-                sure = sure & steered.decides(simd, twist);
+        let mut sure = usual(simd, twist);
+        // How many undecided wheels would go either way, how much shorter the way backwards is for all of them, and
+        // which way they roll already.
+        let [mut ahead, mut back, mut lead, mut rolled] = [zero; 4];
+        let mut common = None;
+        // Once more if the undecided ones have to agree.
+        for round in 0..2 {
+            let mut joint = 0;
+            for (i, ((part, per_radius), speeds)) in
+                plan.parts.iter().zip(speeds.iter_mut()).enumerate()
+            {
+                let per_radius = Lanes::splat(simd, *per_radius);
+                let rim_speed = match part {
+                    Part::Fixed(row) => dot(simd, row, twist),
+                    Part::Castor(castor) => {
+                        let (rim_speed, safe) = castor.follow(simd, twist);
+                        sure = sure & safe;
+                        rim_speed
+                    }
+                    Part::Steered(steered) => {
+                        let of = |columns: &[Column], at: usize| {
+                            columns.get(at).map_or(zero, |column| column.load(simd, k))
+                        };
+                        let asked = Asked {
+                            twist,
+                            before: of(before, joint),
+                            rate: of(rates, joint),
+                        };
+                        let chosen = steered.choose(simd, asked, common);
+                        if round == 0 {
+                            let counted = |mask: Mask<S>, number| mask.select(number, zero);
+                            let votes = chosen.undecided;
+                            sure = sure & chosen.sure;
+                            ahead = ahead + counted(votes & !chosen.backwards, one);
+                            back = back + counted(votes & chosen.backwards, one);
+                            lead = lead + counted(votes, chosen.lead);
+                            rolled = rolled + counted(votes, of(rolling, i));
+                        }
+                        steering[joint].store(k, chosen.angle);
+                        joint += 1;
+                        chosen.rim_speed
+                    }
+                };
+                speeds.store(k, rim_speed * per_radius);
+            }
+            if round == 0 {
+                let rolls = zero.below(rolled.abs());
+                let differ = zero.below(ahead * back);
+                if !(rolls | differ).any() {
+                    break;
+                }
+                // Where they agree on their own, the way that they go.
+                let agreed = zero.below(back);
+                let shorter = zero.below(lead);
+                common = Some(
+                    (rolls & rolled.below(zero))
+                        | (!rolls & ((differ & shorter) | (!differ & agreed))),
+                );
+                let close = Lanes::splat(simd, 1e-9);
+                let tie = lead.abs().below(close); // also where it cancels: the plain core's sum may not
+                sure = sure & !(!rolls & differ & tie);
             }
         }
-        sure.select(zero, one).store(doubts, k);
+        doubts.store(k, sure.select(zero, one));
+        doubtful = doubtful | !sure;
     }
+    doubtful.any()
 }

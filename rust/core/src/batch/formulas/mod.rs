@@ -1,5 +1,9 @@
 //! What is computed, one file a job: kernels over whole registers of rows, the same for every level.
 
+pub(crate) mod admissible;
+pub(crate) mod choice;
+pub(crate) mod cone;
+pub(crate) mod fit;
 pub(crate) mod forward;
 pub(crate) mod integrate;
 pub(crate) mod inverse;

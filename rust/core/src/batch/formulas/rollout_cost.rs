@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::inverse::{Part, Plan, dot};
+use super::cone::dot;
+use super::inverse::{Part, Plan, usual};
 use super::logs::{Logs, Watch, side_by_side};
 use super::steered::Steered;
 use super::tile::{LANES, PerStep, STEPS, WIDTH};
@@ -132,7 +133,8 @@ pub fn rollout_cost<'a>(
 fn is_folded(part: &Part) -> bool {
     match part {
         Part::Fixed(_) => true,
-        Part::Steered(steered) => steered.reach.folded,
+        Part::Castor(_) => false,
+        Part::Steered(steered) => steered.reach.is_some_and(|reach| reach.folded),
     }
 }
 
@@ -247,7 +249,7 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
         let mut per_dts = *dts;
         for (t, per_dt) in per_dts.iter_mut().enumerate() {
             *per_dt = Lanes::splat(simd, 1.0).quotient(*per_dt);
-            self.sure = self.sure & Plan::usual(simd, twist(simd, twists, t));
+            self.sure = self.sure & usual(simd, twist(simd, twists, t));
         }
         for row in &self.plan.banks {
             for t in 0..STEPS {
@@ -265,12 +267,17 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
                         self.worst[0] = self.worst[0].max(speed * speed);
                     }
                 }
+                // Only rovers whose wheels are all folded get here.
+                Part::Castor(_) => {}
                 Part::Steered(steered) => {
-                    let per_square = per_radius * per_radius;
-                    if steered.reach.symmetric {
-                        self.steer::<true>(simd, steered, joint, per_square, twists, &per_dts);
+                    let Some(reach) = steered.reach else {
+                        continue;
+                    };
+                    let asked = (joint, per_radius * per_radius);
+                    if reach.symmetric {
+                        self.steer::<true>(simd, steered, reach.ends, asked, twists, &per_dts);
                     } else {
-                        self.steer::<false>(simd, steered, joint, per_square, twists, &per_dts);
+                        self.steer::<false>(simd, steered, reach.ends, asked, twists, &per_dts);
                     }
                     joint += 1;
                 }
@@ -297,8 +304,8 @@ impl<S: Vector> Judge<'_, '_, S> {
         &mut self,
         simd: S,
         steered: &Steered,
-        joint: usize,
-        per_square: Lanes<S>,
+        [(lower_sin, lower_cos), (upper_sin, upper_cos)]: [(f64, f64); 2],
+        (joint, per_square): (usize, Lanes<S>),
         twists: &[S::f64s; WIDTH],
         per_dts: &PerStep<S>,
     ) {
@@ -309,7 +316,6 @@ impl<S: Vector> Judge<'_, '_, S> {
         let middle = number((low + high) / 2.0);
         // Half a turn further on, counted from either end.
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
-        let [(lower_sin, lower_cos), (upper_sin, upper_cos)] = steered.reach.ends;
         let mut held = Lanes::load(simd, &self.held, joint);
         let [mut squares, mut angles, mut rates, mut slips] = self.worst;
         let [mut along, mut across] = [Lockstep([zero; STEPS]); 2];

@@ -1,29 +1,34 @@
-//! One steered wheel in the inverse kernel: which angles it decides itself, and the loop over a block.
+//! One steered wheel: the angle it takes without a second thought, through a block.
 
 use pulp::Simd;
 
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::angle;
 use crate::batch::machine::weave::{BLOCK, Column};
+use crate::rover::Mount;
 use crate::steering::SteeringRange;
-use crate::wheels::{Direction, REST};
+use crate::wheels::{Direction, REST, Wheel};
 
-/// Angles this near to an end of the reach are left to the plain core, which knows the tolerances [rad].
+/// Angles this near to an end of the reach need a second thought where the other end may be as near [rad].
 pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;
+
+/// Angles beyond an end by no more than this slide by less than half the tolerance of the check: they are at the end [rad].
+pub(in crate::batch) const AT_AN_END: f64 = 5e-10;
 
 /// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
 pub(in crate::batch) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
 
-/// The angles that need no thought, as two half planes `across * y < along * x` of the pivot's velocity.
+/// The angles that need no thought.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
+    /// Two half planes `across * y < along * x` of the pivot's velocity.
     upper: [f64; 2],
     lower: [f64; 2],
     pub symmetric: bool,
-    /// Whether angles outside it may be impossible.
-    pub limited: bool,
     /// Whether it is a quarter turn to either side at most.
     pub folded: bool,
+    /// Whether it is less than that, so that there is one way only of making a motion.
+    pub inner: bool,
     /// Sine and cosine of its lower and its upper end.
     pub ends: [(f64, f64); 2],
 }
@@ -45,8 +50,9 @@ impl Reach {
             upper: end(range.upper),
             lower: end(-range.lower),
             symmetric: range.lower == -range.upper,
-            limited: !range.is_full(),
             folded,
+            inner: range.lower > quarter.lower + NEAR_AN_END
+                && range.upper < quarter.upper - NEAR_AN_END,
             ends: [range.lower.sin_cos(), range.upper.sin_cos()],
         })
     }
@@ -72,7 +78,7 @@ impl Reach {
     }
 }
 
-/// A wheel steered about its contact.
+/// A steered wheel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Steered {
     pub x: f64,
@@ -80,10 +86,31 @@ pub(crate) struct Steered {
     /// `None` where it is straight ahead.
     pub heading: Option<Direction>,
     pub range: SteeringRange,
-    pub reach: Reach,
+    /// Contact to the left of the steering axis, and behind it [m].
+    pub scrub: f64,
+    pub trail: f64,
+    /// Of a wheel without scrub and trail that can point straight ahead.
+    pub reach: Option<Reach>,
 }
 
 impl Steered {
+    pub fn new(wheel: &Wheel, mount: Mount) -> Option<Self> {
+        let (range, heading) = match mount {
+            Mount::Steered(range, heading) => (range, heading),
+            Mount::Castor(heading) => (SteeringRange::WHOLE_TURN, heading),
+            Mount::Fixed(_) => return None,
+        };
+        Some(Self {
+            x: wheel.x,
+            y: wheel.y,
+            heading: (wheel.heading != 0.0).then_some(heading),
+            range,
+            scrub: wheel.scrub,
+            trail: wheel.trail,
+            reach: Reach::new(range).filter(|_| wheel.is_centred()),
+        })
+    }
+
     /// Velocity of the pivot in the axes of the heading, by the same operations as the plain core.
     #[inline(always)]
     pub fn velocity<S: Simd>(&self, simd: S, [vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
@@ -110,14 +137,6 @@ impl Steered {
         let rounding = Lanes::splat(simd, REST) * summed;
         ux.abs().max(uy.abs()).at_most(rounding)
     }
-
-    /// Whether the wheel rests or surely rolls forwards, in its half plane, inside its range.
-    #[inline(always)]
-    pub fn decides<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let velocity = self.velocity(simd, twist);
-        let inside = self.reach.holds(simd, velocity, Lanes::splat(simd, 0.0));
-        self.rests(simd, twist) | inside
-    }
 }
 
 #[inline(always)]
@@ -129,9 +148,9 @@ pub(crate) fn absolute<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 3]
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, columns: &[Column; 3], k: usize) -> [Lanes<S>; 3] {
     [
-        Lanes::load(simd, S::as_simd_f64s(&columns[0].0).0, k),
-        Lanes::load(simd, S::as_simd_f64s(&columns[1].0).0, k),
-        Lanes::load(simd, S::as_simd_f64s(&columns[2].0).0, k),
+        columns[0].load(simd, k),
+        columns[1].load(simd, k),
+        columns[2].load(simd, k),
     ]
 }
 
@@ -145,29 +164,38 @@ pub(crate) struct Steer<'a, S: Simd> {
 }
 
 impl<S: Simd> Steer<'_, S> {
-    /// Where the wheel surely moves well inside its range. What is known of it beforehand leaves the loop.
+    /// Where the wheel surely moves and is surely within its range. What is known of it beforehand leaves the loop.
     #[inline(always)]
-    pub fn run<const TURNED: bool, const SYMMETRIC: bool>(
+    pub fn run<const TURNED: bool, const INNER: bool>(
         self,
         simd: S,
         steered: &Steered,
+        reach: &Reach,
     ) -> Mask<S> {
         let mut steered = *steered;
         if !TURNED {
             steered.heading = None;
         }
-        steered.reach.symmetric = SYMMETRIC;
+        let [lower, upper] =
+            [steered.range.lower, steered.range.upper].map(|end| Lanes::splat(simd, end));
+        let at_an_end = Lanes::splat(simd, AT_AN_END);
         let zero = Lanes::splat(simd, 0.0);
         let mut sure = zero.at_most(zero);
         for k in 0..BLOCK / S::F64_LANES {
             let [x, y] = steered.velocity(simd, load(simd, self.twists, k));
             let margin = Lanes::load(simd, self.margins, k);
-            sure = sure & steered.reach.holds(simd, [x, y], margin);
+            let (along, across) = (x.abs(), y.abs());
             let sign = x.sign();
-            angle(simd, x.abs(), y.abs())
-                .flip(y.sign())
-                .flip(sign)
-                .store(self.angles, k);
+            let mut angle = angle(simd, along, across).flip(y.sign()).flip(sign);
+            if INNER {
+                let inside = angle.max(lower).min(upper);
+                let moves = margin.below(along.max(across));
+                sure = sure & moves & (angle - inside).abs().at_most(at_an_end);
+                angle = inside;
+            } else {
+                sure = sure & reach.holds(simd, [x, y], margin);
+            }
+            angle.store(self.angles, k);
             let speed = x.mul_add(x, y * y).sqrt() * self.per_radius;
             speed.flip(sign).store(self.speeds, k);
         }

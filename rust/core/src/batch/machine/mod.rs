@@ -2,6 +2,7 @@
 
 pub(crate) mod lanes;
 pub(crate) mod level;
+pub(crate) mod places;
 pub(crate) mod polynomials;
 pub(crate) mod stream;
 pub(crate) mod table;

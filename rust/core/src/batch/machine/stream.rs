@@ -156,6 +156,7 @@ mod tests {
     use crate::estimate::Unseen;
     use crate::geometry::{Steps, Walk};
     use crate::presets::preset;
+    use crate::rover::Inputs;
 
     /// Numbers between -1 and 1, the same every time, and a few zeros.
     fn numbers(count: usize) -> Vec<f64> {
@@ -234,11 +235,27 @@ mod tests {
                 if let Some(plan) = inverse::Plan::new(&rover) {
                     let mut others = vec![0.0; wheels * count];
                     is_the_same(joints * count, |steering, past| {
-                        plan.solve(level, twists.as_chunks().0, steering, &mut others, past);
+                        let inputs = Inputs::default();
+                        plan.solve(
+                            level,
+                            twists.as_chunks().0,
+                            inputs,
+                            steering,
+                            &mut others,
+                            past,
+                        );
                     });
                     let mut others = vec![0.0; joints * count];
                     is_the_same(wheels * count, |speeds, past| {
-                        plan.solve(level, twists.as_chunks().0, &mut others, speeds, past);
+                        let inputs = Inputs::default();
+                        plan.solve(
+                            level,
+                            twists.as_chunks().0,
+                            inputs,
+                            &mut others,
+                            speeds,
+                            past,
+                        );
                     });
                 }
                 if let Some(plan) = forward::Plan::new(&rover) {

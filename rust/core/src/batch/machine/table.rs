@@ -102,13 +102,6 @@ pub struct Beside<'a> {
     pub steering_rates: Option<Table<'a>>,
 }
 
-impl Beside<'_> {
-    /// Whether nothing is given.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.previous.is_none() && self.previous_speeds.is_none() && self.steering_rates.is_none()
-    }
-}
-
 impl<'a> From<Inputs<'a>> for Beside<'a> {
     fn from(inputs: Inputs<'a>) -> Self {
         Self {

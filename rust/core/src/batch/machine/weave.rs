@@ -1,5 +1,8 @@
 //! Between rows, as the caller keeps them, and columns, as the kernels take them, one block at a time.
 
+use pulp::Simd;
+
+use super::lanes::Lanes;
 use super::vector::Vector;
 use crate::rover::MAX_WHEELS;
 
@@ -14,24 +17,38 @@ pub(crate) struct Column(pub [f64; BLOCK]);
 impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; BLOCK]);
+
+    /// Register `k` of it.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, k: usize) -> Lanes<S> {
+        Lanes::load(simd, S::as_simd_f64s(&self.0).0, k)
+    }
+
+    #[inline(always)]
+    pub fn store<S: Simd>(&mut self, k: usize, lanes: Lanes<S>) {
+        lanes.store(S::as_mut_simd_f64s(&mut self.0).0, k);
+    }
 }
 
-/// Columns of a usual rover, steering and speeds.
+/// Columns of a usual rover, steering and speeds; the same with as many that are read beside the twists.
 const FEW: usize = 16;
+const SOME: usize = 32;
 
 /// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
 /// some hundred rows.
 pub(crate) fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
     if count <= FEW {
         work(&mut [Column::ZERO; FEW][..count])
+    } else if count <= SOME {
+        with_room::<T, SOME>(count, work)
     } else {
-        with_many_columns(count, work)
+        with_room::<T, { 5 * MAX_WHEELS }>(count, work)
     }
 }
 
 #[inline(never)] // for its large frame
-fn with_many_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
-    work(&mut [Column::ZERO; 2 * MAX_WHEELS][..count])
+fn with_room<T, const N: usize>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+    work(&mut [Column::ZERO; N][..count])
 }
 
 /// Registers of rows into one register per column, group by group. A macro, because a closure may be left

@@ -1,5 +1,6 @@
 //! How a batch is worked through: with which instructions, and by how many threads.
 
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use super::level::Level;
@@ -41,12 +42,16 @@ impl Workers {
         }
     }
 
+    fn hands(self) -> usize {
+        self.threads.clamp(1, MOST_HELPERS + 1)
+    }
+
     /// Rows that one thread takes at a time, out of so many.
     pub(crate) fn share(self, rows: usize) -> usize {
         if rows < WORTH_A_THREAD {
             return rows.max(1);
         }
-        rows.div_ceil(self.threads.max(1)).next_multiple_of(BLOCK)
+        rows.div_ceil(self.hands()).next_multiple_of(BLOCK)
     }
 
     /// Logs that one thread takes at a time, out of so many of so many rows each.
@@ -54,37 +59,74 @@ impl Workers {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
-        logs.div_ceil(self.threads.max(1))
-            .max(1)
-            .next_multiple_of(8)
+        logs.div_ceil(self.hands()).max(1).next_multiple_of(8)
     }
 }
 
-/// Does every job, the first one here and each of the others in a thread of its own. The failure of the
-/// first job that fails.
+/// Threads of one batch beside the calling one, at most: more than any machine makes use of for these kernels, and few
+/// enough that their stacks do not matter.
+const MOST_HELPERS: usize = 63;
+
+/// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`]. A thread that
+/// cannot start is done without: the jobs are handed out one by one to whoever is there. The failure of the first job
+/// that fails.
 pub(crate) fn each<J: Send>(
-    jobs: impl Iterator<Item = J>,
+    jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
-    let mut jobs = jobs.into_iter();
-    let Some(first) = jobs.next() else {
-        return Ok(());
-    };
-    let Some(second) = jobs.next() else {
-        return work(first);
-    };
-    let work = &work;
-    thread::scope(|scope| {
-        let others = [second].into_iter().chain(jobs);
-        let started: Vec<_> = others.map(|job| scope.spawn(move || work(job))).collect();
-        let mut result = work(first);
-        for other in started {
-            let theirs = match other.join() {
-                Ok(theirs) => theirs,
-                Err(panic) => std::panic::resume_unwind(panic),
-            };
-            result = result.and(theirs);
+    let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
+    let helpers = jobs_at_most.saturating_sub(1).min(MOST_HELPERS);
+    if helpers == 0 {
+        let mut jobs = jobs;
+        return jobs.try_for_each(work);
+    }
+    let queue = Mutex::new(jobs.enumerate());
+    let failed: Mutex<Option<(usize, Error)>> = Mutex::new(None);
+    let work_through = || {
+        loop {
+            let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((number, job)) = next else { return };
+            if let Err(error) = work(job) {
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                if failed.as_ref().is_none_or(|(first, _)| number < *first) {
+                    *failed = Some((number, error));
+                }
+            }
         }
-        result
-    })
+    };
+    thread::scope(|scope| {
+        for _ in 0..helpers {
+            let started = thread::Builder::new().spawn_scoped(scope, work_through);
+            if started.is_err() {
+                break;
+            }
+        }
+        work_through();
+    });
+    let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+    failed.map_or(Ok(()), |(_, error)| Err(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_job_is_done_once_and_the_first_failure_is_told() {
+        for count in [0, 1, 2, 7, 1000] {
+            let mut done = vec![0; count];
+            let result = each(done.iter_mut().enumerate(), |(number, times)| {
+                *times += 1;
+                match number {
+                    5 | 900 => Err(Error::value("job", "work", number.to_string())),
+                    _ => Ok(()),
+                }
+            });
+            assert!(done.iter().all(|times| *times == 1));
+            assert_eq!(
+                result.err().map(|error| error.value),
+                (count > 5).then(|| "5".to_owned())
+            );
+        }
+    }
 }

@@ -13,9 +13,10 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use pulp::Simd;
 
-use crate::admissible::{Keep, SLIP_TOLERANCE};
-use crate::batch::formulas::inverse::{LARGEST, SIZES, SMALLEST, pivots_apart};
-use crate::batch::formulas::steered::{DECIDED, NEAR_AN_END};
+use super::twist::is_sure;
+use crate::admissible::SLIP_TOLERANCE;
+use crate::batch::formulas::inverse::{LARGEST, SMALLEST, is_usual, pivots_apart};
+use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, Reach};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{ROUND, angle};
@@ -83,7 +84,7 @@ pub(in crate::batch) fn check_row(
 ) -> Result<(), Error> {
     inputs.check()?;
     match inputs.steering_rates {
-        None if level != Level::Plain => check_one(rover, twist),
+        None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
         rates => rover.check(twist, rates),
     }
 }
@@ -100,27 +101,6 @@ pub(in crate::batch) fn solve_row(
     let solved = level != Level::Plain && try_one(rover, twist, inputs, steering, speeds);
     if !solved {
         rover.solve(twist, inputs, steering, speeds);
-    }
-}
-
-/// [`Rover::check`], by the kernel for one row where there is one.
-pub fn check_one(rover: &Rover, twist: Twist) -> Result<(), Error> {
-    if let Some(plan) = &rover.single
-        && plan.level.run(Check {
-            plan,
-            twist: twist.into(),
-        }) == Some(true)
-    {
-        return Ok(());
-    }
-    rover.check(twist, None)
-}
-
-/// [`Rover::project`], by the kernel for one row where the twist is admissible already.
-pub fn project_one(rover: &Rover, twist: Twist, keep: Keep) -> Result<Twist, Error> {
-    match check_one(rover, twist) {
-        Ok(()) => Ok(twist),
-        Err(_) => rover.project(twist, keep),
     }
 }
 
@@ -146,8 +126,6 @@ pub(crate) struct Plan {
     order: Vec<usize>,
     /// Whether a steered wheel's angle 0 is not straight ahead.
     turned: bool,
-    /// Whether there are motions for which a wheel cannot turn far enough.
-    limited: bool,
     banks: Vec<[f64; 3]>,
     pivots: [[f64; 2]; 2],
 }
@@ -168,6 +146,8 @@ struct Group {
     /// knows the tolerances at an end, decides.
     range: [Eight; 2],
     inside: [Eight; 2],
+    /// How far beyond that an angle may be, and is at the end [rad]: where there is no other way of making the motion.
+    slack: Eight,
     /// Turn from the present angle up to which a wheel need not agree with the others on a way round [rad]; infinite where
     /// the range leaves one way only.
     decided: Eight,
@@ -181,9 +161,7 @@ struct Group {
 impl Group {
     /// Puts a wheel into a lane. Nothing if it is not one of those the kernel knows.
     fn fill(&mut self, lane: usize, wheel: &Wheel, mount: Mount) -> Option<()> {
-        let usual = |length: f64| length == 0.0 || SIZES.contains(&length);
-        let lengths = [wheel.radius, wheel.x.abs(), wheel.y.abs()];
-        if !(lengths.into_iter().all(usual) && *SIZES.end() > wheel.scrub.abs()) {
+        if !is_usual(wheel) {
             return None;
         }
         self.per_radius[lane] = 1.0 / wheel.radius;
@@ -218,8 +196,11 @@ impl Group {
     fn set_range(&mut self, lane: usize, range: SteeringRange) {
         self.range[0][lane] = range.lower;
         self.range[1][lane] = range.upper;
-        self.inside[0][lane] = range.lower + NEAR_AN_END;
-        self.inside[1][lane] = range.upper - NEAR_AN_END;
+        let inner = Reach::new(range).is_some_and(|reach| reach.inner);
+        let margin = if inner { 0.0 } else { NEAR_AN_END };
+        self.slack[lane] = if inner { AT_AN_END } else { 0.0 };
+        self.inside[0][lane] = range.lower + margin;
+        self.inside[1][lane] = range.upper - margin;
         self.decided[lane] = f64::INFINITY;
     }
 }
@@ -240,16 +221,11 @@ impl Plan {
         for (k, &i) in order.iter().enumerate() {
             groups[k / GROUP].fill(k % GROUP, &rover.wheels()[i], rover.mounts[i])?;
         }
-        let limited = |&i: &usize| {
-            let range = rover.wheels()[i].steering();
-            range.is_some_and(|range| !range.is_full())
-        };
         let turned = |&i: &usize| rover.wheels()[i].heading != 0.0;
         Some(Self {
             level,
             groups,
             turned: rover.steered().iter().any(turned),
-            limited: rover.steered().iter().any(limited),
             order,
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
             pivots: pivots_apart(rover.wheels()),
@@ -268,35 +244,6 @@ impl Plan {
                 slip == 0.0
                     || slip <= SLIP_TOLERANCE * speed(self.pivots[0]).max(speed(self.pivots[1]))
             })
-    }
-}
-
-/// Whether there is no doubt that the rover can make a twist.
-struct Check<'a> {
-    plan: &'a Plan,
-    twist: [f64; 3],
-}
-
-impl Kernel for Check<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> bool {
-        let plan = self.plan;
-        if !plan.passes(self.twist) {
-            return false;
-        }
-        let zero = Lanes::splat(simd, 0.0);
-        let mut sure = zero.at_most(zero);
-        for group in plan.groups.iter().filter(|_| plan.limited) {
-            for k in 0..GROUP / S::F64_LANES {
-                if k * S::F64_LANES < group.steered {
-                    let wheels = Wheels { simd, group, k };
-                    sure = sure & wheels.steer(self.twist, plan.turned, None).sure;
-                }
-            }
-        }
-        !(!sure).any()
     }
 }
 
@@ -444,12 +391,13 @@ impl<S: Simd> Wheels<'_, S> {
         let back = shifted.has_bit(0).select(self.splat(-0.0), zero);
         let [lower, upper] = &group.inside;
         let decided = (angle - before).abs().at_most(self.load(&group.decided));
-        let inside = self.load(lower).below(angle) & angle.below(self.load(upper));
+        let held = angle.max(self.load(lower)).min(self.load(upper));
+        let inside = (angle - held).abs().at_most(self.load(&group.slack));
         let speed = x.mul_add(x, y * y).sqrt() * self.load(&group.per_radius);
         let speed = rests.select(zero, speed.flip(x.sign()).flip(back));
         let steers = zero.below(self.load(&group.steers));
         Solved {
-            angle: rests.select(before, angle),
+            angle: rests.select(before, held),
             speed: steers.select(speed, self.roll(twist)),
             sure: finite & (rests | (inside & decided)),
         }

@@ -9,17 +9,15 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controller_keys import (
-    ALIGNING,
+from six_wheel.descriptions.joint_names import said_by
+from six_wheel.parameters.controllers.keys import (
     DRIVES,
     FRONT_RADIUS,
     FRONT_TRACK,
     LIMITS,
     RADIUS,
-    SLOWING,
     STEERING_RANGE,
     STEERS,
-    TIMEOUTS,
     TRACK,
     AckermannSteering,
     BicycleSteering,
@@ -31,8 +29,10 @@ from six_wheel.parameters.controller_keys import (
     given,
     is_set,
 )
+from six_wheel.parameters.controllers.limits import check_limits, with_limits
+from six_wheel.parameters.controllers.names import reversed_by_sign, with_states
 from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import GROUPS, Section
+from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.schema import Common, Form, Values, as_argument, keys_of, shown
 from six_wheel.parameters.syntax import Report
 
@@ -48,7 +48,7 @@ _CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 def _diff_drive(values: Values) -> Rover:
     track = values["wheel_separation"] * values.get("wheel_separation_multiplier", 1.0)
     left, right = (
-        values["wheel_radius"] * values.get(f"{side}_wheel_radius_multiplier", 1.0)
+        values["wheel_radius"] * abs(values.get(f"{side}_wheel_radius_multiplier", 1.0))
         for side in ("left", "right")
     )
     count = len(values["left_wheel_names"])
@@ -57,9 +57,10 @@ def _diff_drive(values: Values) -> Rover:
 
 
 def _mecanum(values: Values) -> Rover:
-    total = values[_SUM]
+    total = values[_SUM] * values.get("wheel_separation_multiplier", 1.0)
     ahead = values.get("half_wheelbase", total / 2)
-    at_middle = Rover.mecanum(ahead, total - ahead, values["kinematics.wheels_radius"])
+    radius = values["kinematics.wheels_radius"] * abs(values.get("wheel_radius_multiplier", 1.0))
+    at_middle = Rover.mecanum(ahead, total - ahead, radius)
     x, y, theta = (values.get(key, 0.0) for key in _OFFSET)
     if x == y == theta == 0.0:
         return at_middle
@@ -90,7 +91,45 @@ def _omni(values: Values) -> Rover:
 
 def _ackermann_steering(values: Values) -> Rover:
     track = given(values, *TRACK) or 1.0
-    return _car(values, given(values, *FRONT_TRACK) or track, track)
+    steered = given(values, *FRONT_TRACK) or track
+    return _behind(_car(values, steered, track)) if _steers_behind(values) else _car(values, steered, track)
+
+
+def _steers_behind(values: Values) -> bool:
+    """Whether the names of all joints say that the front wheels drive and the rear ones steer."""
+
+    def said(keys: tuple[str, ...]) -> set[str | None]:
+        return {(said_by(name) or (None, None))[0] for name in given(values, *keys) or ()}
+
+    return said(DRIVES) == {"front"} and said(STEERS) == {"rear"}
+
+
+def _behind(car: Rover) -> Rover:
+    """A car with its steered axle as far behind the origin as it was ahead of it, and named so."""
+    other = {"front": "rear", "rear": "front"}
+    wheels = []
+    for wheel in sorted(car.wheels, key=lambda wheel: wheel.steered):
+        axle, _, side = wheel.name.partition("_")
+        wheels.append(
+            Wheel(
+                "_".join(filter(None, (other[axle], side))),
+                0.0 - wheel.x,
+                wheel.y,
+                radius=wheel.radius,
+                steered=wheel.steered,
+                steering_limit=wheel.steering_limit,
+                driven=wheel.driven,
+            )
+        )
+    return Rover(wheels)
+
+
+def _with_axle_behind(section: Section, values: Values) -> Values:
+    """The controller steers as if the axle were ahead: behind, its joints count the other way."""
+    values = with_limits(section, values)
+    if _steers_behind(values) and "reversed_joints" not in values:
+        return values | {"reversed_joints": list(given(values, *STEERS))}
+    return values
 
 
 def _tricycle_steering(values: Values) -> Rover:
@@ -189,69 +228,8 @@ def _around(values: Values, rover: Rover) -> list[JointList]:
 # What keys say together, and what they say beyond our model.
 
 
-def _limits(section: Section, values: Values, second: float = 1.0) -> Values:
-    """With the limits and the ways of a controller that are such here too."""
-    data = section.data
-    limits = {
-        name: abs(values[key])
-        for key, name in (SLOWING | LIMITS).items()
-        if key in values and _in_force(data, key) and _has_its_sign(key, values[key])
-    }
-    control: Values = {}
-    for key in TIMEOUTS:
-        if _is_number(data.get(key)) and 0 < data[key] < math.inf:
-            control["timeout"] = data[key] / second
-    if isinstance(data.get(ALIGNING), bool):
-        control["align"] = "cosine" if data[ALIGNING] else "none"
-    both = {"limits": limits, "control": control}
-    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
-
-
-def _has_its_sign(key: str, value: float) -> bool:
-    """Decelerations are negative for ROS 2, in older files positive ones are found as well."""
-    return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _in_force(data: Values, key: str) -> bool:
-    """Whether a parameter limits something: 0, NaN and infinity are no limits, and some have a switch."""
-    value = data[key]
-    stem, _, what = key.rpartition(".")
-    quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")
-    return (
-        _is_number(value)
-        and math.isfinite(value)
-        and value != 0
-        and data.get(f"{stem}.has_{quantity}_limits") is not False
-    )
-
-
-def _check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
-    data = section.data
-
-    def is_read(key: str) -> bool:
-        forwards = key.removesuffix("_reverse")
-        same = forwards != key and data[key] == data.get(forwards)
-        mirrored = ".min_" in key and data[key] == -data.get(key.replace(".min_", ".max_"), math.nan)
-        limit = key in (LIMITS | SLOWING) and _has_its_sign(key, data[key])
-        return key in STEERING_RANGE or same or mirrored or limit
-
-    limits = [
-        key for key in data if key.partition(".")[0] in GROUPS - {"kinematics"} and _in_force(data, key)
-    ]
-    for group in GROUPS:
-        unread = [key for key in limits if key.startswith(f"{group}.") and not is_read(key)]
-        if unread:
-            message = f"{', '.join(unread)} {'is' if len(unread) == 1 else 'are'} not read"
-            remedy = "limits here are positive and hold both ways: see the key limits"
-            warning(section.line_of((unread[0],)), (unread[0],), message, remedy)
-
-
 def _check_diff_drive(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     at, count = ("left_wheel_names",), len(values.get("left_wheel_names", ()))
     if count > 1 and "wheelbase" not in section.data:
         message = f"the file does not say where the {count} wheels of a side are; they are put on a square"
@@ -267,7 +245,7 @@ def _check_diff_drive(section: Section, values: Values, error: Report, warning: 
 
 
 def _check_mecanum(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     if _SUM not in values:
         return
     if "half_wheelbase" not in section.data:
@@ -285,7 +263,7 @@ def _check_mecanum(section: Section, values: Values, error: Report, warning: Rep
 
 
 def _check_tricycle(section: Section, values: Values, error: Report, warning: Report) -> None:
-    _check_limits(section, values, error, warning)
+    check_limits(section, values, error, warning)
     if "track_width" not in section.data:
         message = (
             "the file does not say how far apart the rear wheels are; one wheel between them stands for both"
@@ -293,6 +271,9 @@ def _check_tricycle(section: Section, values: Values, error: Report, warning: Re
         remedy = "add track_width, the distance from left to right rear wheel; commands do not depend on it"
         warning(section.line_of(("wheelbase",)), ("wheelbase",), message, remedy)
     limit = _steering_range(values)
+    if limit is None and "steering_limit" not in section.data:
+        message = "the file has no range of the steering: 90 degrees to both sides are assumed"
+        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
     if limit is not None:
         at = (next(key for key in STEERING_RANGE[::-1] if is_set(values.get(key))),)
         try:
@@ -313,7 +294,7 @@ def _steering_range(values: Values) -> tuple[float, float] | None:
 def _with_steering_range(section: Section, values: Values) -> Values:
     limit = _steering_range(values)
     # The only one of them that counts its time-out in milliseconds.
-    return _limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
+    return with_limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
 
 
 def _check_steering(
@@ -322,12 +303,22 @@ def _check_steering(
     """The rules of the steering controllers, whose names changed between distributions."""
 
     def check(section: Section, values: Values, error: Report, warning: Report) -> None:
-        _check_limits(section, values, error, warning)
+        check_limits(section, values, error, warning)
         if values.get("front_steering") is False:
             at = ("front_steering",)
             message = "front_steering is false, and which way a rear axle steers is not in the file"
             remedy = "describe the vehicle with kind: custom, its steering angles counter-clockwise"
             error(section.line_of(at), at, message, remedy)
+        if front and _steers_behind(values):
+            key = next(key for key in STEERS if is_set(values.get(key)))
+            message = "the names say that the front wheels drive and the rear ones steer: so they are placed"
+            remedy = "the steering joints then count clockwise, as the controller commands them"
+            warning(section.line_of((key,)), (key,), message, remedy)
+        if "steering_limit" not in section.data:
+            message = "the file has no range of the steering: 90 degrees to both sides are assumed"
+            warning(
+                section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians"
+            )
         alone = tracks == TRICYCLE_TRACK and _drives_front(values)
         for keys, needed in (
             (DRIVES, True),
@@ -374,6 +365,9 @@ _OF_OTHERS = {
     "wheelbase",
     "wheel_radius",
     "wheels_per_side",
+    "robot_radius",
+    "wheel_separation_multiplier",
+    "wheel_radius_multiplier",
 }
 _STAND_IN = {
     "wheelbase": 1.0,
@@ -399,8 +393,16 @@ def _controller(
         telling=frozenset(keys - keys_of(Common).keys() - LIMITS.keys() - {*STEERING_RANGE} - _OF_OTHERS),
         stand_in={key: value for key, value in _STAND_IN.items() if key in keys},
         controller=f"{name}/{class_}",
-        **{"complete": _limits} | others,
+        **{"complete": with_limits} | others,
     )
+
+
+_STEERED_STATES = {
+    "traction_joints_names": "traction_joints_state_names",
+    "steering_joints_names": "steering_joints_state_names",
+    "rear_wheels_names": "rear_wheels_state_names",
+    "front_wheels_names": "front_wheels_state_names",
+}
 
 
 CONTROLLERS = (
@@ -411,6 +413,12 @@ CONTROLLERS = (
         _diff_drive,
         joint_lists=_by_side,
         check=_check_diff_drive,
+        complete=with_states(
+            dict.fromkeys(("left_wheel_names", "right_wheel_names"), ""),
+            reversed_by_sign(
+                {f"{side}_wheel_radius_multiplier": (f"{side}_wheel_names",) for side in ("left", "right")}
+            ),
+        ),
     ),
     _controller(
         "ackermann_steering_controller",
@@ -418,6 +426,7 @@ CONTROLLERS = (
         AckermannSteering,
         _ackermann_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, _with_axle_behind),
         check=_check_steering(RADIUS[:2], TRACK[:2], FRONT_TRACK),
     ),
     _controller(
@@ -426,6 +435,7 @@ CONTROLLERS = (
         TricycleSteering,
         _tricycle_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, with_limits),
         check=_check_steering(RADIUS[:2], TRICYCLE_TRACK),
     ),
     _controller(
@@ -443,6 +453,7 @@ CONTROLLERS = (
         BicycleSteering,
         _bicycle_steering,
         joint_lists=_right_before_left,
+        complete=with_states(_STEERED_STATES, with_limits),
         check=_check_steering(RADIUS[2:]),
     ),
     _controller(
@@ -452,6 +463,13 @@ CONTROLLERS = (
         _mecanum,
         joint_lists=_corner_by_corner,
         check=_check_mecanum,
+        complete=with_states(
+            {f"{wheel}_wheel_command_joint_name": f"{wheel}_wheel_state_joint_name" for wheel in _CORNERS},
+            reversed_by_sign(
+                {"wheel_radius_multiplier": [f"{wheel}_wheel_command_joint_name" for wheel in _CORNERS]}
+            ),
+        ),
+        more=("clearpath_mecanum_drive_controller/MecanumDriveController",),
     ),
-    _controller("omni_wheel_drive_controller", "omni", Omni, _omni, joint_lists=_around, check=_check_limits),
+    _controller("omni_wheel_drive_controller", "omni", Omni, _omni, joint_lists=_around, check=check_limits),
 )

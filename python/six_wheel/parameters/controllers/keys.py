@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Strict
 from six_wheel._core import Wheel
 from six_wheel.parameters.schema import (
     Common,
+    Factor,
     Finite,
     Flag,
     Length,
@@ -22,6 +23,7 @@ from six_wheel.parameters.schema import (
 
 __all__ = [
     "ALIGNING",
+    "COMMAND_TIMEOUTS",
     "DRIVES",
     "FRONT_RADIUS",
     "FRONT_TRACK",
@@ -48,19 +50,20 @@ __all__ = [
 # What these controllers, their manager and ROS 2 nodes declare that is no matter of kinematics.
 _WELL_KNOWN = """
     allow_multiple_cmd_vel_publishers angular async_parameters cmd_timeout cmd_vel_timeout cmd_vel_topic
-    command_interface command_interfaces diagnostic_updater diagonal_covariance enable_odom_tf
-    fallback_controllers front_left_wheel_state_joint_name front_right_wheel_state_joint_name
-    front_wheels_state_names in_chained_mode interface_name is_async linear node_options_args
-    odom_only_twist odom_topic odometry_topic open_loop params_file pose_covariance_diagonal
-    position_feedback publish_ackermann_command publish_cmd publish_limited_velocity publish_odom
-    publish_odom_tf publish_rate publish_tf publish_wheel_data qos_overrides
-    rear_left_wheel_state_joint_name rear_right_wheel_state_joint_name rear_wheels_state_names
-    reduce_wheel_speed_until_steering_reached reference_names reference_timeout
-    start_type_description_service state_interface state_interfaces state_joint_names state_publish_rate
-    steering_interface_name steering_joints_state_names steering_min_speed_scale
-    steering_track_error_exponent tf_frame_prefix tf_frame_prefix_enable thread_priority
-    traction_interface_name traction_joints_state_names twist_covariance_diagonal twist_input type
-    update_rate use_sim_time use_stamped_vel use_twist_input velocity_rolling_window_size
+    command_interface command_interfaces command_joint_names diagnostic_updater diagonal_covariance
+    enable_odom_tf fallback_controllers front_left_wheel_state_joint_name
+    front_right_wheel_state_joint_name front_wheels_state_names in_chained_mode interface_name is_async
+    linear node_options_args odom_only_twist odom_topic odometry_topic open_loop params_file
+    pose_covariance_diagonal position_feedback preserve_turning_radius publish_ackermann_command
+    publish_cmd publish_limited_velocity publish_odom publish_odom_tf publish_rate publish_tf
+    publish_wheel_data qos_overrides rear_left_wheel_state_joint_name rear_right_wheel_state_joint_name
+    rear_wheels_state_names reduce_wheel_speed_until_steering_reached reference_limit_max
+    reference_limit_min reference_names reference_timeout start_type_description_service state_interface
+    state_interfaces state_joint_names state_publish_rate steering_interface_name
+    steering_joints_state_names steering_min_speed_scale steering_track_error_exponent tf_frame_prefix
+    tf_frame_prefix_enable thread_priority traction_interface_name traction_joints_state_names
+    twist_covariance_diagonal twist_input type update_rate use_sim_time use_stamped_vel use_twist_input
+    velocity_rolling_window_size
 """
 WELL_KNOWN = frozenset(_WELL_KNOWN.split())
 
@@ -81,7 +84,9 @@ LIMITS = {
 }
 # Until Jazzy the deceleration was the smallest acceleration.
 SLOWING = {"linear.x.min_acceleration": "deceleration", "angular.z.min_acceleration": "angular_deceleration"}
-TIMEOUTS = ("cmd_vel_timeout", "reference_timeout")
+TIMEOUTS = ("cmd_vel_timeout", "cmd_timeout", "reference_timeout")
+COMMAND_TIMEOUTS = frozenset({"cmd_vel_timeout", "cmd_timeout"})
+"""Those of which 0 means never; a reference with 0 counts for one cycle."""
 ALIGNING = "reduce_wheel_speed_until_steering_reached"
 STEERING_RANGE = ("steering.min_position", "steering.max_position")
 
@@ -114,7 +119,8 @@ def _count(least: int, most: int) -> AfterValidator:
 LengthOrUnset: TypeAlias = Annotated[Number, AfterValidator(_length_or_unset)]
 JointNames: TypeAlias = Annotated[list[Name], _count(1, 32)]
 _WHEELBASE = "the distance from rear to front axle, in metres"
-_FACTOR = "a factor, positive; a motor that turns the other way is a matter of its driver"
+_FACTOR = "a factor, positive"
+_SIGNED = "a factor; a negative one reverses the joints of that side"
 
 
 class DiffDrive(Common):
@@ -135,8 +141,8 @@ class DiffDrive(Common):
     wheel_separation: Length = required("the distance from left to right wheels, in metres")
     wheel_radius: Length = required("the wheels' radius, in metres")
     wheel_separation_multiplier: Length = optional(_FACTOR)
-    left_wheel_radius_multiplier: Length = optional(_FACTOR)
-    right_wheel_radius_multiplier: Length = optional(_FACTOR)
+    left_wheel_radius_multiplier: Factor = optional(_SIGNED)
+    right_wheel_radius_multiplier: Factor = optional(_SIGNED)
     wheels_per_side: Annotated[int, Strict()] = optional("the number of wheels on each side")
     wheelbase: Length = optional("the distance from the last to the first axle, in metres")
 
@@ -163,6 +169,8 @@ class Mecanum(Common):
         "the base frame's direction, in radians", "kinematics.base_frame_offset.theta"
     )
     half_wheelbase: Length = optional("the distance from the middle to each axle, in metres")
+    wheel_separation_multiplier: Length = optional(_FACTOR)
+    wheel_radius_multiplier: Factor = optional("a factor; a negative one reverses the joints")
 
 
 class Omni(Common):
@@ -212,6 +220,7 @@ class _TwoTrack(SteeringDrive):
     traction_wheels_radius: LengthOrUnset = optional("the rear wheels' radius, in metres")
     rear_wheels_radius: LengthOrUnset = optional("the older name of traction_wheels_radius")
     front_wheels_radius: LengthOrUnset = optional("the front wheels' radius, in metres")
+    steering_wheels_radius: LengthOrUnset = optional("another name of front_wheels_radius")
 
 
 class TricycleSteering(_TwoTrack):
@@ -230,4 +239,4 @@ STEERS = ("steering_joints_names", "front_wheels_names")
 TRACK = ("traction_track_width", "rear_wheel_track", "wheel_track")
 FRONT_TRACK = ("steering_track_width", "front_wheel_track")
 RADIUS = ("traction_wheels_radius", "rear_wheels_radius", "traction_wheel_radius", "rear_wheel_radius")
-FRONT_RADIUS = ("front_wheels_radius", "front_wheel_radius")
+FRONT_RADIUS = ("steering_wheels_radius", "front_wheels_radius", "front_wheel_radius")

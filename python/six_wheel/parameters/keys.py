@@ -1,0 +1,64 @@
+"""Which keys of whose files are read, ignored or refused, as a page, from the tables that read them."""
+
+from collections.abc import Iterable
+
+from six_wheel.parameters.controllers.keys import LIMITS, SLOWING, TIMEOUTS, WELL_KNOWN
+from six_wheel.parameters.forms import FOREIGN
+from six_wheel.parameters.kinds import OWN_KEYS
+from six_wheel.parameters.schema import Common, Form, keys_of
+
+__all__ = ["page"]
+
+HEAD = """# Keys of others
+
+Which keys of whose parameter files `six-wheel` reads. This page is made by `python docs/keys.py` from the
+tables by which files are read, and a test keeps the two equal.
+
+- *Read*: changes the rover, its limits or its joints; with a wrong value it is an error.
+- *Ignored*: known, and no matter of kinematics; nothing is said.
+- *Any other key* is ignored with a warning that names it, or refused with a guess where it is like one that
+  is missing. Limits that are not read (`min_velocity` unlike `-max_velocity`, those of `linear.y`) are
+  warned about one by one.
+- Beside these, every file may have this package's own keys for every kind: {own}.
+"""
+
+
+def page() -> str:
+    """The whole page, in Markdown."""
+    common = keys_of(Common)
+    own = ", ".join(f"`{key}`" for key in common if key in OWN_KEYS)
+    parts = [HEAD.format(own=own), _ignored_by_all()]
+    parts += [_form(form) for form in FOREIGN]
+    return "\n".join(parts)
+
+
+def _ignored_by_all() -> str:
+    limits = ", ".join(f"`{key}`" for key in (*LIMITS, *SLOWING))
+    timeouts = ", ".join(f"`{key}`" for key in TIMEOUTS)
+    return f"""## Every controller
+
+Read as limits: {limits}. Read as the time after which a command is too old: {timeouts}; of the first two 0
+means never.
+
+Ignored: {_listed(WELL_KNOWN - {*TIMEOUTS})}.
+"""
+
+
+def _form(form: Form) -> str:
+    common = keys_of(Common)
+    rows = [
+        f"| `{key}` | {'required' if info.is_required() else ''} | {info.description} |"
+        for key, info in form.keys.items()
+        if key not in common and key not in LIMITS and key not in SLOWING
+    ]
+    types = [type_ for type_ in (form.controller, *form.more) if type_]
+    said = [f"A `{form.kind}`" + (f", by the type {_listed(types)}" if types else ", by its keys")]
+    said += ["; the keys stand without `ros__parameters`"] if form.ros1 else []
+    lines = [f"## {form.name}", "", "".join(said) + ".", "", "| key | | read as |", "|---|---|---|", *rows]
+    if form.ignored:
+        lines += ["", f"Ignored besides: {_listed(form.ignored)}."]
+    return "\n".join(lines) + "\n"
+
+
+def _listed(keys: Iterable[str]) -> str:
+    return ", ".join(f"`{key}`" for key in sorted(keys))

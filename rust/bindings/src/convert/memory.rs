@@ -1,0 +1,213 @@
+//! Whose memory is whose: every array that a call reads or writes is noted here by its addresses, whoever handed it
+//! over and in whatever object, until the call is done. So no kernel writes where itself or another one reads.
+//!
+//! Asked and changed with the interpreter's lock held only, like the memory of NumPy itself.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::{self, ThreadId};
+
+use numpy::npyffi::PY_ARRAY_API;
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyMemoryError;
+use pyo3::prelude::*;
+use six_wheel_core::batch::Places;
+
+use super::{Array, refuse, shape_text};
+
+/// An array in use.
+struct Entry {
+    number: u64,
+    places: Places,
+    /// Keeps the memory from becoming another array's.
+    _array: Py<PyUntypedArray>,
+    /// The argument it is, if it is written to.
+    written: Option<String>,
+    thread: ThreadId,
+}
+
+struct Entries {
+    all: Vec<Entry>,
+    next: u64,
+}
+
+static ENTRIES: Mutex<Entries> = Mutex::new(Entries {
+    all: Vec::new(),
+    next: 0,
+});
+
+fn entries() -> MutexGuard<'static, Entries> {
+    ENTRIES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Forgets what other threads are at: after a fork there are none.
+pub fn forget() {
+    let others = std::mem::take(&mut entries().all);
+    drop(others); // without the lock: the last reference to an array may run code
+}
+
+/// An array in use, for as long as this lives.
+pub struct Held(u64);
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let mut entries = entries();
+        let place = entries.all.iter().position(|entry| entry.number == self.0);
+        let entry = place.map(|place| entries.all.swap_remove(place));
+        drop(entries);
+        drop(entry); // without the lock, as above
+    }
+}
+
+/// Why an array cannot be used.
+struct Clash {
+    /// Whether this very call uses it already.
+    own: bool,
+    /// The argument as which it is written to.
+    written: Option<String>,
+}
+
+/// Notes that an argument is read.
+pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
+    let (held, clash) = hold(array, None);
+    match clash {
+        None => Ok(held),
+        Some(_) => Err(refuse(
+            argument,
+            "not be written to meanwhile",
+            "an array in use as out=",
+        )),
+    }
+}
+
+/// Notes that an argument is written to.
+pub fn write(argument: &str, rule: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
+    let (held, clash) = hold(array, Some(argument));
+    let Some(clash) = clash else {
+        return Ok(held);
+    };
+    if !clash.own {
+        return Err(refuse(argument, rule, "a read-only array or one in use"));
+    }
+    // Fields of one tuple go by the name of the tuple.
+    let tuple = |name: &str| name.split_once('.').map(|(tuple, _)| tuple.to_owned());
+    let (argument, other) = match clash.written {
+        None => (argument.to_owned(), "the input".to_owned()),
+        Some(other) => match (tuple(argument), tuple(&other)) {
+            (Some(mine), Some(theirs)) if mine == theirs => (mine, "itself".to_owned()),
+            _ => (other, argument.to_owned()),
+        },
+    };
+    let rule = format!("not overlap {other}");
+    Err(refuse(&argument, &rule, "shared memory"))
+}
+
+/// Where the elements of an array are now.
+pub fn places(array: &Bound<'_, PyUntypedArray>) -> Places {
+    // SAFETY: a live array object has a valid header; only the address is read, not what is there.
+    let data = unsafe { (*array.as_array_ptr()).fields.data } as usize;
+    let axes = array.shape().iter().zip(array.strides());
+    Places::new(
+        data,
+        axes.map(|(length, stride)| (*length, *stride)),
+        array.dtype().itemsize(),
+    )
+}
+
+/// Notes an array, and what stands against that: whoever writes to memory shares it with nobody. No Python code runs.
+fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Option<Clash>) {
+    let (places, thread) = (places(array), thread::current().id());
+    let mut entries = entries();
+    let clash = entries
+        .all
+        .iter()
+        .filter(|other| written.is_some() || other.written.is_some())
+        .find(|other| other.places.share(&places))
+        .map(|other| Clash {
+            own: other.thread == thread,
+            written: other.written.clone(),
+        });
+    let number = entries.next;
+    entries.next += 1;
+    entries.all.push(Entry {
+        number,
+        places,
+        _array: array.clone().unbind(),
+        written: written.map(str::to_owned),
+        thread,
+    });
+    (Held(number), clash)
+}
+
+/// How many numbers an array of this shape has. `MemoryError` if no memory could hold them.
+pub fn count(shape: &[usize]) -> PyResult<usize> {
+    let bytes = shape
+        .iter()
+        .try_fold(size_of::<f64>(), |bytes, length| bytes.checked_mul(*length));
+    match bytes {
+        Some(bytes) if bytes <= isize::MAX as usize => Ok(bytes / size_of::<f64>()),
+        // Lengths beside a zero may be as large as they like.
+        _ if shape.contains(&0) => Ok(0),
+        _ => Err(none_for(shape)),
+    }
+}
+
+/// `MemoryError` for an array of this shape.
+pub fn none_for(shape: &[usize]) -> PyErr {
+    let message = format!("no memory for an array of shape {}", shape_text(shape));
+    PyMemoryError::new_err(message)
+}
+
+/// Room for so many values. `MemoryError` if there is none.
+pub fn room<T>(count: usize) -> PyResult<Vec<T>> {
+    let mut values = Vec::new();
+    values
+        .try_reserve_exact(count)
+        .map_err(|_| none_for(&[count]))?;
+    Ok(values)
+}
+
+/// So many equal values.
+pub fn filled<T: Clone>(value: T, count: usize) -> PyResult<Vec<T>> {
+    let mut values = room(count)?;
+    values.resize(count, value);
+    Ok(values)
+}
+
+/// Values one after the other, as many as the iterator says it has.
+pub fn gathered<T>(values: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>> {
+    let mut all = room(values.len())?;
+    all.extend(values);
+    Ok(all)
+}
+
+/// A new array of zeros, made by NumPy.
+pub fn zeros<'py, T: numpy::Element>(
+    py: Python<'py>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, numpy::PyArrayDyn<T>>> {
+    count(shape)?;
+    let mut lengths: Vec<numpy::npyffi::npy_intp> =
+        shape.iter().map(|length| length.cast_signed()).collect();
+    // SAFETY: NumPy takes over the reference to the type; it returns a new array of just this type and shape, or
+    // null with an exception set.
+    let array = unsafe {
+        let array = PY_ARRAY_API.PyArray_Zeros(
+            py,
+            lengths.len() as i32,
+            lengths.as_mut_ptr(),
+            T::get_dtype(py).into_dtype_ptr(),
+            0,
+        );
+        Bound::from_owned_ptr_or_err(py, array)?
+    };
+    Ok(array.cast_into()?)
+}
+
+/// An array with these numbers.
+pub fn array<'py>(py: Python<'py>, values: &[f64], shape: &[usize]) -> PyResult<Array<'py>> {
+    let array = zeros::<f64>(py, shape)?;
+    debug_assert_eq!(count(shape)?, values.len());
+    // SAFETY: a new contiguous array, known to nobody else.
+    unsafe { numpy::PyArrayMethods::as_slice_mut(&array)? }.copy_from_slice(values);
+    Ok(array)
+}

@@ -1,0 +1,85 @@
+//! Which twists are possible, and the nearest that are.
+
+use crate::admissible::Keep;
+use crate::batch::formulas::admissible::{Admissible, Project};
+use crate::batch::machine::level::Level;
+use crate::error::Error;
+use crate::geometry::Twist;
+use crate::rover::Rover;
+
+/// Whether the rover can make each twist. Fails where one is not finite.
+pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool]) -> Result<(), Error> {
+    if let Some(cone) = rover.whole_cone()
+        && let Some(done) = Level::best().run(Admissible {
+            rover,
+            cone,
+            twists,
+            answers,
+        })
+    {
+        return done;
+    }
+    for (k, (twist, answer)) in twists.iter().zip(answers).enumerate() {
+        let answered = rover.admissible(Twist::from(*twist));
+        *answer = answered.map_err(|error| error.at_row(k))?;
+    }
+    Ok(())
+}
+
+/// [`Rover::project`] of every twist. Unless `fresh`, nothing is written if one fails.
+pub fn project(
+    rover: &Rover,
+    twists: &[[f64; 3]],
+    keep: Keep,
+    projected: &mut [[f64; 3]],
+    fresh: bool,
+) -> Result<(), Error> {
+    if !fresh {
+        check(rover, twists, keep)?;
+    }
+    project_rows(rover, twists, keep, projected)
+}
+
+/// Fails at the first twist that cannot be projected.
+fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep) -> Result<(), Error> {
+    if matches!(keep, Keep::Curvature | Keep::Nearest) {
+        // To stand still is always possible.
+        return twists.iter().enumerate().try_for_each(|(k, twist)| {
+            let checked = rover.check_speeds(Twist::from(*twist), None);
+            checked.map(drop).map_err(|error| error.at_row(k))
+        });
+    }
+    let mut room = [[0.0; 3]; ROWS];
+    for (block, twists) in twists.chunks(ROWS).enumerate() {
+        project_rows(rover, twists, keep, &mut room[..twists.len()])
+            .map_err(|error| error.below(block * ROWS))?;
+    }
+    Ok(())
+}
+
+/// Rows that are tried at a time.
+const ROWS: usize = 512;
+
+fn project_rows(
+    rover: &Rover,
+    twists: &[[f64; 3]],
+    keep: Keep,
+    projected: &mut [[f64; 3]],
+) -> Result<(), Error> {
+    if let Some(cone) = rover.whole_cone()
+        && let Some(done) = Level::best().run(Project {
+            rover,
+            cone,
+            keep,
+            twists,
+            projected,
+        })
+    {
+        return done;
+    }
+    for (k, (twist, projected)) in twists.iter().zip(projected).enumerate() {
+        let found = rover.project(Twist::from(*twist), keep);
+        *projected = found.map_err(|error| error.at_row(k))?.into();
+    }
+    Ok(())
+}

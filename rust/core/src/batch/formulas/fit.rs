@@ -1,0 +1,230 @@
+//! Twists with the residuals of the wheels, where the least squares have a constant solution: every wheel alike, or the
+//! unsteered ones alone. Rank and smallest singular value are constants of the rover then, because a steered wheel without
+//! scrub and trail measures its pivot's whole velocity, whichever way it points.
+
+#[cfg(test)]
+mod tests;
+
+use super::forward;
+use super::inverse::all_within;
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
+use crate::batch::machine::table::{Log, row, row_mut};
+use crate::batch::machine::vector::Vector;
+use crate::batch::machine::weave::{BLOCK, Column, unweave, weave, with_columns};
+use crate::error::Error;
+use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
+use crate::rover::{MAX_WHEELS, Mount, Rover};
+
+/// What a wheel disagrees by is the length of two products with the twist, less what it rolled along the first.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// Rolling and side-slip row.
+    Fixed([[f64; 3]; 2]),
+    /// Place of the pivot [m] and direction at steering angle 0 [rad].
+    Steered { pivot: [f64; 2], heading: f64 },
+    /// It measures nothing.
+    Castor,
+}
+
+/// What the kernel needs to know of a rover and a method.
+pub(crate) struct Plan<'a> {
+    rover: &'a Rover,
+    method: Method,
+    unseen: Unseen,
+    forward: forward::Plan<'a>,
+    parts: Vec<(Part, f64)>,
+    weights: Vec<f64>,
+    rank: usize,
+    sigma_min: f64,
+}
+
+/// Where the results go, one row per reading.
+pub(crate) struct Fits<'a> {
+    pub fits: &'a mut [Fit],
+    pub residual: &'a mut [f64],
+    pub weights: &'a mut [f64],
+}
+
+impl<'a> Plan<'a> {
+    /// Nothing where the solution depends on the readings.
+    pub fn new(rover: &'a Rover, method: Method, unseen: Unseen) -> Option<Self> {
+        let solution = rover.solution?;
+        let zeros = [0.0; MAX_WHEELS];
+        let wheels = rover.wheels();
+        let at_rest = Measured {
+            steering: &zeros[..rover.steered().len()],
+            speeds: &zeros[..wheels.len()],
+            steering_rates: None,
+        };
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        let readings = rover.read(at_rest, &mut readings);
+        let mut weights = vec![1.0; wheels.len()];
+        let solution = match method {
+            Method::LeastSquares => solution,
+            Method::MiddleWheels => {
+                rover
+                    .estimate(readings, at_rest, method, unseen, &mut weights)
+                    .ok()?;
+                let normal = rover.normal(readings, |i| weights[i]);
+                rover.solution(normal, unseen).ok()?
+            }
+            Method::Robust => return None,
+        };
+        let (rank, sigma_min) = rover.singular_values(readings, &weights);
+        let part = |(wheel, mount): (&crate::Wheel, &Mount)| {
+            let part = match *mount {
+                Mount::Castor(_) => Part::Castor,
+                Mount::Fixed(rows) => Part::Fixed([rows.rolling.into(), rows.side_slip.into()]),
+                Mount::Steered(..) => Part::Steered {
+                    pivot: [wheel.x, wheel.y],
+                    heading: wheel.heading,
+                },
+            };
+            (part, wheel.radius)
+        };
+        Some(Self {
+            rover,
+            method,
+            unseen,
+            forward: forward::Plan::weighted(rover, solution, |i| weights[i])?,
+            parts: wheels.iter().zip(&rover.mounts).map(part).collect(),
+            weights,
+            rank,
+            sigma_min,
+        })
+    }
+
+    /// Fits every row; nothing where the level has no kernels.
+    pub fn fit(
+        &self,
+        level: Level,
+        log: Log<'_>,
+        fits: &mut Fits<'_>,
+    ) -> Option<Result<(), Error>> {
+        let joints = self.rover.steered().len();
+        with_columns(joints + 2 * self.parts.len(), |columns| {
+            level.run(Solve {
+                plan: self,
+                log,
+                fits,
+                columns,
+            })
+        })
+    }
+}
+
+struct Solve<'a, 'b> {
+    plan: &'a Plan<'a>,
+    log: Log<'a>,
+    fits: &'a mut Fits<'b>,
+    /// One per steering angle, one per speed and one per residual.
+    columns: &'a mut [Column],
+}
+
+impl Kernel for Solve<'_, '_> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> Self::Output {
+        let (plan, log) = (self.plan, self.log);
+        let (joints, wheels) = (plan.rover.steered().len(), plan.parts.len());
+        let Fits {
+            fits,
+            residual,
+            weights,
+        } = self.fits;
+        let (steering, rest) = self.columns.split_at_mut(joints);
+        let (speeds, residuals) = rest.split_at_mut(wheels);
+        let mut twists = [Column::ZERO; 3];
+        for (b, fits) in fits.chunks_mut(BLOCK).enumerate() {
+            let (first, count) = (b * BLOCK, fits.len());
+            let rows = [
+                &log.steering[first * joints..(first + count) * joints],
+                &log.speeds[first * wheels..(first + count) * wheels],
+            ];
+            unweave(simd, rows[0], steering);
+            unweave(simd, rows[1], speeds);
+            forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
+            disagree(simd, plan, steering, speeds, &twists, residuals);
+            weave(
+                simd,
+                residuals,
+                &mut residual[first * wheels..(first + count) * wheels],
+            );
+            for (k, fit) in fits.iter_mut().enumerate() {
+                *fit = Fit {
+                    twist: [0, 1, 2].map(|part: usize| twists[part].0[k]).into(),
+                    rank: plan.rank,
+                    sigma_min: plan.sigma_min,
+                };
+                row_mut(weights, wheels, first + k).copy_from_slice(&plan.weights);
+            }
+            let usual = all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
+                && all_within(simd, rows[1], forward::LARGEST_SPEED);
+            if usual {
+                continue;
+            }
+            for (k, fit) in fits.iter_mut().enumerate() {
+                let measured = Measured {
+                    steering: row(rows[0], joints, k),
+                    speeds: row(rows[1], wheels, k),
+                    steering_rates: None,
+                };
+                let within =
+                    |values: &[f64], largest| values.iter().all(|value| value.abs() <= largest);
+                if within(measured.steering, LARGEST_ANGLE / 2.0)
+                    && within(measured.speeds, forward::LARGEST_SPEED)
+                {
+                    continue;
+                }
+                let at = first + k;
+                let (residual, weights) =
+                    (row_mut(residual, wheels, at), row_mut(weights, wheels, at));
+                *fit = plan
+                    .rover
+                    .fit(measured, plan.method, plan.unseen, residual, weights)
+                    .map_err(|error| error.at_row(at))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Residuals of a block.
+#[inline(always)]
+fn disagree<S: Vector>(
+    simd: S,
+    plan: &Plan<'_>,
+    steering: &[Column],
+    speeds: &[Column],
+    twists: &[Column; 3],
+    residuals: &mut [Column],
+) {
+    let splat = |number| Lanes::splat(simd, number);
+    let mut joint = 0;
+    for (((part, radius), speeds), residuals) in plan.parts.iter().zip(speeds).zip(residuals) {
+        let steering = steering.get(joint);
+        for k in 0..BLOCK / S::F64_LANES {
+            let twist = super::steered::load(simd, twists, k);
+            let rolled = speeds.load(simd, k) * splat(*radius);
+            let [along, across] = match (*part, steering) {
+                (Part::Fixed(rows), _) => rows.map(|row| super::cone::dot(simd, &row, twist)),
+                (Part::Steered { pivot, heading }, Some(steering)) => {
+                    let [vx, vy, omega] = twist;
+                    let ux = vx - omega * splat(pivot[1]);
+                    let uy = vy + omega * splat(pivot[0]);
+                    let (sin, cos) = sin_cos(simd, steering.load(simd, k) + splat(heading));
+                    [cos * ux + sin * uy, cos * uy - sin * ux]
+                }
+                _ => [rolled, splat(0.0)],
+            };
+            let along = along - rolled;
+            residuals.store(k, along.mul_add(along, across * across).sqrt());
+        }
+        if matches!(part, Part::Steered { .. }) {
+            joint += 1;
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Registers against the plain core.
+
+use crate::admissible::tests::Numbers;
+use crate::batch::{self, Log};
+use crate::error::Error;
+use crate::estimate::{Fit, Method, Unseen};
+use crate::geometry::Twist;
+
+#[test]
+fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
+    let mut numbers = Numbers(5);
+    for round in 0..200 {
+        let rover = numbers.rover()?;
+        let (joints, wheels, count) = (rover.steered().len(), rover.wheels().len(), 131);
+        let method = [Method::LeastSquares, Method::MiddleWheels][round % 2];
+        let mut some =
+            |n: usize| -> Vec<f64> { (0..n).map(|_| numbers.between(-3.0, 3.0)).collect() };
+        let (steering, mut speeds) = (some(count * joints), some(count * wheels));
+        speeds[5 * wheels] = 1e150;
+        let log = Log {
+            steering: &steering,
+            speeds: &speeds,
+            steering_rates: None,
+        };
+        let none = Fit {
+            twist: Twist::default(),
+            rank: 0,
+            sigma_min: 0.0,
+        };
+        let mut fits = vec![none; count];
+        let [mut residual, mut weights] = [vec![0.0; count * wheels], vec![0.0; count * wheels]];
+        let done = batch::fit(
+            &rover,
+            log,
+            method,
+            Unseen::Refuse,
+            &mut fits,
+            &mut residual,
+            &mut weights,
+        );
+        let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
+        for (k, fit) in fits.iter().enumerate() {
+            let measured = log.row(&rover, k);
+            let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says)
+            {
+                Ok(expected) => expected,
+                Err(error) => {
+                    assert_eq!(done, Err(error.at_row(k)));
+                    break;
+                }
+            };
+            let row = k * wheels..(k + 1) * wheels;
+            let size = 1e-12
+                * speeds[row.clone()]
+                    .iter()
+                    .fold(1.0, |most: f64, v| most.max(v.abs()));
+            let near = |a: f64, b: f64| (a - b).abs() <= size / expected.sigma_min.min(1.0);
+            let (a, b): ([f64; 3], [f64; 3]) = (fit.twist.into(), expected.twist.into());
+            assert!(
+                a.into_iter().zip(b).all(|(a, b)| near(a, b)),
+                "{fit:?} {expected:?} {rover:?}"
+            );
+            assert_eq!(fit.rank, expected.rank);
+            assert!((fit.sigma_min - expected.sigma_min).abs() <= 1e-13);
+            assert_eq!(weights[row.clone()], says);
+            assert!(residual[row].iter().zip(&slips).all(|(a, b)| near(*a, *b)));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+"""Several threads, and several processes, on the same objects and arrays."""
+
+import contextlib
+import multiprocessing
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+
+ROVER = sw.Rover.preset("perseverance")
+forks = pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks here")
+
+
+def while_running(run: Callable[[], object], ask: Callable[[], object]) -> tuple[int, object]:
+    """Asks while another thread runs: how often a third one counted meanwhile, and the answer."""
+    running, done, counted = threading.Event(), threading.Event(), [0]
+
+    def work() -> None:
+        running.set()
+        run()
+
+    def count() -> None:
+        while not done.is_set():
+            counted[0] += 1
+            time.sleep(0.0005)
+
+    worker, counter = threading.Thread(target=work), threading.Thread(target=count)
+    worker.start()
+    counter.start()
+    running.wait()
+    time.sleep(0.02)
+    counted[0] = 0
+    answer = ask()
+    seen = counted[0]
+    is_over = not worker.is_alive()
+    done.set()
+    worker.join()
+    counter.join()
+    return seen if is_over or seen else -1, answer
+
+
+def test_whoever_waits_for_a_controller_lets_other_threads_run():
+    controller = sw.Controller(ROVER)
+    times = np.arange(1.0, 400_000.0) / 100.0
+
+    def run() -> None:
+        controller.run([0.0], [(0.05, 0.0, 0.0)], times)
+
+    seen, now = while_running(run, lambda: controller.now)
+    assert now in (None, times[-1])  # before the run or after it, never in the midst
+    if now is not None:
+        assert seen > 3
+
+
+def test_whoever_waits_for_odometry_lets_other_threads_run():
+    odometry, rows = sw.Odometry(ROVER), 400_000
+    steering, turned = np.zeros((rows, 4)), np.tile(np.arange(rows)[:, None] / 100.0, (1, 6))
+
+    def run() -> None:
+        odometry.run(steering, turned, np.arange(rows) / 100.0)
+
+    seen, state = while_running(run, lambda: odometry.state)
+    assert state.stamp in (None, (rows - 1) / 100.0)
+    if state.stamp is not None:
+        assert seen > 3
+
+
+@pytest.mark.parametrize("kind", ["controller", "odometry"])
+def test_eight_threads_on_one_object(kind):
+    """Every call is made whole, one after the other: nothing is lost and nothing raises."""
+    if kind == "controller":
+        controller = sw.Controller(ROVER)
+        clock = iter(range(1, 10**9))
+        lock = threading.Lock()
+
+        def call() -> None:
+            with lock:
+                now = next(clock) / 100.0
+                controller.step(now)
+            controller.command((0.01, 0.0, 0.0), now)
+            assert controller.now is not None
+
+    else:
+        odometry = sw.Odometry(ROVER, readings="increments")
+        odometry.update((0.0,) * 4, (0.0,) * 6, 0.0)
+        clock = iter(range(1, 10**9))
+        lock = threading.Lock()
+
+        def call() -> None:
+            with lock:
+                odometry.update((0.0,) * 4, (0.1,) * 6, next(clock) / 100.0)
+            assert odometry.state.stamp is not None
+            odometry.noise  # noqa: B018
+
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            for _ in range(300):
+                call()
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failures == []
+    if kind == "odometry":
+        radius = ROVER.wheels[0].radius
+        assert odometry.state.pose[0] == pytest.approx(8 * 300 * 0.1 * radius, rel=1e-12)
+
+
+def test_two_threads_write_to_one_memory_by_two_objects():
+    """One of them is refused, or they take turns; never both at once."""
+    memory = np.zeros(3 * 200_000)
+    other = np.frombuffer(memoryview(memory)).reshape(-1, 3)
+    twists = [np.tile([value, 0.0, 0.0], (200_000, 1)) for value in (0.1, 0.2)]
+    outs, outcomes = [memory.reshape(-1, 3), other], []
+
+    def work(k: int) -> None:
+        for _ in range(10):
+            try:
+                ROVER.project(twists[k], out=outs[k])
+                outcomes.append("written")
+            except ValueError as error:
+                outcomes.append(str(error).rpartition("got ")[2])
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert set(outcomes) <= {"written", "a read-only array or one in use"}
+    assert "written" in outcomes
+
+
+@forks
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_child_of_a_fork_during_a_batch():
+    """Its calls are quick again, its arrays free, and what another thread was at is refused by name."""
+    twists, out = np.tile([0.05, 0.0, 0.01], (400_000, 1)), np.zeros((400_000, 3))
+    controller, started, stop = sw.Controller(ROVER), threading.Event(), threading.Event()
+    times = np.arange(1, 2_000_000) / 100.0
+
+    def batches() -> None:
+        started.set()
+        while not stop.is_set():
+            ROVER.project(twists, out=out)
+
+    def run() -> None:
+        controller.run([0.0], [(0.05, 0.0, 0.0)], times)
+
+    workers = [threading.Thread(target=batches), threading.Thread(target=run)]
+    for worker in workers:
+        worker.start()
+    started.wait()
+    time.sleep(0.05)
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            single = (np.empty(4), np.empty(6))
+            ROVER.project(twists[:50], out=out[:50])  # in use by the parent's thread, which is not here
+            ROVER.inverse((0.05, 0.0, 0.01), out=single)
+            with contextlib.suppress(RuntimeError):  # or the run was over, or had not begun
+                _ = controller.now
+            fresh = sw.Controller(ROVER)
+            fresh.step(0.0)
+            code = 0
+        finally:
+            os._exit(code)
+    _, status = os.waitpid(child, 0)
+    stop.set()
+    for worker in workers:
+        worker.join()
+    assert os.waitstatus_to_exitcode(status) == 0
+
+
+@forks
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_pool_of_forked_processes():
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        results = pool.map(ROVER.icr, [np.array([1.0, 0.0, 0.5])] * 4)
+    np.testing.assert_array_equal(results, [[0.0, 2.0]] * 4)
+
+
+def test_free_threaded_interpreters_switch_their_lock_on():
+    """The module says that it needs the lock: a free-threaded interpreter runs with it, or refuses."""
+    program = """
+        import sys
+        import six_wheel
+        print(getattr(sys, "_is_gil_enabled", lambda: True)())
+    """
+    command = [sys.executable, "-W", "ignore", "-c", textwrap.dedent(program)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert result.stdout == "True\n", result.stderr
