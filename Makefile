@@ -19,7 +19,16 @@ WATCHED = LD_PRELOAD=$$($(CC) -print-file-name=libasan.so) ASAN_OPTIONS=detect_l
 PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_tricks.as_strided(np.zeros(2), (4,), (8,)); \
 	sw.Rover.preset('perseverance').forward(angles, np.zeros(6))
 
-.PHONY: demo test test-rust test-python test-ros soak sanitize bench bench-suites profiling lint format wheel clean
+# Coverage-guided fuzzing, so many seconds for every target.
+FUZZ ?= 60
+FUZZED = estimate odometry controller
+COVERAGE = -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-trace-compares \
+	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Ccodegen-units=1
+OLDEST = numpy==1.26.*
+BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
+PYTHONS ?= python3.11 python3.12 python3.13 python3.14
+
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -37,6 +46,27 @@ test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the packag
 	@if test -s $(ROS)/without; then echo "test-ros: skipped, no rclpy here: $$(tail -n 1 $(ROS)/without)"; else \
 		$(ROS)/bin/python -m pytest tests/ros -o addopts=-ra -p no:cacheprovider; fi
 
+fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ seconds each; finds go to target/fuzz
+	for target in $(FUZZED); do mkdir -p target/fuzz/$$target \
+		&& RUSTFLAGS="$(COVERAGE) --cfg fuzzing" cargo build --release --quiet --manifest-path rust/fuzz/Cargo.toml \
+			--target $(HOST) --target-dir target/fuzz/build --bin $$target \
+		&& target/fuzz/build/$(HOST)/release/$$target -max_total_time=$(FUZZ) -max_len=4096 -print_final_stats=1 \
+			-artifact_prefix=target/fuzz/$$target- target/fuzz/$$target || exit 1; done
+	$(BIN)/python -m pip install --quiet --only-binary :all: atheris || echo "no atheris for this Python: its part is skipped"
+	$(BIN)/python -c "import atheris" 2>/dev/null || exit 0; mkdir -p target/fuzz/boundary \
+		&& $(BIN)/python tests/core/door/fuzzed.py -max_total_time=$(FUZZ) -artifact_prefix=target/fuzz/boundary- \
+			target/fuzz/boundary
+
+test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with every Python there is
+	for python in $(PYTHONS); do command -v $$python > /dev/null || { echo "$$python: not on this machine, skipped"; continue; }; \
+		for numpy in "$(OLDEST)" numpy; do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
+		test -x $$home/bin/python || $$python -m venv $$home; \
+		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest hypothesis \
+			|| { echo "$$python: no wheel of $$numpy, skipped"; continue; }; \
+		$$home/bin/python -m pip install --quiet --no-deps --force-reinstall $(VENV)/wheels/*.whl \
+			&& $$home/bin/python -c "import sys, numpy; print(sys.version.split()[0], 'NumPy', numpy.__version__)" \
+			&& $$home/bin/python -m pytest -q -p no:cacheprovider -o addopts= $(BOUNDARY) || exit 1; done; done
+
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
 	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
 	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
@@ -47,6 +77,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	rm -rf $(SANITIZED)/python && mkdir -p $(SANITIZED)/python && cp -r python/six_wheel $(SANITIZED)/python
 	cp $(SANITIZED)/$(HOST)/debug/lib_core.so $(SANITIZED)/python/six_wheel/_core.abi3.so
 	$(WATCHED) $(BIN)/python -c "$(PAST_THE_END)" 2>&1 | grep heap-buffer-overflow # it does watch
+	$(WATCHED) $(BIN)/python -m pytest tests/core/door/test_overlap.py -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/boundary/test_memory.py -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
 

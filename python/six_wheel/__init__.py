@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING
 
 from six_wheel import profiles
 from six_wheel._core import (
+    BodySlip,
     Controller,
     ControllerOutput,
     ControllerRun,
     Encoder,
     Fit,
     FourAxle,
+    GroundCommand,
+    GroundMotion,
     Gyroscope,
     Limits,
     Link,
@@ -34,8 +37,11 @@ from six_wheel._core import (
     SteeringCommand,
     Suspension,
     Terrain,
+    Traction,
     Wheel,
+    WheelSlip,
     __version__,
+    body_slip,
     compose,
     default_threads,
     differentiate,
@@ -64,6 +70,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ArgumentTypeError",
+    "BodySlip",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
@@ -72,6 +79,8 @@ __all__ = [
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
+    "GroundCommand",
+    "GroundMotion",
     "Gyroscope",
     "Health",
     "InfeasibleMotionError",
@@ -96,11 +105,14 @@ __all__ = [
     "Suspension",
     "Terrain",
     "Track",
+    "Traction",
     "Truth",
     "Twist",
     "UnderdeterminedError",
     "Wheel",
+    "WheelSlip",
     "__version__",
+    "body_slip",
     "calibrate",
     "compose",
     "dead_reckon",
@@ -170,7 +182,6 @@ def load(
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
         "benchmark": (),
         "calibration": ("calibrate",),
         "demo": (),

@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
@@ -21,6 +21,7 @@ from six_wheel.rollouts import RolloutCost
 from six_wheel.standing import SettleStatus
 
 __all__ = [
+    "BodySlip",
     "BodyTransition",
     "Controller",
     "ControllerOutput",
@@ -28,6 +29,8 @@ __all__ = [
     "Encoder",
     "Fit",
     "FourAxle",
+    "GroundCommand",
+    "GroundMotion",
     "Gyroscope",
     "IcrTransition",
     "Limits",
@@ -46,8 +49,11 @@ __all__ = [
     "SteeringCommand",
     "Suspension",
     "Terrain",
+    "Traction",
     "Wheel",
+    "WheelSlip",
     "__version__",
+    "body_slip",
     "compose",
     "default_threads",
     "differentiate",
@@ -486,9 +492,11 @@ class Rover:
     @property
     def steered_names(self) -> tuple[str, ...]: ...
     @property
-    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the caller's order
+    def traction_joints(self) -> dict[str, str]: ...  # joint -> wheel, in the order of the wheels
     @property
     def steering_joints(self) -> dict[str, str]: ...
+    @property
+    def command_joints(self) -> tuple[str, ...]: ...  # in the caller's order
     @property
     def reversed_joints(self) -> tuple[str, ...]: ...
     @property
@@ -778,6 +786,69 @@ class Terrain:
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class GroundCommand:
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def scale(self) -> float | _Floats: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> _Floats: ...
+    def __iter__(self) -> Iterator[_Floats]: ...
+
+@final
+class GroundMotion:
+    @property
+    def twist(self) -> _Floats: ...  # (..., 6) [m/s, rad/s]
+    @property
+    def joint_rates(self) -> _Floats: ...  # (..., joints) [rad/s]
+    @property
+    def residual(self) -> _Floats: ...  # (..., wheels, 3) [m/s]
+
+@final
+class Traction:
+    @property
+    def speeds(self) -> _Floats: ...  # (..., wheels) [rad/s]
+    @property
+    def steering(self) -> _Floats: ...  # (..., steered wheels) [rad]
+    @property
+    def contact_angles(self) -> _Floats: ...  # (..., wheels) [rad]
+    @property
+    def lifted(self) -> NDArray[np.bool_]: ...  # (..., wheels)
+    @property
+    def vertical_speed(self) -> float | _Floats: ...  # [m/s]
+
+@final
+class WheelSlip:
+    @property
+    def ratio(self) -> _Floats: ...  # (..., wheels)
+    @property
+    def angle(self) -> _Floats: ...  # (..., wheels) [rad]
+
+@final
+class BodySlip:
+    @property
+    def slip(self) -> _Floats: ...  # (n,)
+    @property
+    def statistic(self) -> float: ...
+    @property
+    def threshold(self) -> float: ...
+    @property
+    def probability(self) -> float: ...
+    @property
+    def slipping(self) -> bool: ...
+    def compensate(self, wanted: ArrayLike) -> _Floats: ...
+
+def body_slip(
+    navigated: ArrayLike, kinematic: ArrayLike, covariance: ArrayLike, *, false_alarm: float = 0.01
+) -> BodySlip: ...
+
 @disjoint_base
 class Suspension:
     @staticmethod
@@ -821,6 +892,43 @@ class Suspension:
     def wheel_names(self) -> tuple[str, ...]: ...
     @property
     def free_joints(self) -> tuple[str, ...]: ...
+    def inverse(
+        self,
+        stand: Stand,
+        command: ArrayLike,
+        *,
+        view: Literal["body", "plan"] = "body",
+        steering: ArrayLike | None = None,
+        max_wheel_speed: float | None = None,
+    ) -> GroundCommand: ...
+    def forward(
+        self,
+        stand: Stand,
+        steering: ArrayLike | None,
+        speeds: ArrayLike,
+        joint_rates: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+        *,
+        steering_rates: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+    ) -> GroundMotion: ...
+    def traction(
+        self,
+        speed: ArrayLike,
+        curvature: ArrayLike | None,
+        angular_velocity: ArrayLike,
+        joints: ArrayLike,
+        joint_rates: ArrayLike,
+        *,
+        yaw_rate: ArrayLike | None = None,
+        steering: ArrayLike | None = None,
+        wheel_speeds: ArrayLike | None = None,
+        lift_angle: float = 1.0,
+        lift_speed: float = 0.01,
+    ) -> Traction: ...
+    def slip(
+        self, stand: Stand, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike
+    ) -> WheelSlip: ...
     def settle(
         self,
         ground: Terrain,
@@ -1085,6 +1193,8 @@ class Controller:
 @final
 class ControllerOutput:
     @property
+    def commands(self) -> dict[str, float]: ...
+    @property
     def steering(self) -> _Floats: ...
     @property
     def steering_rates(self) -> _Floats: ...
@@ -1097,6 +1207,8 @@ class ControllerOutput:
 
 @final
 class ControllerRun:
+    @property
+    def commands(self) -> dict[str, _Floats]: ...
     @property
     def steering(self) -> _Floats: ...
     @property

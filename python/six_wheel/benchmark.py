@@ -1,4 +1,4 @@
-"""How fast the compiled core is on this machine, beside the plain Python of `six_wheel.reference`.
+"""How fast the compiled core is on this machine, beside `six_wheel.reference`, the same in plain NumPy.
 
 What times a call is here too, for the longer comparison under `benches`.
 """
@@ -233,7 +233,7 @@ def measure(*, progress: Callable[[int, int], None] | None = None) -> list[Job]:
 def table(results: Sequence[Job]) -> "RenderableType":
     """The results as a table for a rich console."""
     facts = ", ".join(f"{name} {value}" for name, value in machine().items())
-    grid = Grid(f"Best of {REPEATS}; {facts}", ["job", "core [ns]", "plain Python [ns]", "ratio"])
+    grid = Grid(f"Best of {REPEATS}; {facts}", ["job", "core [ns]", "reference [ns]", "ratio"])
     for job in results:
         core, plain = (job.timings[name].best for name in ("core", "reference"))
         grid.rows.append([job.name, nanoseconds(core), nanoseconds(plain), f"{plain / core:,.0f}"])

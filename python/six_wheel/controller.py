@@ -1,11 +1,11 @@
 """Why a step of a `Controller` is not simply what was asked for."""
 
-from enum import IntFlag
+from six_wheel.flags import NamedFlag
 
 __all__ = ["Reason"]
 
 
-class Reason(IntFlag):
+class Reason(NamedFlag):
     """Reasons of one step, any number of them; empty for a step that makes the motion asked for."""
 
     STEERING_LIMIT = 1 << 0

@@ -30,6 +30,8 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
         return value
 
     def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *modules, *places})
+        inside = vars(sys.modules[package])
+        own = (name for name in inside if name.startswith("__") and name.endswith("__"))
+        return sorted({*own, *inside.get("__all__", ()), *modules, *places})
 
     return get, names

@@ -15,10 +15,11 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
         If a wheel may not have such a value.
     """
     wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
+    steering, traction = joints_as_given(rover)
     return Rover(
         wheels,
-        traction_joints=rover.traction_joints,
-        steering_joints=rover.steering_joints,
+        traction_joints=traction,
+        steering_joints=steering,
         reversed_joints=rover.reversed_joints,
         # Wheels that are elsewhere do not stand on what the file said.
         suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
@@ -41,3 +42,13 @@ def _with(wheel: Wheel, **changes: Any) -> Wheel:
     }
     values |= changes
     return Wheel(wheel.name, values.pop("x"), values.pop("y"), **values)
+
+
+def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
+    """Steering and traction joints to their wheels, in the order in which they were given."""
+    steering, traction = rover.steering_joints, rover.traction_joints
+    order = rover.command_joints
+    return (
+        {joint: steering[joint] for joint in order if joint in steering},
+        {joint: traction[joint] for joint in order if joint in traction},
+    )

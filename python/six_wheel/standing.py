@@ -1,10 +1,13 @@
 """What came of settling a rover on ground."""
 
-from enum import StrEnum
-from typing import Any
+from __future__ import annotations  # NumPy is not loaded for its names
 
-import numpy as np
-from numpy.typing import NDArray
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["SettleStatus"]
 
@@ -27,11 +30,11 @@ class SettleStatus(StrEnum):
         return self.value
 
 
-_ALL = np.empty(len(SettleStatus), dtype=object)
-_ALL[:] = list(SettleStatus)
-
-
 def statuses(codes: int | NDArray[np.int64]) -> SettleStatus | NDArray[Any]:
     """The status of a code of the core, or an array of them."""
-    found: SettleStatus | NDArray[Any] = _ALL[codes]
+    import numpy as np
+
+    known = np.empty(len(SettleStatus), dtype=object)
+    known[:] = list(SettleStatus)
+    found: SettleStatus | NDArray[Any] = known[codes]
     return found

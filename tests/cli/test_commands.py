@@ -20,6 +20,8 @@ import six_wheel as sw
 from six_wheel import __main__, __version__
 from six_wheel.cli import app as cli
 from six_wheel.cli import shared
+from six_wheel.cli.shared import Chosen
+from six_wheel.cli.show import left_turn
 from six_wheel.cli.words import COMMANDS
 from tests.cli_runs import ROVER, Run
 
@@ -235,7 +237,8 @@ def test_drive_warns_of_commands_too_far_apart(run: Run) -> None:
     Path("limited.yaml").write_text(LIMITED)
     code, out, err = run("drive", "limited.yaml", "commands.csv")
     assert code == 0
-    words = "commands are up to 1 s apart, longer than the timeout of 0.5 s: meanwhile the rover stops"
+    words = "commands are up to 1 s apart, longer than the timeout of 0.5 s: meanwhile the rover stops; "
+    words += "a longer control.timeout lets it go on"
     assert err == f"six-wheel: warning: {words}\n"
     assert re.search(r"STALE \d+\.\d%", out)
 
@@ -355,6 +358,40 @@ def test_show_draws_and_says_where(run: Run, refused: Callable[..., str]) -> Non
     assert "finite" in refused("show", "rover.yaml", "--twist", "nan", "0", "0")
 
 
+def test_show_keeps_to_the_limits_of_the_file_or_says_so(run: Run) -> None:
+    # Once it drew 11.34 rad/s under wheel_speed: 8.0, without a word.
+    pytest.importorskip("matplotlib")
+    Path("slow.yaml").write_text(ROVER + "limits: {wheel_speed: 2.0, speed: 1.0}\n")
+    code, _, err = run("show", "slow.yaml", "-o", "slow.svg")
+    assert (code, err) == (0, "")
+    speeds = [float(each) for each in re.findall(r">(-?\d+\.\d+) rad/s", Path("slow.svg").read_text())]
+    assert all(abs(speed) <= 2.0 for speed in speeds)
+    code, _, err = run("show", "slow.yaml", "--twist", "1.5", "0", "0")
+    assert code == 0
+    assert err.splitlines() == [
+        "six-wheel: warning: wheel_speed is 10 rad/s, 2 allowed",
+        "six-wheel: warning: speed is 1.5 m/s, 1 allowed",
+    ]
+
+
+def test_examples_are_files_that_the_commands_take(run: Run, refused: Callable[..., str]) -> None:
+    code, out, _ = run("example")
+    assert (code, out.split()) == (0, ["commands.csv", "log.csv", "rover.yaml"])
+    Path("own").mkdir()
+    for name in out.split():
+        assert run("example", name, "-o", f"own/{name}")[0] == 0
+    assert "there already" in refused("example", "rover.yaml")
+    assert 'did you mean "log.csv"?' in refused("example", "lgo.csv")
+    assert run("check", "own/rover.yaml")[0] == 0
+    code, out, err = run("drive", "own/rover.yaml", "own/commands.csv", "-o", "run.csv")
+    assert (code, err) == (0, "")
+    assert re.search(r"projected rows +200 steps, by the controller", out)  # once 0, beside PROJECTED
+    assert "PROJECTED 20.0%" in out
+    code, out, _ = run("odometry", "own/rover.yaml", "own/log.csv")
+    assert code == 0
+    assert re.search(r"slip +middle_right, 12\.1 s to 13\.5 s", out)
+
+
 def test_demo_is_given_its_folder(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
     from six_wheel.demo import running as demo
@@ -382,13 +419,13 @@ def test_bench_compares_both_sides(run: Run, monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize("name", sw.Rover.presets())
 def test_every_preset_can_make_the_turn_that_show_draws(name):
     rover = sw.Rover.preset(name)
-    assert rover.admissible(cli._left_turn(rover))
+    assert rover.admissible(left_turn(Chosen(rover, "rover")))
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_example_can_make_the_turn_that_show_draws(path):
     rover = sw.load(path)
-    turn = cli._left_turn(rover)
+    turn = left_turn(Chosen(rover, "rover"))
     assert rover.admissible(turn)
     assert turn[2] > 0
 

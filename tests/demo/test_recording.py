@@ -175,7 +175,7 @@ def test_run_reports_and_writes(tmp_path):
         "Open Source Rover",
         "path is scaled by",
         "demo.png",
-        "reference.py",
+        "reference",
         "RMS",
     ):
         assert expected in words

@@ -14,6 +14,7 @@ import typer
 from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
+from six_wheel.cli.example import example
 from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
 from six_wheel.cli.replay import replay
@@ -24,15 +25,15 @@ from six_wheel.cli.shared import (
     Reading,
     RoverArgument,
     choose,
-    choose_suspension,
     grid,
     new_console,
     progress_bar,
 )
+from six_wheel.cli.show import show
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
-    from six_wheel._core import Rover
+    pass
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -52,7 +53,7 @@ def demo(
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
     ] = Path("six_wheel_demo"),
 ) -> None:
-    from six_wheel.demo import run
+    from six_wheel.demo.running import run
 
     run(output, console=new_console())
 
@@ -91,69 +92,12 @@ def check(
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["show"])(show)
+app.command(help=COMMANDS["example"])(example)
 app.command(help=COMMANDS["replay"])(replay)
 # What follows --ros-args is for ROS to read.
 app.command("node", help=COMMANDS["node"], context_settings=PASSING)(node)
 app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command_filter)
-
-
-@app.command(help=COMMANDS["show"])
-def show(
-    rover: Annotated[
-        str,
-        typer.Argument(metavar="ROVER", help="Parameter file, name of a preset, or with --layout a record."),
-    ],
-    twist: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(metavar="VX VY OMEGA", help="Motion to draw [m/s, m/s, rad/s]. Default: a left turn."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
-        ),
-    ] = None,
-    layout: Annotated[
-        Path | None,
-        typer.Option(
-            help="No picture, but how viewers show records of this rover: .json (Foxglove), .rbl (Rerun), "
-            "or of a record .rrd (the record for Rerun, with its layout)."
-        ),
-    ] = None,
-    side: Annotated[
-        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
-    ] = False,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
-) -> None:
-    if layout is not None:
-        from six_wheel.cli.layout import write_layout
-
-        print(write_layout(rover, Reading(node, as_, wheel_radius), layout))
-        return
-    from six_wheel.logs.writing import replacing
-    from six_wheel.plot.saving import picture_path, save
-
-    if side:
-        from six_wheel.plot.side import side_figure
-
-        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
-        figure = side_figure(choose_suspension(rover), title=rover)
-        with replacing(target, []) as temporary:
-            save(figure, temporary)
-        print(target.resolve())
-        return
-    chosen = choose(rover, Reading(node, as_, wheel_radius))
-    from six_wheel.plot.twist import show_figure
-
-    target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
-    figure = show_figure(chosen.rover, twist or _left_turn(chosen.rover), title=chosen.name)
-    with replacing(target, [chosen.path] if chosen.path else []) as temporary:
-        save(figure, temporary)
-    print(target.resolve())
 
 
 @app.command(help=COMMANDS["bench"])
@@ -163,18 +107,6 @@ def bench() -> None:
     with progress_bar("timing") as progress:
         results = benchmark.measure(progress=progress)
     new_console().print(benchmark.table(results))
-
-
-# --- what a command says ---------------------------------------------------------------------------------
-
-
-def _left_turn(rover: "Rover") -> tuple[float, float, float]:
-    """Half a metre a second forward, around a centre to the left that this rover can turn about."""
-    size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
-    speed = 0.5
-    # Unsteered wheels may hold the centre on a line beside the origin: the projection puts it there.
-    vx, vy, omega = rover.project((speed, 0.0, speed / max(2.0 * size, 1.2 * rover.min_radius))).tolist()
-    return vx, vy, omega
 
 
 def run(arguments: Sequence[str]) -> int:

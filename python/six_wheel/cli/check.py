@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from six_wheel._core import Limits, Rover, Wheel
-    from six_wheel.abilities import Bound
+    from six_wheel.drive.abilities import Bound
     from six_wheel.urdf import Robot
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
@@ -91,6 +91,8 @@ def _turning(wheel: "Wheel") -> str:
         "swivels freely": wheel.castor,
         turns: not wheel.castor,
         f"heading {math.degrees(wheel.heading):.4g}°": wheel.heading != 0.0,
+        f"trail {wheel.trail:.4g} m": wheel.trail != 0.0,
+        f"scrub radius {wheel.scrub:.4g} m": wheel.scrub != 0.0,
         f"rollers at {math.degrees(wheel.roller_angle or 0.0):.4g}°": wheel.roller_angle is not None,
         "no motor": not wheel.driven and not wheel.castor,
     }
@@ -121,15 +123,18 @@ def _written(value: Any) -> str:
 
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:
     """What a rover can do, as rows for `grid`."""
+    from six_wheel.rebuild import joints_as_given
+
     rover, parameters = chosen.rover, chosen.parameters
+    steering, traction = joints_as_given(rover)
     least, most = rover.min_radius, rover.spin_radius
     turns = "none: every radius is possible" if least == 0.0 else f"{least:.4g} m"
     spin = "not possible" if most == 0.0 else f"possible, with the centre up to {most:.4g} m from the middle"
     rows: list[tuple[str, object]] = [
         ("minimum radius", "cannot turn" if math.isinf(least) else turns),
         ("spin in place", "possible" if math.isinf(most) else spin),
-        ("steering joints", _joints(rover.steering_joints) or "none"),
-        ("traction joints", _joints(rover.traction_joints) or "none"),
+        ("steering joints", _joints(steering) or "none"),
+        ("traction joints", _joints(traction) or "none"),
     ]
     if rover.reversed_joints:
         rows.append(("reversed joints", ", ".join(rover.reversed_joints)))
@@ -160,7 +165,7 @@ def _described(robot: "Robot") -> list[tuple[str, object]]:
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     """What a rover can do within limits, as rows for `grid`; nothing without any."""
-    from six_wheel.abilities import bound, stop_from, time_to_full_lock
+    from six_wheel.drive.abilities import bound, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
     ahead, about = bound(rover, limits, (1.0, 0.0, 0.0)), bound(rover, limits, (0.0, 0.0, 1.0))

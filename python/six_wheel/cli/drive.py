@@ -148,7 +148,11 @@ def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
     angle, residual = summary.steering_angle, summary.residual
     x, y, yaw = summary.end_pose
     vx, vy, omega = summary.changed
-    changes = f"{summary.projected_rows}, by at most {vx:.3g} m/s, {vy:.3g} m/s, {omega:.3g} rad/s"
+    changes: object = summary.projected_rows
+    if summary.projected_rows:
+        changes = f"{summary.projected_rows}, by at most {vx:.3g} m/s, {vy:.3g} m/s, {omega:.3g} rad/s"
+    elif summary.reasons.get("PROJECTED"):
+        changes = f"{summary.reasons['PROJECTED']:,} steps, by the controller"
     hardest = max(limits.acceleration, limits.deceleration)
     through = None if summary.rate is None else f"the controller, at {summary.rate:g} Hz"
     reasons = sorted(summary.shares.items(), key=lambda item: -item[1])
@@ -170,7 +174,7 @@ def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
             limited(summary.wheel_acceleration, "rad/s^2", limits.wheel_acceleration),
         ),
         ("largest residual", at(residual, f"{residual.value:.2g} m/s")),
-        ("projected rows", changes if summary.projected_rows else summary.projected_rows),
+        ("projected rows", changes),
         ("limited by", ", ".join(shares) or ("nothing" if through else None)),
         ("took", f"{summary.elapsed:.3g} s, {summary.rows / summary.elapsed:,.0f} rows/s"),
     ]

@@ -86,10 +86,15 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     presets = list(Rover.presets())
     if argument in presets:
         return Chosen(Rover.preset(argument), argument)
-    close = difflib.get_close_matches(argument, presets, 1)
+    hint = closest(argument, presets)
+    raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}')
+
+
+def closest(name: str, known: Sequence[str]) -> str:
+    """What somebody who wrote this may have meant, and what there is."""
+    close = difflib.get_close_matches(name, known, 1)
     hint = f'did you mean "{close[0]}"? ' if close else ""
-    known = ", ".join(presets)
-    raise ValueError(f'ROVER must be a parameter file or a preset, got "{argument}"; {hint}presets: {known}')
+    return f"{hint}there are {', '.join(known)}"
 
 
 def choose_suspension(argument: str) -> "RockerBogie":

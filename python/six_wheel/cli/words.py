@@ -10,10 +10,11 @@ COMMANDS = {
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
+    "example": "A parameter file, a table of commands, a log to try the others on.",
     "node": "Drive a rover in ROS 2: commands and joint states in, joint commands and odometry out.",
     "filter": "Between a planner and a robot: commands of ROS 2 that it can follow, the curvature kept.",
     "replay": "Run a record of a node again: the same bits, or what other parameters would have made of it.",
-    "bench": "How fast the compiled core is on this machine, beside plain Python.",
+    "bench": "How fast the compiled core is on this machine, beside the reference in plain NumPy.",
 }
 
 

@@ -27,6 +27,7 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "abilities": (),
         "controlled": ("ControlledDrive", "Loop"),
         "course": (),
         "direct": ("Drive",),

@@ -172,7 +172,7 @@ class ControlledDrive(Engine):
         if self._timeout is not None and self._longest > self._timeout + self._snap:
             self.summary.warnings.append(
                 f"commands are up to {self._longest:g} s apart, longer than the timeout of "
-                f"{self._timeout:g} s: meanwhile the rover stops"
+                f"{self._timeout:g} s: meanwhile the rover stops; a longer control.timeout lets it go on"
             )
         last = self._first_step(float(self._stamps[-1]))
         yield from self._go(last + 1)
@@ -242,14 +242,17 @@ class ControlledDrive(Engine):
         since = times * self._per_second
         written = self._start + (np.rint(since).astype(np.int64) if self._whole else since)
         first = int(self.summary.rows == 0)
-        before = (self._step - len(run.reasons) - 1) / self._rate
-        steps = np.diff(times) if first else np.diff(times, prepend=before)
+        earlier = (self._step - len(run.reasons) - 1) / self._rate
+        steps = np.diff(times) if first else np.diff(times, prepend=earlier)
         row = self.summary.rows + 1
+        # As the steps make them: a joint without a limit is told to be there at once, at no rate at all.
+        before = steering[:1] if first else self._steering[None]
+        turned = np.diff(steering, axis=0, prepend=before) / np.diff(times, prepend=earlier)[:, None]
         try:
             columns = self.account(written, steps, steering, speeds, rates)
         except RowError as error:
             raise RowError(int(self._given_rows[error.row - row]), error.message) from None
-        self.course.add(times, np.hstack([given, twists, steering, rates, speeds]), reasons)
+        self.course.add(times, np.hstack([given, twists, steering, turned, speeds]), reasons)
         for each in Reason:
             if found := int(np.count_nonzero(reasons & each.value)):
                 assert each.name is not None

@@ -14,6 +14,7 @@ from six_wheel.errors import InfeasibleMotionError
 from six_wheel.logs.columns import Unit
 from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.odometry.trace import Trace
+from six_wheel.rebuild import joints_as_given
 
 KEEP = ("curvature", "speed", "yaw_rate", "nearest")
 Floats = NDArray[np.float64]
@@ -95,12 +96,13 @@ class Engine:
         self.time_unit = time_unit
         self._steered, self._wheels = list(rover.steered_names), list(rover.wheel_names)
         # Rows come out in the order of the user's joints, which is not that of the rover's wheels.
-        self._steering_order = [self._steered.index(wheel) for wheel in rover.steering_joints.values()]
-        self._traction_order = [self._wheels.index(wheel) for wheel in rover.traction_joints.values()]
+        self.joints = steering, traction = joints_as_given(rover)
+        self._steering_order = [self._steered.index(wheel) for wheel in steering.values()]
+        self._traction_order = [self._wheels.index(wheel) for wheel in traction.values()]
         backwards = rover.reversed_joints
         self._steering_signs, self._traction_signs = (
             np.array([-1.0 if joint in backwards else 1.0 for joint in joints])[:, None]
-            for joints in (rover.steering_joints, rover.traction_joints)
+            for joints in (steering, traction)
         )
         self.units = self._name_columns(time_unit)
         # The row before the block to come.
@@ -112,7 +114,7 @@ class Engine:
         return {}
 
     def _name_columns(self, time_unit: Unit) -> dict[str, str]:
-        steering, traction = list(self.rover.steering_joints), list(self.rover.traction_joints)
+        steering, traction = map(list, self.joints)
         time_name = "time" if time_unit.symbol == "s" else f"time_{time_unit.symbol}"
         before = {time_name: time_unit.symbol}
         after = {"x": "m", "y": "m", "yaw": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s"}

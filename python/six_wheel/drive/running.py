@@ -122,7 +122,7 @@ class CommandWriter:
     """
 
     def __init__(self, path: Path, engine: Engine) -> None:
-        steering, traction = list(engine.rover.steering_joints), list(engine.rover.traction_joints)
+        steering, traction = map(list, engine.joints)
         self._writer = JointCommandWriter(path, steering, traction)
         self._joints = slice(1, 1 + len(steering) + len(traction))
         self._nanoseconds = round(1e9 * engine.time_unit.scale)

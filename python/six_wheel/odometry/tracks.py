@@ -2,11 +2,11 @@
 
 from __future__ import annotations  # NumPy is not loaded for its names
 
-import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
+from six_wheel.flags import NamedFlag
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 
-class Health(enum.IntFlag):
+class Health(NamedFlag):
     """What there is to say about one sample."""
 
     GOOD = 0

@@ -40,6 +40,7 @@ from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
 from six_wheel.parameters.units import question_lengths
+from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
 
@@ -116,7 +117,7 @@ def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | N
     Returns
     -------
     Rover
-        Its ``traction_joints`` and ``steering_joints`` are in the file's order.
+        Its `commands` come in the file's order.
 
     Raises
     ------
@@ -200,15 +201,15 @@ def _six_wheel_values(rover: Rover) -> Values:
     if rover.wheel_names != _SIX.wheel_names:
         return {}
     front, middle, rear = (wheels[name] for name in ("front_left", "middle_left", "rear_left"))
+    steering, traction = joints_as_given(rover)
     stated = {
         joint: wheel
-        for joints in (rover.traction_joints, rover.steering_joints)
-        for joint, wheel in joints.items()
+        for joint, wheel in (traction | steering).items()
         if wheel_said_by(joint, wheels) != wheel
     }
     values: Values = {
-        "traction_joints": list(rover.traction_joints),
-        "steering_joints": list(rover.steering_joints),
+        "traction_joints": list(traction),
+        "steering_joints": list(steering),
         "wheel_of_joint": stated,
         "reversed_joints": list(rover.reversed_joints),
         "d1": front.y,
@@ -250,7 +251,8 @@ def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
 
 def _joints_of(rover: Rover) -> Values:
     """Joints by wheel, as every kind takes them."""
-    joints = {"traction_joints": rover.traction_joints, "steering_joints": rover.steering_joints}
+    steering, traction = joints_as_given(rover)
+    joints = {"traction_joints": traction, "steering_joints": steering}
     named: Values = {
         key: {wheel: joint for joint, wheel in value.items()} for key, value in joints.items() if value
     }

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from six_wheel._core import Limits, Rover
-from six_wheel.abilities import Rim, rim
 from six_wheel.controller import Reason
+from six_wheel.drive.abilities import Rim, rim
 from six_wheel.plot.drawing import CENTRE, INK, SOFT, Floats, new_figure, tidy, write_title
 
 __all__ = ["limits_figure"]

@@ -90,7 +90,9 @@ class AdmissibleSet:
             return [(0.0, False)]
         for x, y, turn in self.zero:
             along, spin = np.array([y, -x, 0.0]), np.array([-x * turn, -y * turn, 1.0])
-        cuts = {0.0} | {abs(float(p @ spin / (p @ along))) for p in self._limit_planes if p @ along != 0.0}
+        # Wide ranges cut too, where a trail holds the wheel back; too many cuts do no harm.
+        ends = [wheel.rows(angle)[1] for wheel in self._steered for angle in wheel.steering_range or ()]
+        cuts = {0.0} | {abs(float(end @ spin / (end @ along))) for end in ends if end @ along != 0.0}
         for wheel in self._steered:
             # A trail can be held while the pivot is no slower than |trail * omega|, outside these two R.
             (cos, sin, _), (ux, uy) = along, wheel.pivot_velocity(spin)

@@ -46,8 +46,8 @@ def displacement(rover: Rover, before: Floats, after: Floats, rolled: Floats, sl
             b[i] = rolled[i] + wheel.scrub * change, wheel.trail * change
     b *= chords[:, None]
     b[:, 1] += slid
-    for row, indices in rover._banks:
-        a[indices, 1] = row
+    for i, row in rover._shared_rows.items():
+        a[i, 1] = row
     unread = np.isnan(b[:, 0])
     a[unread, 0] = b[unread, 0] = 0.0
     return np.asarray(np.linalg.lstsq(a.reshape(-1, 3), b.ravel(), rcond=1e-9)[0])

@@ -36,6 +36,21 @@ class Rover(Layout):
             banks.append((np.mean(aligned, axis=0), bank))
         return banks
 
+    @cached_property
+    def _shared_rows(self) -> dict[int, Floats]:
+        """Side-slip rows of the unsteered wheels: the mean over all about as they point.
+
+        The say of a wheel in the row of another is 1 if their axles are parallel; it falls smoothly to 0 at
+        10 degrees.
+        """
+        walls = [i for i, wheel in enumerate(self.wheels) if wheel.fixed and wheel.roller_angle is None]
+        rows = np.array([self.wheels[i].rows(0.0)[1] for i in walls]).reshape(-1, 3)
+        sines = np.outer(rows[:, 0], rows[:, 1]) - np.outer(rows[:, 1], rows[:, 0])
+        says = np.maximum(1.0 - (sines / math.sin(math.radians(10))) ** 2, 0.0) ** 2
+        ways = np.where(rows[:, :2] @ rows[:, :2].T < 0.0, -1.0, 1.0)
+        means = (says * ways) @ rows / says.sum(axis=1, keepdims=True)
+        return dict(zip(walls, means, strict=True))
+
     def inverse(
         self,
         twist: ArrayLike,
@@ -135,8 +150,8 @@ class Rover(Layout):
             a[i] = wheel.rows(angle)
             if not wheel.castor:
                 b[i] = rim[i] + wheel.scrub * rate, wheel.trail * rate
-        for row, indices in self._banks:
-            a[indices, 1] = row
+        for i, row in self._shared_rows.items():
+            a[i, 1] = row
         unread = np.isnan(b[:, 0])
         a[unread, 0] = b[unread, 0] = 0.0
         trusted = [wheel.fixed or method != "middle_wheels" for wheel in self.wheels]

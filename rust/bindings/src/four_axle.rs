@@ -110,9 +110,18 @@ impl FourAxle {
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Array<'py>, Array<'py>)> {
-        self.rover
-            .get()
-            .inverse(py, twist, previous, None, None, None, None, None, None)
+        self.rover.get().inverse(
+            py,
+            twist,
+            &PyTuple::empty(py),
+            previous,
+            None,
+            None,
+            None,
+            None,
+            None,
+            None,
+        )
     }
 
     /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.

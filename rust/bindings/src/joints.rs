@@ -114,47 +114,32 @@ pub fn read_joints(
     Ok(joints)
 }
 
-#[pymethods]
+/// The same joints in the order in which arrays have their values.
+pub fn in_order_of_wheels(joints: &Joints) -> Joints {
+    let mut joints = joints.clone();
+    joints.sort_by_key(|joint| joint.wheel);
+    joints
+}
+
 impl Rover {
-    /// Joint commands by joint name: what a motor driver takes.
-    ///
-    /// Parameters
-    /// ----------
-    /// twist : array_like, shape (..., 3)
-    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// previous : array_like, shape (..., steered wheels), optional
-    ///     Present steering angles [rad], in the order of `steered_names`.
-    ///
-    /// Returns
-    /// -------
-    /// dict of str to float or ndarray
-    ///     Steering joints [rad], then traction joints [rad/s], each in the order of `steering_joints` and
-    ///     `traction_joints`: for a rover from a parameter file, the order of the file.
-    ///
-    /// Raises
-    /// ------
-    /// InfeasibleMotionError, ValueError
-    ///     As `inverse`.
-    #[pyo3(signature = (twist, *, previous=None))]
-    fn commands<'py>(
+    /// Joint name to value with the joint's sign, in the order of `command_joints`; whole arrays for batches.
+    pub fn named_values<'py>(
         &self,
         py: Python<'py>,
-        twist: &Bound<'py, PyAny>,
-        previous: Option<&Bound<'py, PyAny>>,
+        steering: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (steering, speeds) =
-            self.inverse(py, twist, previous, None, None, None, None, None, None)?;
         let commands = PyDict::new(py);
         let steered = self.core.steered();
         let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();
         let angles = self
             .steering
             .iter()
-            .map(|joint| (joint, &steering, place(joint.wheel)));
+            .map(|joint| (joint, steering, place(joint.wheel)));
         let rotations = self
             .traction
             .iter()
-            .map(|joint| (joint, &speeds, joint.wheel));
+            .map(|joint| (joint, speeds, joint.wheel));
         for (joint, array, column) in angles.chain(rotations) {
             let values = array.get_item((PyEllipsis::get(py), column))?;
             let single = values.getattr("ndim")?.extract::<usize>()? == 0;
@@ -171,6 +156,42 @@ impl Rover {
             commands.set_item(&joint.name, values)?;
         }
         Ok(commands)
+    }
+}
+
+#[pymethods]
+impl Rover {
+    /// Joint commands by joint name: what a motor driver takes.
+    ///
+    /// Parameters
+    /// ----------
+    /// twist : array_like, shape (..., 3)
+    ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// previous : array_like, shape (..., steered wheels), optional
+    ///     Present steering angles [rad], in the order of `steered_names`.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to float or ndarray
+    ///     Steering joints [rad], then traction joints [rad/s], in the order of `command_joints`: for a rover
+    ///     from a parameter file, the order of the file.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError, ValueError
+    ///     As `inverse`.
+    #[pyo3(signature = (twist, *, previous=None))]
+    fn commands<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        previous: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let alone = &PyTuple::empty(py);
+        let (steering, speeds) = self.inverse(
+            py, twist, alone, previous, None, None, None, None, None, None,
+        )?;
+        self.named_values(py, &steering, &speeds)
     }
 
     /// What the joints say, as the arrays of steering and wheels: the other way round than `commands`.

@@ -2,6 +2,7 @@
 
 mod quick;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
@@ -159,12 +160,16 @@ impl Rover {
     ///     If a value is not finite or a shape does not fit.
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
-    #[pyo3(signature = (twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None))]
+    #[pyo3(
+        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None),
+        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None)"
+    )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     pub fn inverse<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         centre: Option<&Bound<'py, PyAny>>,
@@ -173,6 +178,12 @@ impl Rover {
         threads: Option<i64>,
         kernel: Option<&str>,
     ) -> PyResult<(Array<'py>, Array<'py>)> {
+        if !more.is_empty() {
+            let count = 1 + more.len();
+            return Err(PyTypeError::new_err(format!(
+                "twist must be one argument, as in inverse((vx, vy, omega)), got {count} arguments"
+            )));
+        }
         let mut twists = Blocks::read("twist", twist, 3)?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
             value
@@ -245,7 +256,8 @@ impl Rover {
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14.
+    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14, times the condition number of the
+    ///     wheels' rows: the largest singular value over `Fit.sigma_min`.
     ///
     /// Returns
     /// -------

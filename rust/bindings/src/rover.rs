@@ -216,16 +216,25 @@ impl Rover {
         PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
-    /// Joint name to wheel name of the wheel drives, in the order of `commands`.
+    /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
     #[getter]
     fn traction_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &self.traction)
+        self.joint_dict(py, &crate::joints::in_order_of_wheels(&self.traction))
     }
 
-    /// Joint name to wheel name of the steering, in the order of `commands`.
+    /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
     #[getter]
     fn steering_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &self.steering)
+        self.joint_dict(py, &crate::joints::in_order_of_wheels(&self.steering))
+    }
+
+    /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
+    /// `commands`, and for a rover from a parameter file that of the file.
+    #[getter]
+    fn command_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let names = self.steering.iter().chain(&self.traction);
+        let names = names.map(|joint| &joint.name);
+        PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
     /// Names of the joints that count the other way.

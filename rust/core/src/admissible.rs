@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 use nalgebra::Vector3;
 
-use crate::error::{Error, ErrorKind, finite, number, numbers};
+use crate::error::{Error, ErrorKind, finite, numbers, radians, short};
 use crate::geometry::Twist;
 use crate::rover::{Bank, Mount, Rover};
 use crate::steering::SteeringRange;
@@ -124,18 +124,18 @@ impl Rover {
                     "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
                      project() finds a twist that does not)",
                     names.join(", "),
-                    number(slip)
+                    short(slip)
                 )
             }
             Obstacle::Range { wheel, angle, slip } => {
                 let wheel = &self.wheels()[wheel];
                 let range = wheel.steering().unwrap_or_default();
                 format!(
-                    "let wheel {:?} steer within {range} rad (at {} rad it would slide at {} m/s; \
+                    "let wheel {:?} steer within {range} (at {} it would slide at {} m/s; \
                      project() finds a twist that does not)",
                     wheel.name,
-                    number(angle),
-                    number(slip)
+                    radians(angle),
+                    short(slip)
                 )
             }
         };

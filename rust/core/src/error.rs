@@ -95,6 +95,16 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// Four digits of a number, as Python writes it: what a person reads.
+pub(crate) fn short(value: f64) -> String {
+    number(format!("{value:.3e}").parse().unwrap_or(value))
+}
+
+/// An angle [rad] in both units.
+pub(crate) fn radians(angle: f64) -> String {
+    format!("{} rad ({:.1}°)", short(angle), angle.to_degrees())
+}
+
 /// A number, or a tuple of several, as Python writes it.
 pub(crate) fn numbers(values: &[f64]) -> String {
     if let [value] = values {

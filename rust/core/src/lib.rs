@@ -27,6 +27,7 @@ pub mod ground;
 mod jacobi;
 pub mod layouts;
 pub mod mobility;
+pub mod moving;
 pub mod odometry;
 pub mod presets;
 pub mod profiles;

@@ -166,7 +166,8 @@ impl Odometry {
         self.state.uncertainty.reported().matrix().into()
     }
 
-    /// Covariance of the twist over the last step, in body axes.
+    /// Covariance of the twist over the last step, in body axes. Where no step has been made since the first sample, a
+    /// command or a pose from outside, nothing is known of the twist: variances are infinite.
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
         let [_, upper] = self.upper_halves();
         Spread::from(upper).matrix().into()
@@ -176,10 +177,14 @@ impl Odometry {
     #[inline]
     pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
-        let rate = if dt == 0.0 { 0.0 } else { 1.0 / (dt * dt) };
-        let twist = <[f64; 6]>::from(self.work.noise.total());
         let pose = self.state.uncertainty.reported();
-        [pose.into(), twist.map(|value| value * rate)]
+        let twist = if dt == 0.0 {
+            [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
+        } else {
+            let rate = 1.0 / (dt * dt);
+            <[f64; 6]>::from(self.work.noise.total()).map(|value| value * rate)
+        };
+        [pose.into(), twist]
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
@@ -197,9 +202,12 @@ impl Odometry {
         self.health
     }
 
-    /// When the last sample was taken [s]; None before the first one.
+    /// When the last sample was taken, or until when the last command was held [s]; None before the first one.
     pub fn stamp(&self) -> Option<f64> {
-        self.reference.known.then_some(self.reference.stamp)
+        match self.reference.known {
+            true => Some(self.reference.stamp),
+            false => self.history.commanded,
+        }
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -216,7 +224,10 @@ impl Odometry {
         crate::error::finite("pose", &<[f64; 3]>::from(pose))?;
         self.state.walk = Walk::new(pose.into());
         self.state.uncertainty.set(covariance);
+        // The time until which a command was held has been counted.
+        let commanded = self.history.commanded;
         self.history.clear();
+        self.history.commanded = commanded;
         Ok(())
     }
 
@@ -255,6 +266,14 @@ impl Odometry {
         self.check_numbers(&sample)
             .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
+            if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
+                let rule = format!(
+                    "not be before the end of the last command, {}",
+                    number(held)
+                );
+                let error = Error::value("stamp", rule, number(sample.stamp));
+                return Err(Refusal::new(Health::BACKWARDS, error));
+            }
             self.refer_to(&sample);
             self.health = Health::FIRST;
             if let Some(yaw) = sample.yaw {
@@ -441,7 +460,7 @@ impl Odometry {
         if !stamp.is_finite() {
             return Err(Error::value("stamp", "be finite", number(stamp)));
         }
-        let Some(before) = self.stamp().or(self.history.commanded) else {
+        let Some(before) = self.stamp() else {
             self.history.commanded = Some(stamp);
             return Ok(Health::FIRST);
         };

@@ -18,6 +18,10 @@ pub const MAX_WHEELS: usize = 64;
 /// Sine of the angle up to which two headings count as parallel: rounding of a heading given in degrees.
 const PARALLEL: f64 = 1e-9;
 
+/// Sine of the angle between two axles, 10 degrees, from which on fixed wheels have no say in each other's side-slip row:
+/// beyond what any wheel is out of true by, and less than what a designer means.
+const ASIDE: f64 = 0.173_648_177_666_930_33;
+
 /// Fixed wheels with parallel axles. Together they allow turning about any point of one line, the mean of
 /// their axles: on several axles the wheels ahead of it and behind it scrub by design.
 #[derive(Clone, Debug)]
@@ -361,17 +365,62 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
     banks
 }
 
-/// What each wheel contributes: constant rows, with the bank's line for its own, or a steering range.
+/// Say of one fixed wheel in the side-slip row of another, by both rows: 1 with parallel axles, falling smoothly to 0 at
+/// [`ASIDE`], negative if they roll opposite ways. So the estimate is a continuous function of the headings.
+fn say(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
+    let sine = (row.x * other.y - row.y * other.x) / ASIDE;
+    let falling = (1.0 - sine * sine).max(0.0);
+    (falling * falling).copysign(row.x * other.x + row.y * other.y)
+}
+
+impl Rover {
+    /// How much of a fixed wheel's own side-slip row there is in the row of each fixed wheel, of those where there is some.
+    pub(crate) fn parts_of(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let own = |k: usize| {
+            let wheel = &self.wheels[k];
+            wheel.rows(Direction::from(wheel.heading)).side_slip
+        };
+        let shares = |wheel: &Wheel| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none();
+        let sharing = move |k: &usize| shares(&self.wheels[*k]);
+        (0..self.wheels.len()).filter(sharing).filter_map(move |k| {
+            let row = own(k);
+            let all = (0..self.wheels.len()).filter(sharing);
+            let total: f64 = all.map(|j| say(&row, &own(j)).abs()).sum();
+            let part = say(&row, &own(i)) / total;
+            (part != 0.0).then_some((k, part))
+        })
+    }
+}
+
+/// The side-slip row of a fixed wheel: the mean over all whose axles are about parallel to its own, each by its say.
+fn shared_row(wheels: &[Wheel], banks: &[Bank], i: usize, own: Vector3<f64>) -> Vector3<f64> {
+    let Some(bank) = banks.iter().find(|bank| bank.wheels.contains(&i)) else {
+        return own; // with rollers
+    };
+    let apart = |other: &&Bank| say(&other.row, &own) != 0.0;
+    if banks.iter().filter(apart).count() == 1 {
+        return bank.row;
+    }
+    let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+    for &k in banks.iter().flat_map(|bank| &bank.wheels) {
+        let row = wheels[k].rows(Direction::from(wheels[k].heading)).side_slip;
+        let say = say(&own, &row);
+        sum += row * say;
+        total += say.abs();
+    }
+    sum / total
+}
+
+/// What each wheel contributes: constant rows, with the line it shares for its own, or a steering range.
 fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
     let mount = |(i, wheel): (usize, &Wheel)| {
         let direction = Direction::from(wheel.heading);
         let own = wheel.rows(direction);
-        let bank = banks.iter().find(|bank| bank.wheels.contains(&i));
         match wheel.pivot {
             Pivot::Steered(range) => Mount::Steered(range, direction),
             Pivot::Castor => Mount::Castor(direction),
             Pivot::Fixed => Mount::Fixed(Rows {
-                side_slip: bank.map_or(own.side_slip, |bank| bank.row),
+                side_slip: shared_row(wheels, banks, i, own.side_slip),
                 ..own
             }),
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::error::{Error, number, positive};
+use crate::error::{Error, positive, short};
 use crate::wheels::WheelCommand;
 
 /// Overshoot of a steering angle that is rounding, not a request [rad].
@@ -90,7 +90,9 @@ impl SteeringRange {
 
 impl std::fmt::Display for SteeringRange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "({}, {})", number(self.lower), number(self.upper))
+        let (low, high) = (self.lower, self.upper);
+        write!(f, "{} to {} rad (", short(low), short(high))?;
+        write!(f, "{:.1}° to {:.1}°)", low.to_degrees(), high.to_degrees())
     }
 }
 

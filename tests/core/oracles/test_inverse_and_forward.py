@@ -134,3 +134,26 @@ def test_exp_and_log(twist, dt):
 @given(st.floats(-1e6, 1e6))
 def test_wrap_angle(angle):
     assert sw.wrap_angle(angle) == pytest.approx(reference.wrap_angle(angle), abs=1e-15)
+
+
+@pytest.mark.parametrize("limit", [0.6, 1.2, 1.6, 1.9, 2.2])
+@pytest.mark.parametrize("trail", [0.02, -0.03, 0.1])
+def test_turning_radii_with_a_trail_are_those_of_brute_force(trail: float, limit: float) -> None:
+    # Once the reference knew no ends of ranges of half a turn and more: 0.19 where 0.16 is right.
+    corners = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
+    middle = [sw.Wheel("left", 0.0, 0.45, radius=0.15), sw.Wheel("right", 0.0, -0.45, radius=0.15)]
+    steered = [
+        sw.Wheel(f"corner {k}", x, y, radius=0.15, steered=True, trail=trail, steering_limit=limit)
+        for k, (x, y) in enumerate(corners)
+    ]
+    rover = sw.Rover(steered + middle)
+    assert twin(rover).spin_radius == pytest.approx(rover.spin_radius, rel=1e-9)
+    assert twin(rover).min_radius == pytest.approx(rover.min_radius, rel=1e-9)
+    radii = np.arange(0.0005, 3.0, 0.001)
+    turns = np.stack([radii, np.zeros_like(radii), np.ones_like(radii)], axis=1)
+    possible = rover.admissible(turns) & rover.admissible(turns * [-1.0, 1.0, 1.0])
+    if possible.all():
+        assert (rover.spin_radius, rover.min_radius) == (np.inf, 0.0)
+    else:
+        assert radii[np.argmin(possible)] == pytest.approx(rover.spin_radius, abs=0.001)
+        assert radii[len(radii) - 1 - np.argmin(possible[::-1])] == pytest.approx(rover.min_radius, abs=0.001)

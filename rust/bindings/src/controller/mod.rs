@@ -176,13 +176,14 @@ impl Controller {
     /// Returns
     /// -------
     /// ControllerOutput
-    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`.
+    ///     `commands` by joint name, `twist`, `reasons`; `steering`, `steering_rates` and `speeds` in the order of
+    ///     the wheels.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If the time is not later than the last, or an angle is not finite or outside the steering range. The
-    ///     controller stays as it was.
+    ///     If the time is not later than the last, or an angle is not finite. The controller stays as it was. Angles
+    ///     beyond a limit are none: the joints come back inside at their rates.
     #[pyo3(signature = (now, measured=None))]
     fn step(
         &self,
@@ -195,7 +196,7 @@ impl Controller {
         let mut core = self.core.lock(py)?;
         core.step(now, measured.as_ref().map(Rows::flat))
             .map_err(|error| raise(error, &[]))?;
-        Ok(ControllerOutput::of(&core))
+        Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 
     /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.

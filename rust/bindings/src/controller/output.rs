@@ -6,6 +6,8 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use six_wheel_core::controller::{Controller, reason};
 
+use crate::rover::Rover;
+
 /// What one step of a `Controller` commands. Arrays are made when they are asked for.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerOutput {
@@ -14,11 +16,12 @@ pub struct ControllerOutput {
     /// Steering angles, their rates, wheel speeds.
     numbers: Box<[f64]>,
     joints: usize,
+    rover: Py<Rover>,
 }
 
 impl ControllerOutput {
     /// The last step of a controller.
-    pub fn of(core: &Controller) -> Self {
+    pub fn of(core: &Controller, rover: Py<Rover>) -> Self {
         let (steering, rates, speeds) = (core.steering(), core.steering_rates(), core.speeds());
         let mut numbers = Vec::with_capacity(2 * steering.len() + speeds.len());
         numbers.extend_from_slice(steering);
@@ -29,6 +32,7 @@ impl ControllerOutput {
             reasons: core.reasons(),
             numbers: numbers.into_boxed_slice(),
             joints: steering.len(),
+            rover,
         }
     }
 }
@@ -52,19 +56,27 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
 
 #[pymethods]
 impl ControllerOutput {
-    /// Steering angles [rad], shape (steered wheels,).
+    /// Joint commands by joint name, as `Rover.commands`: steering [rad], then wheel speeds [rad/s].
+    #[getter]
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (steering, speeds) = (self.steering(py), self.speeds(py));
+        let rover = self.rover.get();
+        rover.named_values(py, steering.as_any(), speeds.as_any())
+    }
+
+    /// Steering angles [rad], shape (steered wheels,), in the order of `Rover.steered_names`.
     #[getter]
     fn steering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.numbers[..self.joints])
     }
 
-    /// Rates of the steering angles [rad/s], shape (steered wheels,).
+    /// Rates of the steering angles [rad/s], shape (steered wheels,), in the order of `Rover.steered_names`.
     #[getter]
     fn steering_rates<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.numbers[self.joints..2 * self.joints])
     }
 
-    /// Wheel speeds [rad/s], shape (wheels,).
+    /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
     #[getter]
     fn speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.numbers[2 * self.joints..])

@@ -60,7 +60,7 @@ impl Quick<2> for Step {
         let output = {
             let mut core = controller.core.try_lock()?;
             core.step(now, measured).ok()?;
-            ControllerOutput::of(&core)
+            ControllerOutput::of(&core, controller.rover.clone_ref(py))
         };
         Some(Bound::new(py, output).ok()?.into_any())
     }

@@ -2,21 +2,24 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use six_wheel_core::controller::Steps;
 
 use super::Controller;
 use crate::convert::{Output, Rows, Scalars, compute, memory, raise};
+use crate::rover::Rover;
 
 /// What the steps of `Controller.run` command, one row a step.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct ControllerRun {
-    /// Steering angles [rad], shape (n, steered wheels).
+    rover: Py<Rover>,
+    /// Steering angles [rad], shape (n, steered wheels), in the order of `Rover.steered_names`.
     #[pyo3(get)]
     steering: Py<PyAny>,
     /// Rates of the steering angles [rad/s], shape (n, steered wheels).
     #[pyo3(get)]
     steering_rates: Py<PyAny>,
-    /// Wheel speeds [rad/s], shape (n, wheels).
+    /// Wheel speeds [rad/s], shape (n, wheels), in the order of `Rover.wheel_names`.
     #[pyo3(get)]
     speeds: Py<PyAny>,
     /// The motions they make, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (n, 3).
@@ -61,6 +64,7 @@ impl ControllerRun {
             .map_err(|error| raise(error, &[count.max(commands)]))?;
         let array = |output: Output<'py>| Ok::<_, PyErr>(output.finish()?.into_any().unbind());
         Ok(Self {
+            rover: controller.rover.clone_ref(py),
             steering: array(steering)?,
             steering_rates: array(rates)?,
             speeds: array(speeds)?,
@@ -72,6 +76,13 @@ impl ControllerRun {
 
 #[pymethods]
 impl ControllerRun {
+    /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
+    #[getter]
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rover = self.rover.get();
+        rover.named_values(py, self.steering.bind(py), self.speeds.bind(py))
+    }
+
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.reasons.bind(py).as_any().len()
     }

@@ -211,7 +211,8 @@ impl OdometryState {
         square(py, &whole(self.covariance))
     }
 
-    /// Covariance of the twist in body axes, shape (3, 3).
+    /// Covariance of the twist in body axes, shape (3, 3); infinite variances where nothing is known of the twist: before
+    /// the first step, and after a command or a pose from outside.
     #[getter]
     fn twist_covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         square(py, &whole(self.twist_covariance))
@@ -269,14 +270,18 @@ impl OdometryState {
     /// Parameters
     /// ----------
     /// unmeasured : float
-    ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²].
+    ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²], and of all that nothing is known of.
     #[pyo3(signature = (unmeasured=1e6))]
     fn twist_covariance_6x6<'py>(
         &self,
         py: Python<'py>,
         unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        spatial(py, &whole(self.twist_covariance), unmeasured)
+        let known = self.twist_covariance.map(|value| match value.is_finite() {
+            true => value,
+            false => unmeasured,
+        });
+        spatial(py, &whole(known), unmeasured)
     }
 
     fn __repr__(&self) -> String {

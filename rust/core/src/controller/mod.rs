@@ -179,7 +179,8 @@ impl Controller {
         self.rerouted = true;
         self.steering.fill(0.0);
         if let Some(start) = self.start.take() {
-            self.set_angles(&start);
+            self.steering.copy_from_slice(&start);
+            self.set_angles_in_range();
             self.start = Some(start);
         } else {
             self.set_angles_in_range();
@@ -300,17 +301,13 @@ impl Controller {
 
     /// Fails unless there is an angle for every joint, near its range at least.
     fn check_angles(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
-        if angles.len() != self.steering.len() {
-            let rule = format!("have {} angles, one per steered wheel", self.steering.len());
-            return Err(Error::value(argument, rule, angles.len().to_string()));
-        }
-        finite(argument, angles)?;
+        self.check_numbers(argument, angles)?;
         for (&joint, &i) in self.joints.iter().zip(self.rover.steered()) {
             let wheel = &self.rover.wheels()[i];
             let range = wheel.steering().unwrap_or_default();
             if (angles[joint] - range.clip(angles[joint])).abs() > MEASURED_SLACK {
                 let rule = format!(
-                    "be inside the steering range {range} rad of wheel {:?} (to {MEASURED_SLACK} rad)",
+                    "be inside the steering range, {range}, of wheel {:?} (to {MEASURED_SLACK} rad)",
                     wheel.name
                 );
                 return Err(Error::value(argument, rule, numbers(angles)));
@@ -319,10 +316,13 @@ impl Controller {
         Ok(())
     }
 
-    /// Puts the joints, which stand, at these angles, or as near as their ranges allow.
-    fn set_angles(&mut self, angles: &[f64]) {
-        self.steering.copy_from_slice(angles);
-        self.set_angles_in_range();
+    /// Fails unless there is a finite angle for every joint.
+    fn check_numbers(&self, argument: &'static str, angles: &[f64]) -> Result<(), Error> {
+        if angles.len() != self.steering.len() {
+            let rule = format!("have {} angles, one per steered wheel", self.steering.len());
+            return Err(Error::value(argument, rule, angles.len().to_string()));
+        }
+        finite(argument, angles)
     }
 
     fn set_angles_in_range(&mut self) {

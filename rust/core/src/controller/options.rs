@@ -138,7 +138,7 @@ fn narrow(wheel: &mut Wheel, limit: f64) -> Result<(), Error> {
     };
     if limit > range.upper.max(-range.lower) {
         let rule = format!(
-            "lie inside the steering range {range} rad of wheel {:?}",
+            "lie inside the steering range, {range}, of wheel {:?}",
             wheel.name
         );
         return Err(Error::value("steering_limit", rule, number(limit)));

@@ -32,23 +32,27 @@ impl Bridle {
 impl Controller {
     /// Moves on to the time `now` [s], the steering angles being `measured` [rad].
     ///
-    /// Fails, without effect, if the time is not later than that of the last step, or an angle is not one the
-    /// rover could have. A step longer than the longest allowed counts as that.
+    /// Fails, without effect, if the time is not later than that of the last step, or an angle is not finite. Measured
+    /// angles may lie beyond a limit: the joints come back inside at their rates. A step longer than the longest allowed counts as that.
     pub fn step(&mut self, now: f64, measured: Option<&[f64]>) -> Result<(), Error> {
         self.check_time(now)?;
         if let Some(measured) = measured {
-            self.check_angles("measured", measured)?;
+            self.check_numbers("measured", measured)?;
         }
         let mut reasons = self.ignored;
         self.ignored &= !reason::OUT_OF_ORDER;
         let since = self.clock.map(|last| now - last);
         if let (None, None, None, Some(measured)) = (since, &self.start, self.moving, measured) {
-            self.set_angles(measured);
+            self.steering.copy_from_slice(measured);
         }
         let dt = match since {
             None => self.options.period.unwrap_or(0.0),
             Some(since) if since > self.options.max_step => {
                 reasons |= reason::PAUSED;
+                // A step that was merely late is not taken for a pause.
+                if since > 2.0 * self.options.max_step {
+                    self.hold();
+                }
                 self.options.max_step
             }
             Some(since) => since,
@@ -75,6 +79,13 @@ impl Controller {
         }
         self.reasons = reasons | why;
         Ok(())
+    }
+
+    /// Nothing went on meanwhile: speed and angles are those of the last step, and change from rest.
+    fn hold(&mut self) {
+        self.speed.rate = 0.0;
+        self.turn.rate = 0.0;
+        self.steering_rates.fill(0.0);
     }
 
     /// Whether stopping and turning the wheels takes no time at all.
@@ -179,10 +190,15 @@ impl Controller {
                 value: *angle,
                 rate: self.steering_rates[k],
             };
-            let target = if onwards {
-                self.targets[k]
-            } else {
-                motion.stop(change)
+            let target = match self.joints.iter().position(|&joint| joint == k) {
+                _ if onwards => self.targets[k],
+                Some(place) => {
+                    let wheel = &self.rover.wheels()[self.rover.steered()[place]];
+                    let range = wheel.steering().unwrap_or_default();
+                    range.clip(motion.stop(change))
+                }
+                // Held straight by the mode.
+                None => 0.0,
             };
             let (motion, held) = motion.approach(target, rates, change, dt);
             moved |= motion.value != *angle;

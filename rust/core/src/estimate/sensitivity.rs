@@ -7,7 +7,7 @@
 //! ```
 //!
 //! for whatever moves the rows `A` or the readings `b`; the weights `W` are held. One quantity of one wheel moves
-//! that wheel's two rows only, apart from unsteered wheels with parallel axles: they share the mean of their
+//! that wheel's two rows only, apart from unsteered wheels with about parallel axles: they share the mean of their
 //! side-slip rows, to which each contributes its part.
 
 use nalgebra::{Matrix3, Vector3};
@@ -182,35 +182,39 @@ impl Linearised<'_> {
             &change.rolling,
             change.rolled,
         );
-        let across = respond(
-            &self.twist,
-            &reading.side_slip,
-            reading.slipped,
-            &change.side_slip,
-            change.slipped,
-        );
-        along * self.weight(i) + across * self.share(i, quantity)
+        along * self.weight(i) + self.across(i, &change, quantity)
     }
 
-    /// With which weight a change of a wheel's own side-slip row counts. Unsteered wheels with parallel axles all
-    /// have their mean for it.
-    fn share(&self, i: usize, quantity: Quantity) -> f64 {
-        if quantity == Quantity::SideSlip {
-            return self.weight(i);
+    /// The part of the side-slip rows. Unsteered wheels with about parallel axles have a share in each other's; by how
+    /// much is held.
+    fn across(&self, i: usize, change: &Change, quantity: Quantity) -> Vector3<f64> {
+        let respond = |k: usize, by: &Vector3<f64>, slipped: f64| {
+            let reading = &self.readings[k];
+            let response = respond(
+                &self.twist,
+                &reading.side_slip,
+                reading.slipped,
+                by,
+                slipped,
+            );
+            response * self.weight(k)
+        };
+        let wheel = &self.rover.wheels()[i];
+        let is_shared =
+            matches!(self.rover.mounts[i], Mount::Fixed(_)) && wheel.roller_angle.is_none();
+        if quantity == Quantity::SideSlip || !is_shared {
+            return respond(i, &change.side_slip, change.slipped);
         }
-        if !matches!(self.rover.mounts[i], Mount::Fixed(_)) {
-            return self.weight(i);
-        }
-        let mut banks = self.rover.banks.iter();
-        match banks.find(|bank| bank.wheels.contains(&i)) {
-            Some(bank) => {
-                let own = Direction::from(self.rover.wheels()[i].heading);
-                let same_way = (bank.row.y * own.cos - bank.row.x * own.sin).signum();
-                let weights: f64 = bank.wheels.iter().map(|&k| self.weight(k)).sum();
-                same_way * weights / bank.wheels.len() as f64
-            }
-            None => self.weight(i),
-        }
+        let parts = self.rover.parts_of(i);
+        parts
+            .map(|(k, part)| {
+                let row = &self.readings[k].side_slip;
+                let own = Direction::from(self.rover.wheels()[k].heading);
+                // The row of a bank may point the other way than the wheel's own.
+                let same_way = (row.y * own.cos - row.x * own.sin).signum();
+                respond(k, &(change.side_slip * (part * same_way)), 0.0)
+            })
+            .sum()
     }
 }
 

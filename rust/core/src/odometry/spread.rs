@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::Fused;
+use crate::jacobi::Jacobi;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,6 +82,29 @@ impl Spread {
 
     pub fn trace(&self) -> f64 {
         self.xx + self.yy + self.zz
+    }
+
+    /// Whether rounding may have left a direction with a negative variance.
+    #[inline(always)]
+    pub fn may_be_negative(&self) -> bool {
+        let minors = [
+            self.xx * self.yy - self.xy * self.xy,
+            self.xx * self.zz - self.xz * self.xz,
+            self.yy * self.zz - self.yz * self.yz,
+        ];
+        let signs = [self.xx, self.yy, self.zz].into_iter().chain(minors);
+        signs.into_iter().any(|value| value < 0.0)
+    }
+
+    /// The same with variances of 0 where they are negative.
+    #[cold]
+    pub fn without_negative(&self) -> Self {
+        let parts = Jacobi::new(&self.matrix());
+        let mut positive = Self::default();
+        for (k, value) in parts.values.iter().enumerate() {
+            positive.add(&parts.turn.column(k).into_owned(), value.max(0.0));
+        }
+        positive
     }
 
     pub fn is_below(&self, bound: f64) -> bool {

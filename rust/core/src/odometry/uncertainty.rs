@@ -162,6 +162,9 @@ impl Uncertainty {
     pub fn reported(&self) -> Spread {
         let mut covariance = self.covariance();
         covariance.add_to_diagonal(ROUNDING * covariance.trace());
+        if covariance.may_be_negative() {
+            return covariance.without_negative();
+        }
         covariance
     }
 

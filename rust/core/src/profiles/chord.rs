@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Complex, Vector3};
 
-use crate::error::number;
+use crate::error::radians;
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Mount, Rover};
 use crate::steering::ANGLE_TOLERANCE;
@@ -163,9 +163,9 @@ impl Chord {
             let last = joint.angle + joint.swept(1.0);
             if last < range.lower - ANGLE_TOLERANCE || last > range.upper + ANGLE_TOLERANCE {
                 let why = format!(
-                    "{:?} would have to steer to {} rad, outside {range}",
+                    "{:?} would have to steer to {}, outside {range}",
                     wheel.name,
-                    number((last * 1e4).round() / 1e4)
+                    radians(last)
                 );
                 return Way::Closed(why.into());
             }

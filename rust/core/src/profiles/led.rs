@@ -341,7 +341,7 @@ fn check_modules(rover: &Rover, start: Modules<'_>, end: Modules<'_>) -> Result<
                 continue;
             };
             if (range.clip(angle) - angle).abs() > ANGLE_TOLERANCE {
-                let rule = format!("steer wheel {:?} within {range} rad", wheel.name);
+                let rule = format!("steer wheel {:?} within {range}", wheel.name);
                 return Err(Error::value(argument, rule, number(angle)));
             }
         }

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.abilities import bound, rim, stop_from, time_to_full_lock
 from six_wheel.controller import Reason
+from six_wheel.drive.abilities import bound, rim, stop_from, time_to_full_lock
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
 LIMITS = sw.Limits(speed=0.6, yaw_rate=0.9, wheel_speed=6.0, lateral_acceleration=0.2)

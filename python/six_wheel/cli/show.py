@@ -1,0 +1,145 @@
+"""`six-wheel show`: a rover from above, as it makes one motion."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from six_wheel.cli.shared import (
+    AsOption,
+    Chosen,
+    NodeOption,
+    RadiusOption,
+    Reading,
+    choose,
+    choose_suspension,
+)
+from six_wheel.cli.words import PROGRAM
+
+if TYPE_CHECKING:
+    from six_wheel._core import Limits
+
+Motion = tuple[float, float, float]
+SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
+
+
+def show(
+    rover: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROVER", help="Parameter file, URDF, name of a preset, or with --layout a record."
+        ),
+    ],
+    twist: Annotated[
+        Motion | None,
+        typer.Option(metavar="VX VY OMEGA", help="Motion to draw [m/s, m/s, rad/s]. Default: a left turn."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
+        ),
+    ] = None,
+    layout: Annotated[
+        Path | None,
+        typer.Option(
+            help="No picture, but how viewers show records of this rover: .json (Foxglove), .rbl (Rerun), "
+            "or of a record .rrd (the record for Rerun, with its layout)."
+        ),
+    ] = None,
+    side: Annotated[
+        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
+    ] = False,
+    node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
+) -> None:
+    if layout is not None:
+        print(_write_layout(rover, Reading(node, as_, wheel_radius), layout))
+        return
+    from six_wheel.logs.writing import replacing
+    from six_wheel.plot.saving import picture_path, save
+
+    if side:
+        from six_wheel.plot.side import side_figure
+
+        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
+        figure = side_figure(choose_suspension(rover), title=rover)
+        with replacing(target, []) as temporary:
+            save(figure, temporary)
+        print(target.resolve())
+        return
+    chosen = choose(rover, Reading(node, as_, wheel_radius))
+    from six_wheel.plot.twist import show_figure
+
+    target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
+    if twist is None:
+        motion = left_turn(chosen)
+    else:
+        motion = twist
+        for line in _past(chosen, motion):
+            print(f"{PROGRAM}: warning: {line}", file=sys.stderr)
+    figure = show_figure(chosen.rover, motion, title=chosen.name)
+    with replacing(target, [chosen.path] if chosen.path else []) as temporary:
+        save(figure, temporary)
+    print(target.resolve())
+
+
+def left_turn(chosen: Chosen) -> Motion:
+    """Forward around a centre to the left that this rover can turn about, within the limits of its file."""
+    rover = chosen.rover
+    size = max(max(abs(wheel.x), abs(wheel.y)) for wheel in rover.wheels)
+    # Unsteered wheels may hold the centre on a line beside the origin: the projection puts it there.
+    turn = rover.project((SPEED, 0.0, SPEED / max(2.0 * size, 1.2 * rover.min_radius)))
+    demands = _demands(chosen, tuple(turn))
+    share = min([1.0, *(limit / value for _, value, limit, _ in demands if value > 0.0)])
+    vx, vy, omega = (share * turn).tolist()
+    return vx, vy, omega
+
+
+def _past(chosen: Chosen, motion: Motion) -> list[str]:
+    """What a motion asks beyond the limits of the file."""
+    return [
+        f"{name} is {value:.4g} {unit}, {limit:g} allowed"
+        for name, value, limit, unit in _demands(chosen, motion)
+        if value > limit * (1.0 + 1e-9)
+    ]
+
+
+def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
+    """Name, value, limit and unit of what a motion asks; nothing for a rover without limits."""
+    limits: Limits | None = chosen.parameters.limits if chosen.parameters else None
+    if limits is None:
+        return []
+    vx, vy, omega = motion
+    _, speeds = chosen.rover.inverse(motion)
+    return [
+        ("wheel_speed", float(abs(speeds).max()), limits.wheel_speed, "rad/s"),
+        ("speed", float((vx**2 + vy**2) ** 0.5), limits.speed, "m/s"),
+        ("yaw_rate", abs(omega), limits.yaw_rate, "rad/s"),
+    ]
+
+
+def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
+    """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
+    from six_wheel.logs.writing import replacing
+    from six_wheel.records import layouts
+
+    record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
+    if record is None:
+        chosen = choose(rover, reading)
+        shown, source = chosen.rover, chosen.path
+    else:
+        from six_wheel.records import Record
+        from six_wheel.replay.again import settings_of
+
+        if not record.is_file():
+            raise ValueError(f"{record}: no such file")
+        shown, source = settings_of(Record(record)).rover, record
+    layouts.check(target, record)
+    with replacing(target, [source] if source else []) as temporary:
+        layouts.write(temporary, shown, record)
+    return target.resolve()

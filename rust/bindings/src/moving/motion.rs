@@ -1,0 +1,387 @@
+//! `Suspension.inverse` and `Suspension.forward`.
+
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use pyo3::types::PyIterator;
+use pyo3::types::PyTuple;
+use six_wheel_core::Error;
+use six_wheel_core::moving::{Command, Contacts, Readings, View, Wanted, inverse, rest_offset};
+use six_wheel_core::suspension::MAX_WHEELS;
+
+use super::stand::Stands;
+use super::{done, fresh, row};
+use crate::convert::{Rows, joined, number, raise, refuse, scalar_or_array, shape_text};
+use crate::suspension::Suspension;
+
+/// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct GroundCommand {
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: Py<PyAny>,
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: Py<PyAny>,
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    twist: Py<PyAny>,
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    joint_rates: Py<PyAny>,
+    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
+    scale: Py<PyAny>,
+}
+
+#[pymethods]
+impl GroundCommand {
+    fn __len__(&self) -> usize {
+        2
+    }
+
+    fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<PyAny>> {
+        match index {
+            0 | -2 => Ok(self.steering.clone_ref(py)),
+            1 | -1 => Ok(self.speeds.clone_ref(py)),
+            _ => Err(PyIndexError::new_err("a command holds steering and speeds")),
+        }
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyTuple::new(py, [&self.steering, &self.speeds])?.try_iter()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "GroundCommand(steering={}, speeds={})",
+            self.steering.bind(py).repr()?,
+            self.speeds.bind(py).repr()?
+        ))
+    }
+}
+
+/// How a rover moves on the ground.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct GroundMotion {
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    twist: Py<PyAny>,
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    joint_rates: Py<PyAny>,
+    /// What every touching point does along the normal of the ground, along the rim and to the left,
+    /// shape (..., wheels, 3) [m/s]; NaN in the air.
+    residual: Py<PyAny>,
+}
+
+#[pymethods]
+impl GroundMotion {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "GroundMotion(twist={}, joint_rates={})",
+            self.twist.bind(py).repr()?,
+            self.joint_rates.bind(py).repr()?
+        ))
+    }
+}
+
+fn view(name: &str) -> PyResult<View> {
+    match name {
+        "body" => Ok(View::Body),
+        "plan" => Ok(View::Plan),
+        other => Err(refuse("view", "be 'body' or 'plan'", &format!("{other:?}"))),
+    }
+}
+
+impl Suspension {
+    fn radii(&self) -> [f64; MAX_WHEELS] {
+        let mut radii = [0.0; MAX_WHEELS];
+        for (radius, wheel) in radii.iter_mut().zip(self.chain.wheels()) {
+            *radius = wheel.radius;
+        }
+        radii
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Wheels for a wanted motion on the ground a rover stands on.
+    ///
+    /// Every wheel stays on the ground and rolls; steered wheels point where their touching points go, what
+    /// unsteered ones are left with sideways is slip. The point abreast of which the unsteered wheels stand
+    /// at rest moves straight ahead, as in `RockerBogie.steer`. On level ground, for a rover that stands level,
+    /// this is the rover seen from above.
+    ///
+    /// Twist and joint rates are those of the stand's own contacts. Steering moves a contact; it is taken to move on
+    /// the plane its wheel stands on. So the answer is exact where the ground is plane, and elsewhere for a stand
+    /// settled at the steering angles that come out: settle once more with them.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : Stand
+    ///     What `settle` says, shape (...). Rows that did not settle give NaN.
+    /// command : array_like, shape (..., 2) or (2,)
+    ///     Forward speed [m/s] and yaw rate [rad/s].
+    /// view : {'body', 'plan'}
+    ///     Whether they are the body's, along its x and about its z axis, or those seen from above, along the heading.
+    /// steering : array_like, shape (..., steered wheels), optional
+    ///     Angles to keep [rad], instead of those that roll.
+    /// max_wheel_speed : float, optional
+    ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// GroundCommand
+    ///     `steering` [rad] and `speeds` [rad/s], into which it unpacks, with `twist`, `joint_rates` and `scale`.
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would steer past its limit.
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None))]
+    fn inverse<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        command: &Bound<'py, PyAny>,
+        view: &str,
+        steering: Option<&Bound<'py, PyAny>>,
+        max_wheel_speed: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<GroundCommand> {
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let commands = Rows::read("command", command, 2)?;
+        commands.check_finite("command")?;
+        let leading = if stands.is_single() {
+            commands.leading.clone()
+        } else {
+            if !commands.is_single() {
+                commands.check_leading("command", &stands.leading)?;
+            }
+            stands.leading.clone()
+        };
+        let count: usize = leading.iter().product();
+        let (wheels, joints, steered) = (
+            chain.wheels().len(),
+            chain.joints().len(),
+            chain.steering().len(),
+        );
+        let kept = Rows::read_beside("steering", steering, steered, &leading)?;
+        if let Some(kept) = &kept {
+            kept.check_finite("steering")?;
+        }
+        let mut how = Command {
+            view: self::view(view)?,
+            offset: rest_offset(chain),
+            wheel_speed: f64::INFINITY,
+        };
+        if let Some(limit) = max_wheel_speed {
+            how.wheel_speed = number("max_wheel_speed", limit)?;
+            if how.wheel_speed.is_nan() || how.wheel_speed <= 0.0 {
+                let got = how.wheel_speed.to_string();
+                return Err(refuse("max_wheel_speed", "be positive", &got));
+            }
+        }
+        let mut outputs = [
+            fresh(py, &leading, steered)?,
+            fresh(py, &leading, wheels)?,
+            fresh(py, &leading, 6)?,
+            fresh(py, &leading, joints)?,
+        ];
+        let mut scales = vec![0.0; count];
+        {
+            let [angles, speeds, twists, rates] = outputs.each_mut().map(|output| output.flat());
+            let scales = &mut scales[..];
+            let (stands, commands, kept) = (&stands, commands.pairs(), kept.as_ref());
+            let single = commands.len() == 1;
+            let mut run = || {
+                for k in 0..count {
+                    let [speed, yaw_rate] = commands[if single { 0 } else { k }];
+                    let footing = stands.row(chain, k);
+                    let keep = row(kept, k, steered);
+                    let wanted = Wanted { speed, yaw_rate };
+                    let found = inverse(chain, &footing, &how, wanted, keep)
+                        .map_err(|error| error.at_row(k))?;
+                    angles[k * steered..][..steered].copy_from_slice(&found.steering[..steered]);
+                    speeds[k * wheels..][..wheels].copy_from_slice(&found.speeds[..wheels]);
+                    twists[k * 6..][..6].copy_from_slice(&found.twist);
+                    rates[k * joints..][..joints].copy_from_slice(&found.joint_rates[..joints]);
+                    scales[k] = found.scale;
+                }
+                Ok::<(), Error>(())
+            };
+            run().map_err(|error| raise(error, &leading))?;
+        }
+        let [angles, speeds, twists, rates] = outputs;
+        Ok(GroundCommand {
+            steering: done(angles)?,
+            speeds: done(speeds)?,
+            twist: done(twists)?,
+            joint_rates: done(rates)?,
+            scale: scalar_or_array(py, scales, &leading)?,
+        })
+    }
+
+    /// The motion that the wheels tell, on the ground a rover stands on.
+    ///
+    /// The suspension follows the ground: whatever the motion in plan, vertical speed, tilt and joint rates are those
+    /// that keep the wheels on it. The motion in plan is the weighted least-squares solution of what every
+    /// touching point says: no velocity along the rim beyond the wheel's turning, none sideways. What was
+    /// measured is taken as it is, and adds its own equations.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : Stand
+    ///     What `settle` says, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
+    /// steering : array_like, shape (..., steered wheels) or None
+    ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
+    ///     wheels stand on.
+    /// speeds : array_like, shape (..., wheels)
+    ///     Speed of every wheel against the link that carries it [rad/s], NaN where there is none.
+    /// joint_rates : array_like, shape (..., joints), optional
+    ///     Measured rates of the free angles [rad/s], NaN where there is none.
+    /// angular_velocity : array_like, shape (..., 3), optional
+    ///     Of the body about its own axes, from an IMU [rad/s], NaN where there is none.
+    /// steering_rates : array_like, shape (..., steered wheels), optional
+    ///     Rates of the steering angles [rad/s], default 0.
+    /// weights : array_like, shape (wheels,) or (wheels, 2), optional
+    ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
+    ///
+    /// Returns
+    /// -------
+    /// GroundMotion
+    ///     `twist` [m/s, rad/s], `joint_rates` [rad/s], `residual` [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a weight negative or a shape does not fit.
+    ///
+    /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
+    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn forward<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        steering: Option<&Bound<'py, PyAny>>,
+        speeds: &Bound<'py, PyAny>,
+        joint_rates: Option<&Bound<'py, PyAny>>,
+        angular_velocity: Option<&Bound<'py, PyAny>>,
+        steering_rates: Option<&Bound<'py, PyAny>>,
+        weights: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<GroundMotion> {
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let (wheels, joints, steered) = (
+            chain.wheels().len(),
+            chain.joints().len(),
+            chain.steering().len(),
+        );
+        let speeds = Rows::read("speeds", speeds, wheels)?;
+        let leading = if stands.is_single() {
+            speeds.leading.clone()
+        } else {
+            stands.leading.clone()
+        };
+        speeds.check_leading("speeds", &leading)?;
+        let beside =
+            |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
+        let steering = beside("steering", steering, steered)?;
+        let measured = beside("joint_rates", joint_rates, joints)?;
+        let turning = beside("angular_velocity", angular_velocity, 3)?;
+        let steering_rates = beside("steering_rates", steering_rates, steered)?;
+        for (name, rows) in [("steering", &steering), ("steering_rates", &steering_rates)] {
+            if let Some(rows) = rows {
+                rows.check_finite(name)?;
+            }
+        }
+        let gaps = [
+            ("speeds", Some(&speeds)),
+            ("joint_rates", measured.as_ref()),
+            ("angular_velocity", turning.as_ref()),
+        ];
+        for (name, rows) in gaps {
+            let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
+            if numbers.any(|rate| rate.is_infinite()) {
+                return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
+            }
+        }
+        let weights = weights
+            .map(|weights| self.read_weights(weights))
+            .transpose()?;
+        let radii = self.radii();
+        let mut outputs = [
+            fresh(py, &leading, 6)?,
+            fresh(py, &leading, joints)?,
+            fresh(py, &joined(&leading, wheels), 3)?,
+        ];
+        {
+            let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
+            let (stands, speeds) = (&stands, speeds.flat());
+            {
+                for k in 0..twists.len() / 6 {
+                    let mut footing = stands.row(chain, k);
+                    let turned = row(steering.as_ref(), k, steered)
+                        .filter(|angles| *angles != footing.steering);
+                    let readings = Readings {
+                        speeds: &speeds[k * wheels..][..wheels],
+                        steering_rates: row(steering_rates.as_ref(), k, steered),
+                        joint_rates: row(measured.as_ref(), k, joints),
+                        angular_velocity: row(turning.as_ref(), k, 3),
+                        weights: weights.as_deref(),
+                    };
+                    let contacts = Contacts::new(chain, &footing, turned);
+                    footing.steering = turned.unwrap_or(footing.steering);
+                    let moving = contacts.map(|contacts| contacts.forward(&readings, &radii));
+                    let (twist, rate, residual) = moving.map_or(
+                        ([f64::NAN; 6], [f64::NAN; 3], [[f64::NAN; 3]; MAX_WHEELS]),
+                        |moving| (moving.twist, moving.joint_rates, moving.residual),
+                    );
+                    twists[k * 6..][..6].copy_from_slice(&twist);
+                    rates[k * joints..][..joints].copy_from_slice(&rate[..joints]);
+                    residuals[k * 3 * wheels..][..3 * wheels]
+                        .copy_from_slice(residual[..wheels].as_flattened());
+                }
+            }
+        }
+        let [twists, rates, residuals] = outputs;
+        Ok(GroundMotion {
+            twist: done(twists)?,
+            joint_rates: done(rates)?,
+            residual: done(residuals)?,
+        })
+    }
+}
+
+impl Suspension {
+    /// One weight per wheel, or one for its rolling and one for its side slip.
+    fn read_weights(&self, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let wheels = self.chain.wheels().len();
+        let rows = Rows::read("weights", value, wheels);
+        let rows = match rows {
+            Ok(rows) if rows.leading.is_empty() => rows,
+            _ => {
+                let rows = Rows::read("weights", value, 2);
+                let rule = format!("have shape ({wheels},) or ({wheels}, 2)");
+                match rows {
+                    Ok(rows) if rows.leading == [wheels] => rows,
+                    Ok(rows) => {
+                        let got = format!("shape {}", shape_text(&rows.shape()));
+                        return Err(refuse("weights", &rule, &got));
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+        };
+        let weights = rows.flat().to_vec();
+        match weights
+            .iter()
+            .find(|weight| !(weight.is_finite() && **weight >= 0.0))
+        {
+            None => Ok(weights),
+            Some(weight) => Err(refuse(
+                "weights",
+                "be finite and not negative",
+                &weight.to_string(),
+            )),
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! `Suspension.slip` and `body_slip`.
+
+use pyo3::prelude::*;
+use six_wheel_core::moving::{COLUMNS, SlipTest, slip};
+
+use super::stand::Stands;
+use super::{done, fresh};
+use crate::convert::{Rows, raise, refuse};
+use crate::suspension::Suspension;
+
+/// How wheels slip.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct WheelSlip {
+    /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
+    /// wheel does not turn or does not touch.
+    ratio: Py<PyAny>,
+    /// Of the way of the touching point against the wheel's heading, positive to the left, shape (..., wheels) [rad].
+    angle: Py<PyAny>,
+}
+
+#[pymethods]
+impl WheelSlip {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let (ratio, angle) = (self.ratio.bind(py).repr()?, self.angle.bind(py).repr()?);
+        Ok(format!("WheelSlip(ratio={ratio}, angle={angle})"))
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Slip ratio and slip angle of every wheel at a known motion.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : Stand
+    ///     What `settle` says, at the steering angles of the moment, shape (...).
+    /// speeds : array_like, shape (..., wheels)
+    ///     Measured speed of every wheel against the link that carries it [rad/s].
+    /// twist : array_like, shape (..., 6)
+    ///     ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, from elsewhere [m/s, rad/s].
+    /// joint_rates : array_like, shape (..., joints)
+    ///     Rates of the free angles [rad/s].
+    ///
+    /// Returns
+    /// -------
+    /// WheelSlip
+    ///     `ratio` and `angle` [rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    fn slip<'py>(
+        &self,
+        py: Python<'py>,
+        stand: &Bound<'py, PyAny>,
+        speeds: &Bound<'py, PyAny>,
+        twist: &Bound<'py, PyAny>,
+        joint_rates: &Bound<'py, PyAny>,
+    ) -> PyResult<WheelSlip> {
+        let chain = &self.chain;
+        let stands = Stands::read(chain, stand)?;
+        let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
+        let leading = stands.leading.clone();
+        let read = |name: &'static str, value, width| {
+            let rows = Rows::read(name, value, width)?;
+            rows.check_leading(name, &leading)?;
+            rows.check_finite(name)?;
+            PyResult::Ok(rows)
+        };
+        let speeds = read("speeds", speeds, wheels)?;
+        let twists = read("twist", twist, 6)?;
+        let rates = read("joint_rates", joint_rates, joints)?;
+        let (mut ratios, mut angles) = (fresh(py, &leading, wheels)?, fresh(py, &leading, wheels)?);
+        for k in 0..stands.count() {
+            let mut row = [0.0; COLUMNS];
+            row[..6].copy_from_slice(&twists.flat()[k * 6..][..6]);
+            row[6..6 + joints].copy_from_slice(&rates.flat()[k * joints..][..joints]);
+            let speeds = &speeds.flat()[k * wheels..][..wheels];
+            let slips = slip(chain, &stands.row(chain, k), &row, speeds);
+            for (wheel, slip) in slips[..wheels].iter().enumerate() {
+                ratios.flat()[k * wheels + wheel] = slip.ratio;
+                angles.flat()[k * wheels + wheel] = slip.angle;
+            }
+        }
+        Ok(WheelSlip {
+            ratio: done(ratios)?,
+            angle: done(angles)?,
+        })
+    }
+}
+
+/// Whether, and by how much, a whole rover slips.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct BodySlip {
+    /// The navigated motion less the kinematic one, shape (n,).
+    slip: Py<PyAny>,
+    /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
+    statistic: f64,
+    /// What the statistic stays below without slip, but for the false alarms.
+    threshold: f64,
+    /// Probability of such a statistic, or a larger one, without slip.
+    probability: f64,
+    /// Whether it slips.
+    slipping: bool,
+}
+
+#[pymethods]
+impl BodySlip {
+    /// The command for a wanted motion: less the slip where there is some, so that what comes of it is wanted.
+    ///
+    /// Parameters
+    /// ----------
+    /// wanted : array_like, shape (n,)
+    ///     A motion in the same components.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (n,)
+    ///     What to command.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or the shape does not fit.
+    ///
+    /// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
+    /// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
+    fn compensate<'py>(&self, py: Python<'py>, wanted: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+        let slip = self.slip.bind(py);
+        let slips = Rows::read("slip", slip, slip.len()?)?;
+        let wanted = Rows::read("wanted", wanted, slip.len()?)?;
+        wanted.check_leading("wanted", &[])?;
+        wanted.check_finite("wanted")?;
+        let mut command = fresh(py, &[], slip.len()?)?;
+        let share = if self.slipping { 1.0 } else { 0.0 };
+        for (k, command) in command.flat().iter_mut().enumerate() {
+            *command = wanted.flat()[k] - share * slips.flat()[k];
+        }
+        done(command)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "BodySlip(slip={}, statistic={:?}, threshold={:?}, probability={:?}, slipping={})",
+            self.slip.bind(py).repr()?,
+            self.statistic,
+            self.threshold,
+            self.probability,
+            if self.slipping { "True" } else { "False" }
+        ))
+    }
+}
+
+/// Whether a motion that was navigated differs from the one the wheels tell by more than noise.
+///
+/// Parameters
+/// ----------
+/// navigated, kinematic : array_like, shape (n,)
+///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
+/// covariance : array_like, shape (n, n)
+///     Of their difference without slip: the sum of both covariances.
+/// false_alarm : float
+///     How often a rover that does not slip may be said to.
+///
+/// Returns
+/// -------
+/// BodySlip
+///     `slip`, `statistic`, `threshold`, `probability`, `slipping`, and `compensate`.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a number is not finite, the covariance not positive definite, or a shape does not fit.
+///
+/// Source: D. Helmick, Y. Cheng, D. Clouse, L. Matthies, S. Roumeliotis, Path following using visual odometry
+/// for a Mars rover in high-slip environments, IEEE Aerospace 2004.
+#[pyfunction]
+#[pyo3(signature = (navigated, kinematic, covariance, *, false_alarm=0.01))]
+pub fn body_slip(
+    py: Python<'_>,
+    navigated: &Bound<'_, PyAny>,
+    kinematic: &Bound<'_, PyAny>,
+    covariance: &Bound<'_, PyAny>,
+    false_alarm: f64,
+) -> PyResult<BodySlip> {
+    let length = navigated.len().unwrap_or(0);
+    if !(1..=6).contains(&length) {
+        let got = navigated.repr()?.to_string();
+        return Err(refuse("navigated", "hold one to six numbers", &got));
+    }
+    let read = |name: &'static str, value, leading: &[usize]| {
+        let rows = Rows::read(name, value, length)?;
+        rows.check_leading(name, leading)?;
+        rows.check_finite(name)?;
+        PyResult::Ok(rows)
+    };
+    let navigated = read("navigated", navigated, &[])?;
+    let kinematic = read("kinematic", kinematic, &[])?;
+    let covariance = read("covariance", covariance, &[length])?;
+    let mut slip = fresh(py, &[], length)?;
+    for (k, slip) in slip.flat().iter_mut().enumerate() {
+        *slip = navigated.flat()[k] - kinematic.flat()[k];
+    }
+    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm)
+        .map_err(|error| raise(error, &[]))?;
+    Ok(BodySlip {
+        slip: done(slip)?,
+        statistic: test.statistic,
+        threshold: test.threshold,
+        probability: test.probability,
+        slipping: test.slips(),
+    })
+}

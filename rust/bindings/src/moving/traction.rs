@@ -1,0 +1,199 @@
+//! `Suspension.traction`.
+
+use pyo3::prelude::*;
+use six_wheel_core::Error;
+use six_wheel_core::moving::{Closure, Lift, Rates, rest_offset, traction};
+
+use super::{done, fresh, row};
+use crate::convert::{Rows, Scalars, raise, refuse, scalar_or_array};
+use crate::suspension::Suspension;
+
+/// Wheels over ground that nobody has mapped.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct Traction {
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: Py<PyAny>,
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: Py<PyAny>,
+    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
+    contact_angles: Py<PyAny>,
+    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
+    lifted: Py<PyAny>,
+    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
+    vertical_speed: Py<PyAny>,
+}
+
+#[pymethods]
+impl Traction {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "Traction(speeds={}, steering={})",
+            self.speeds.bind(py).repr()?,
+            self.steering.bind(py).repr()?
+        ))
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// Wheel speeds over rough ground without a map of it, as a rover's traction control needs them.
+    ///
+    /// The rates of body and joints say how every wheel's centre moves. A wheel on the ground moves along its rim's
+    /// tangent there: the direction is its contact angle, the length its rolling speed, less the turning of
+    /// the link that carries it. The vertical speed of the body shows in no rate. It is the median over the
+    /// wheels of the one at which a wheel would move along its link, or, where wheel speeds were measured,
+    /// the one that fits them best. With all rates 0 and the joints at 0 this is the rover seen from above.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed : float or array_like, shape (...)
+    ///     Commanded forward speed of the body [m/s].
+    /// curvature : float or array_like, shape (...) or None
+    ///     Commanded yaw rate per speed, positive to the left [1/m]. None with `yaw_rate`.
+    /// angular_velocity : array_like, shape (..., 3)
+    ///     Of the body about its own axes, from an IMU [rad/s]. The yaw rate is the commanded one: a rover that is
+    ///     told to turn while it stands has to begin.
+    /// joints : array_like, shape (..., joints)
+    ///     Free angles: rho, beta_1, beta_2 of a rocker-bogie [rad].
+    /// joint_rates : array_like, shape (..., joints)
+    ///     Their rates [rad/s].
+    /// yaw_rate : float or array_like, shape (...), optional
+    ///     Commanded yaw rate [rad/s] instead of a curvature: turns on the spot have none.
+    /// steering : array_like, shape (..., steered wheels), optional
+    ///     Present steering angles [rad], default 0: a wheel whose pivot rests holds them.
+    /// wheel_speeds : array_like, shape (..., wheels), optional
+    ///     Measured speeds [rad/s], from which the vertical speed then comes.
+    /// lift_angle, lift_speed : float
+    ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
+    ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
+    ///
+    /// Returns
+    /// -------
+    /// Traction
+    ///     `speeds` [rad/s], `steering` [rad], `contact_angles` [rad], `lifted`, `vertical_speed` [m/s].
+    ///
+    /// Raises
+    /// ------
+    /// InfeasibleMotionError
+    ///     If a wheel would steer past its limit.
+    /// ValueError
+    ///     If a number is not finite or a shape does not fit.
+    ///
+    /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
+    #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
+                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn traction<'py>(
+        &self,
+        py: Python<'py>,
+        speed: &Bound<'py, PyAny>,
+        curvature: Option<&Bound<'py, PyAny>>,
+        angular_velocity: &Bound<'py, PyAny>,
+        joints: &Bound<'py, PyAny>,
+        joint_rates: &Bound<'py, PyAny>,
+        yaw_rate: Option<&Bound<'py, PyAny>>,
+        steering: Option<&Bound<'py, PyAny>>,
+        wheel_speeds: Option<&Bound<'py, PyAny>>,
+        lift_angle: f64,
+        lift_speed: f64,
+    ) -> PyResult<Traction> {
+        let chain = &self.chain;
+        let (wheels, free, steered) = (
+            chain.wheels().len(),
+            chain.joints().len(),
+            chain.steering().len(),
+        );
+        let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
+        let leading = turning.leading.clone();
+        let angles = Rows::read("joints", joints, free)?;
+        let rates = Rows::read("joint_rates", joint_rates, free)?;
+        let present = Rows::read_beside("steering", steering, steered, &leading)?;
+        let measured = Rows::read_beside("wheel_speeds", wheel_speeds, wheels, &leading)?;
+        turning.check_finite("angular_velocity")?;
+        for (name, rows) in [("joints", &angles), ("joint_rates", &rates)] {
+            rows.check_leading(name, &leading)?;
+            rows.check_finite(name)?;
+        }
+        for (name, rows) in [("steering", &present), ("wheel_speeds", &measured)] {
+            if let Some(rows) = rows {
+                rows.check_finite(name)?;
+            }
+        }
+        let scalars = |name: &'static str, value| {
+            let scalars = Scalars::read(name, value)?;
+            if !scalars.shape.is_empty() {
+                scalars.fit_exactly(name, &leading)?;
+            }
+            scalars.check_finite(name)?;
+            PyResult::Ok(scalars)
+        };
+        let speed = scalars("speed", speed)?;
+        let (curved, turn) = match (curvature, yaw_rate) {
+            (Some(curvature), None) => (true, scalars("curvature", curvature)?),
+            (None, Some(yaw_rate)) => (false, scalars("yaw_rate", yaw_rate)?),
+            (Some(_), Some(_)) => {
+                return Err(refuse(
+                    "curvature",
+                    "be None where yaw_rate is given",
+                    "both",
+                ));
+            }
+            (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
+        };
+        for (name, value) in [("lift_angle", lift_angle), ("lift_speed", lift_speed)] {
+            if value.is_nan() || value < 0.0 {
+                return Err(refuse(name, "be a number not below 0", &value.to_string()));
+            }
+        }
+        let lift = Lift {
+            angle: lift_angle.min(std::f64::consts::FRAC_PI_2),
+            speed: lift_speed,
+        };
+        let count = turning.count();
+        let mut outputs = [
+            fresh(py, &leading, wheels)?,
+            fresh(py, &leading, steered)?,
+            fresh(py, &leading, wheels)?,
+        ];
+        let (mut lifted, mut vertical) = (vec![false; count * wheels], vec![0.0; count]);
+        let offset = rest_offset(chain);
+        {
+            let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
+            for k in 0..count {
+                let ahead = speed.at(k);
+                let [roll_rate, pitch_rate, _] = turning.triples()[k];
+                let given = Rates {
+                    speed: ahead,
+                    yaw_rate: if curved {
+                        ahead * turn.at(k)
+                    } else {
+                        turn.at(k)
+                    },
+                    tilt_rates: [roll_rate, pitch_rate],
+                    joints: &angles.flat()[k * free..][..free],
+                    joint_rates: &rates.flat()[k * free..][..free],
+                    steering: row(present.as_ref(), k, steered).unwrap_or(&[]),
+                };
+                let closure =
+                    row(measured.as_ref(), k, wheels).map_or(Closure::Suspension, Closure::Wheels);
+                let driven = traction(chain, offset, &given, closure, lift)
+                    .map_err(|error: Error| raise(error.at_row(k), &leading))?;
+                speeds[k * wheels..][..wheels].copy_from_slice(&driven.speeds[..wheels]);
+                steers[k * steered..][..steered].copy_from_slice(&driven.steering[..steered]);
+                contacts[k * wheels..][..wheels].copy_from_slice(&driven.contact_angles[..wheels]);
+                lifted[k * wheels..][..wheels].copy_from_slice(&driven.lifted[..wheels]);
+                vertical[k] = driven.vertical;
+            }
+        }
+        let [speeds, steers, contacts] = outputs;
+        let mut flags = leading.clone();
+        flags.push(wheels);
+        Ok(Traction {
+            speeds: done(speeds)?,
+            steering: done(steers)?,
+            contact_angles: done(contacts)?,
+            lifted: scalar_or_array(py, lifted, &flags)?,
+            vertical_speed: scalar_or_array(py, vertical, &leading)?,
+        })
+    }
+}

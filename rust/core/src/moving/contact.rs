@@ -1,0 +1,211 @@
+//! What holds at the contacts of a rover that stands.
+
+use nalgebra::{Rotation3, Vector3};
+
+use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
+
+/// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
+pub const COLUMNS: usize = 6 + MAX_FREE;
+
+/// Where `Placed::point_slopes` keeps the derivative by each of these rates: a body at the origin, level and
+/// heading along x, has `x, y, yaw, z, roll, pitch` for its rates.
+const SLOPE: [usize; 6] = [0, 1, 3, 4, 5, 2];
+
+/// Where a rover stands: one settled pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Footing<'a> {
+    /// Roll, pitch and yaw of the body [rad].
+    pub attitude: [f64; 3],
+    /// Free angles [rad].
+    pub joints: &'a [f64],
+    /// Steering angles [rad].
+    pub steering: &'a [f64],
+    /// Contact angle of every wheel [rad].
+    pub angles: &'a [f64],
+    /// Normal of the ground at every wheel, in world axes.
+    pub normals: &'a [[f64; 3]],
+    /// Which wheels touch the ground.
+    pub touching: [bool; MAX_WHEELS],
+    /// Which free angles are at a stop.
+    pub stopped: [bool; MAX_FREE],
+}
+
+impl Footing<'_> {
+    /// `world_from_body`.
+    pub fn rotation(&self) -> Rotation3<f64> {
+        let [roll, pitch, yaw] = self.attitude;
+        Rotation3::from_euler_angles(roll, pitch, yaw)
+    }
+}
+
+/// A chain in the axes of its own body. None where a differential does not reach.
+pub(super) fn in_body<'a>(
+    chain: &'a Chain,
+    joints: &[f64],
+    steering: &[f64],
+) -> Option<Placed<'a>> {
+    let mut state = [0.0; MAX_STATE];
+    for (angle, joint) in state[3..].iter_mut().zip(joints) {
+        *angle = *joint;
+    }
+    let origin = PlanPose {
+        x: 0.0,
+        y: 0.0,
+        yaw: 0.0,
+    };
+    chain.place(origin, &state, steering)
+}
+
+/// Derivatives of a velocity by the rates.
+pub type Row = [f64; COLUMNS];
+
+/// One wheel on the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Velocity of the touching point along the normal [m/s], by the rates.
+    pub normal: Row,
+    /// Rate of an encoder that does not slip [rad/s], by the rates.
+    pub rolling: Row,
+    /// Velocity of the touching point to the left [m/s], by the rates.
+    pub side: Row,
+    /// What the rate of its own steering adds along the normal and to the left [m/rad].
+    pub swivel: [f64; 2],
+    /// Its steering joint.
+    pub steering: Option<usize>,
+    /// Whether it touches.
+    pub touching: bool,
+}
+
+/// A wheel, the plane it stands on, and its carrier's velocities.
+pub(super) struct Tread {
+    pub frame: WheelFrame,
+    pub normal: Vector3<f64>,
+    pub radius: f64,
+    pub angle: f64,
+}
+
+impl Tread {
+    /// A wheel turned against the ground: its contact moves along the plane.
+    pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64) -> Self {
+        let angle = (-frame.forward.dot(&normal)).atan2(frame.up.dot(&normal));
+        Self {
+            frame,
+            normal,
+            radius,
+            angle,
+        }
+    }
+
+    /// The direction in which it rolls.
+    pub fn tangent(&self) -> Vector3<f64> {
+        self.frame.forward * self.angle.cos() + self.frame.up * self.angle.sin()
+    }
+
+    /// From its centre to the touching point [m].
+    pub fn spoke(&self) -> Vector3<f64> {
+        (self.frame.forward * self.angle.sin() - self.frame.up * self.angle.cos()) * self.radius
+    }
+}
+
+/// The contacts of all wheels: everything that is linear in the rates.
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts {
+    /// Wheel by wheel; the first `count` are filled.
+    pub wheels: [Contact; MAX_WHEELS],
+    /// Number of wheels.
+    pub count: usize,
+    /// Number of free angles.
+    pub joints: usize,
+    /// Which of them are at a stop, and do not turn.
+    pub stopped: [bool; MAX_FREE],
+}
+
+impl Contacts {
+    /// Those of a footing, or of other steering angles on the planes that it stands on. None where a differential
+    /// does not reach.
+    pub fn new(chain: &Chain, footing: &Footing<'_>, steering: Option<&[f64]>) -> Option<Self> {
+        let placed = in_body(chain, footing.joints, steering.unwrap_or(footing.steering))?;
+        let body_from_world = footing.rotation().inverse();
+        let blank = Contact {
+            normal: [0.0; COLUMNS],
+            rolling: [0.0; COLUMNS],
+            side: [0.0; COLUMNS],
+            swivel: [0.0; 2],
+            steering: None,
+            touching: false,
+        };
+        let mut contacts = Self {
+            wheels: [blank; MAX_WHEELS],
+            count: chain.wheels().len(),
+            joints: chain.joints().len(),
+            stopped: footing.stopped,
+        };
+        for (k, mount) in chain.wheels().iter().enumerate() {
+            let normal = body_from_world * Vector3::from(footing.normals[k]);
+            let (frame, radius) = (placed.wheel(k), mount.radius);
+            let tread = if steering.is_some() {
+                Tread::on_plane(frame, normal, radius)
+            } else {
+                Tread {
+                    frame,
+                    normal,
+                    radius,
+                    angle: footing.angles[k],
+                }
+            };
+            contacts.wheels[k] = Contact::new(&placed, k, &tread, footing.touching[k]);
+        }
+        Some(contacts)
+    }
+}
+
+impl Contact {
+    fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
+        let (tangent, spoke) = (tread.tangent(), tread.spoke());
+        let (normal, left) = (tread.normal, tread.normal.cross(&tangent));
+        let axle = tread.frame.axle;
+        let centres = placed.point_slopes(wheel, tread.frame.centre);
+        let touches = placed.point_slopes(wheel, tread.frame.centre + spoke);
+        // How the link turns: with the body about its axes, and with the free angles.
+        let mut turns = [Vector3::zeros(); COLUMNS];
+        for (axis, turn) in turns[3..6].iter_mut().enumerate() {
+            turn[axis] = 1.0;
+        }
+        for (joint, axis, _) in placed.free_axes(wheel) {
+            turns[6 + joint] += axis;
+        }
+        let slope = |column: usize| SLOPE.get(column).copied().unwrap_or(column);
+        let swivels = placed.steering_axes(wheel).next();
+        Self {
+            normal: std::array::from_fn(|k| touches[slope(k)].dot(&normal)),
+            rolling: std::array::from_fn(|k| {
+                centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)
+            }),
+            side: std::array::from_fn(|k| touches[slope(k)].dot(&left)),
+            swivel: swivels.map_or([0.0; 2], |(_, axis, origin)| {
+                let moved = axis.cross(&(tread.frame.centre + spoke - origin));
+                [moved.dot(&normal), moved.dot(&left)]
+            }),
+            steering: swivels.map(|(joint, _, _)| joint),
+            touching,
+        }
+    }
+}
+
+/// The velocity field of a wheel's carrier for given rates: of its centre [m/s], and its rotation [rad/s].
+pub(super) fn carried(
+    placed: &Placed<'_>,
+    wheel: usize,
+    rates: &Row,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let centres = placed.point_slopes(wheel, placed.wheel(wheel).centre);
+    let mut velocity = Vector3::zeros();
+    for (column, rate) in rates.iter().enumerate() {
+        velocity += centres[SLOPE.get(column).copied().unwrap_or(column)] * *rate;
+    }
+    let mut turn = Vector3::new(rates[3], rates[4], rates[5]);
+    for (joint, axis, _) in placed.free_axes(wheel) {
+        turn += axis * rates[6 + joint];
+    }
+    (velocity, turn)
+}

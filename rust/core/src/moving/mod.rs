@@ -1,0 +1,43 @@
+//! Rovers on real ground: how the rates of body, joints and wheels belong together.
+//!
+//! At a contact the normal of the ground is `n`, the tangent of the rim `T = h cos t + u sin t`, and
+//! `l = n x T` points to the left. The touching point of the wheel has no velocity along `n`, along `T` after the
+//! wheel's own turning, and along `l` where it does not slip. All of it is linear in the body's six rates and
+//! the rates of the joints ([`Contacts`]); vectors are in the axes of the body, a twist is
+//! `(vx, vy, vz, wx, wy, wz)` of the body's origin.
+//!
+//! An encoder turns against the link that carries it: its rate is `v_c . T / r - w . axle`, with the velocity
+//! `v_c` of the wheel's centre and the rotation `w` of the link.
+//!
+//! (M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005;
+//! N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.)
+
+mod contact;
+mod least_squares;
+mod motion;
+mod slip;
+mod traction;
+
+pub use contact::{COLUMNS, Contacts, Footing};
+pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
+pub use slip::{Slip, SlipTest, slip};
+pub use traction::{Closure, Driven, Lift, Rates, traction};
+
+use crate::suspension::Chain;
+
+/// How far behind the body's origin the unsteered wheels have their centre, all angles 0 [m]: a rover that turns
+/// about a point abreast of it scrubs least on level ground.
+pub fn rest_offset(chain: &Chain) -> f64 {
+    let Some(placed) = contact::in_body(chain, &[], &[]) else {
+        return 0.0;
+    };
+    let fixed = |wheel: &usize| placed.steering_axes(*wheel).next().is_none();
+    let unsteered: Vec<f64> = (0..chain.wheels().len())
+        .filter(fixed)
+        .map(|wheel| placed.wheel(wheel).centre.x)
+        .collect();
+    if unsteered.is_empty() {
+        return 0.0;
+    }
+    0.0 - unsteered.iter().sum::<f64>() / unsteered.len() as f64 // not minus zero
+}

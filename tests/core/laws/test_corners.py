@@ -1,0 +1,237 @@
+"""Corners: pauses, joints beyond their limits, twists that nobody knows, axles that are nearly parallel."""
+
+import math
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from six_wheel import reference
+from six_wheel.controller import Reason
+
+ROVER = sw.Rover.preset("perseverance")
+LIMITS = sw.Limits(
+    speed=1.0, acceleration=0.5, jerk=1.0, steering_limit=0.5, steering_rate=0.4, steering_acceleration=1.0
+)
+
+
+# Controller
+
+
+def test_after_a_pause_acceleration_begins_again():
+    """The output was held meanwhile: what comes next changes from rest, within the jerk."""
+    rover = sw.Rover.differential(0.5, 0.1)
+    limits = sw.Limits(speed=1.0, acceleration=0.5, jerk=1.0)
+    controller = sw.Controller(rover, limits, timeout=None)
+    controller.command((1.0, 0.0, 0.0), 0.0)
+    speeds = [controller.step(k * 0.05).twist[0] for k in range(9)]
+    assert speeds[-1] - speeds[-2] > 0.01  # it was accelerating
+    out = controller.step(3600.0)
+    assert out.reasons & Reason.PAUSED
+    assert out.twist[0] - speeds[-1] <= 1.0 * 0.1**2 / 2 + 1e-12  # jerk over the longest step, from 0
+    following = [out.twist[0], *(controller.step(3600.0 + k * 0.05).twist[0] for k in range(1, 40))]
+    accelerations = np.diff(following) / 0.05
+    assert np.abs(np.diff(accelerations)).max() <= 1.0 * 0.05 + 1e-9
+
+
+@pytest.mark.parametrize("mode", ["free", "crab", "front_only", "spin"])
+def test_joints_beyond_their_limit_come_back_inside_at_their_rate(mode):
+    controller = sw.Controller(ROVER, LIMITS, mode=mode, timeout=None)
+    measured, dt = np.array([0.6, -0.7, 0.54, 0.0]), 0.05
+    before, inside = measured, False
+    for k in range(200):
+        out = controller.step(k * dt, before)
+        change = np.abs(out.steering - before).max()
+        assert change <= 0.4 * dt + 1e-9
+        inside = bool((np.abs(out.steering) <= 0.5 + 1e-12).all())
+        if not inside and k > 1:
+            assert out.reasons & (Reason.STEERING_RATE | Reason.STEERING_ACCELERATION)
+        before = out.steering
+    assert inside
+    if mode == "front_only":
+        np.testing.assert_allclose(before[2:], 0.0, atol=1e-12)
+
+
+def test_measured_angles_beyond_a_limit_are_no_error_later_either():
+    controller = sw.Controller(ROVER, LIMITS)
+    controller.command((0.5, 0.0, 0.1), 0.0)
+    controller.step(0.0)
+    out = controller.step(0.1, [0.0, 0.0, 2.0, 0.0])
+    assert out.reasons & Reason.ALIGNING
+
+
+# Odometry
+
+
+def known(covariance: np.ndarray) -> bool:
+    return bool(np.isfinite(covariance).all())
+
+
+def test_a_twist_that_nobody_knows_has_an_infinite_variance():
+    odometry = sw.Odometry(ROVER)
+    assert np.isinf(np.diag(odometry.state.twist_covariance)).all()
+    state = odometry.update([0.0] * 4, [0.0] * 6, 0.0)
+    assert np.isinf(np.diag(state.twist_covariance)).all()  # the first sample
+    assert (np.diag(state.twist_covariance_6x6()) == 1e6).all()
+    state = odometry.update([0.0] * 4, [0.1] * 6, 0.1)
+    assert known(state.twist_covariance)
+    assert (np.diag(state.twist_covariance) > 0.0).all()
+    odometry.set_pose((1.0, 2.0, 0.0))
+    assert np.isinf(np.diag(odometry.state.twist_covariance)).all()
+    odometry.reset()
+    odometry.command((0.1, 0.0, 0.0), 0.0)
+    state = odometry.command((0.1, 0.0, 0.0), 1.0)
+    assert np.isinf(np.diag(state.twist_covariance)).all()
+
+
+@pytest.mark.parametrize("gap", [1e-9, 1.0, 1e4, 1e8, 1e12])
+def test_no_stamps_give_a_negative_variance(gap):
+    odometry = sw.Odometry(ROVER, sw.Noise(0.01, 0.009, slip=0.01))
+    generator, stamp, turned = np.random.default_rng(1), 0.0, np.zeros(6)
+    for k in range(60):
+        steering = generator.uniform(-0.3, 0.3, 4)
+        stamp += gap if k == 20 else 0.1
+        turned = turned + generator.normal(size=6) * (1e3 if k == 20 else 1.0)
+        covariance = odometry.update(steering, turned, stamp).covariance
+        assert (np.diag(covariance) >= 0.0).all()
+        pairs = [(0, 1), (0, 2), (1, 2)]
+        for i, j in pairs:
+            assert abs(covariance[i, j]) <= math.sqrt(covariance[i, i] * covariance[j, j]) * (1 + 1e-6)
+
+
+def test_time_that_a_command_was_held_counts_once():
+    odometry = sw.Odometry(ROVER)
+    odometry.command((0.1, 0.0, 0.0), 0.0)
+    state = odometry.command((0.1, 0.0, 0.0), 10.0)
+    assert state.stamp == 10.0
+    with pytest.raises(
+        ValueError, match="^stamp must not be before the end of the last command, 10.0, got 5.0"
+    ):
+        odometry.update([0.0] * 4, [0.0] * 6, 5.0)
+    odometry.update([0.0] * 4, [0.0] * 6, 10.0)
+    state = odometry.command((0.1, 0.0, 0.0), 12.0)
+    assert state.pose[0] == pytest.approx(1.2, rel=1e-12)
+    assert state.stamp == 12.0
+    odometry.set_pose((0.0, 0.0, 0.0))
+    assert odometry.command((0.1, 0.0, 0.0), 13.0).pose[0] == pytest.approx(0.1, rel=1e-12)
+
+
+def test_a_log_that_raises_leaves_everything_as_it_was():
+    odometry = sw.Odometry(ROVER)
+    odometry.update([0.0] * 4, [0.0] * 6, 0.0)
+    wheels = np.tile(np.arange(1.0, 6.0)[:, None], (1, 6))
+    wheels[3, 2] = math.nan
+    with pytest.raises(ValueError, match=r"^wheel_angles\[3\] must be finite"):
+        odometry.run(np.zeros((5, 4)), wheels, np.arange(1.0, 6.0), errors="raise")
+    assert odometry.state.stamp == 0.0
+    np.testing.assert_array_equal(odometry.state.pose, 0.0)
+
+
+# Estimates
+
+
+def test_no_wheel_is_the_worst_where_all_agree():
+    cart = sw.Rover.differential(0.5, 0.1)
+    fit = cart.fit(None, [0.0, 0.0])
+    assert (fit.residual == 0.0).all()
+    assert fit.worst_wheel is None
+    many = ROVER.fit([0.0] * 4, [[0.0] * 6, [1.0, 0, 0, 0, 0, 0]])
+    assert many.worst_wheel[0] is None
+    assert isinstance(many.worst_wheel[1], str)
+
+
+def cart_with(heading: float) -> sw.Rover:
+    """Four fixed wheels on two axles, one of them out of true."""
+    places = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
+    return sw.Rover(
+        [
+            sw.Wheel(f"w{k}", x, y, radius=0.1, heading=heading if k == 0 else 0.0)
+            for k, (x, y) in enumerate(places)
+        ]
+    )
+
+
+HEADINGS = [
+    0.0,
+    1e-12,
+    1e-9,
+    1.1e-9,
+    1e-8,
+    1e-6,
+    1e-4,
+    1e-3,
+    0.01,
+    0.1,
+    0.17,
+    0.1745,
+    0.175,
+    0.3,
+    math.pi / 2,
+]
+
+
+def test_forward_is_continuous_in_the_headings():
+    speeds = [-4.0, 4.0, -4.0, 4.0]
+    straight = cart_with(0.0).forward(None, speeds)
+    for heading in HEADINGS:
+        found = cart_with(heading).forward(None, speeds)
+        assert np.abs(found - straight).max() <= 20.0 * heading  # [1/s]: no jump anywhere near parallel
+    # No step of a fine walk from parallel to well apart is more than its length allows.
+    walk = np.linspace(0.0, 0.3, 3001)
+    twists = np.array([cart_with(float(heading)).forward(None, speeds) for heading in walk])
+    assert np.abs(np.diff(twists, axis=0)).max() <= 20.0 * (walk[1] - walk[0])
+
+
+def test_the_reference_shares_rows_alike():
+    speeds = np.array([1.0, 2.0, -1.0, 3.0])
+    for heading in [*HEADINGS, math.pi, math.pi - 0.05, -0.1]:
+        rover = cart_with(heading)
+        plain = reference.Rover(
+            [reference.Wheel(w.name, w.x, w.y, radius=w.radius, heading=w.heading) for w in rover.wheels]
+        )
+        # Headings that count as the same are those of the first wheel.
+        atol = 1e-12 + (2 * heading if 0.0 < heading < 2e-9 else 0.0)
+        np.testing.assert_allclose(rover.forward(None, speeds), plain.forward(None, speeds), atol=atol)
+        for kernel in sw.kernels():
+            many = rover.forward(None, np.tile(speeds, (9, 1)), kernel=kernel)
+            np.testing.assert_allclose(many[4], rover.forward(None, speeds), atol=1e-12)
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.05, 0.1])
+@pytest.mark.parametrize("quantity", ["x", "y", "trail"])
+def test_derivatives_of_shared_rows(heading, quantity):
+    """Central differences, whose error is about 1e-6 squared and rounding over 1e-6."""
+    speeds, rover = [1.0, 2.0, -1.0, 3.0], cart_with(heading)
+    found = getattr(rover.sensitivity(None, speeds), quantity)
+    for k, wheel in enumerate(rover.wheels):
+        ends = []
+        for step in (1e-6, -1e-6):
+            wheels = list(rover.wheels)
+            size = {name: getattr(wheel, name) for name in ("x", "y", "radius", "heading", "trail")}
+            size[quantity] += step
+            wheels[k] = sw.Wheel(wheel.name, **size)
+            ends.append(sw.Rover(wheels).forward(None, speeds))
+        np.testing.assert_allclose(found[:, k], (ends[0] - ends[1]) / 2e-6, atol=1e-7)
+
+
+def test_kernels_agree_as_the_condition_allows():
+    """4 ulp or 1e-14, times the condition number of the wheels' rows."""
+    generator = np.random.default_rng(5)
+    for lever in [1.0, 1e-2, 1e-3]:
+        rover = sw.Rover(
+            [
+                sw.Wheel("a", 0.5, lever, radius=0.1, heading=0.3),
+                sw.Wheel("b", -0.5, 0.0, radius=0.1, steered=True),
+                sw.Wheel("c", 0.5 + lever, 0.0, radius=0.1, heading=0.3),
+            ]
+        )
+        steering, speeds = generator.normal(size=(200, 1)), generator.normal(size=(200, 3)) * 10
+        plain = rover.forward(steering, speeds, kernel="plain")
+        fit = rover.fit(steering, speeds)
+        largest = math.sqrt(2 * 3 * (1.0 + 2.0))  # of six rows no longer than that
+        condition = largest / fit.sigma_min
+        scale = np.abs(speeds).max(axis=1) * 0.1 * 3
+        allowed = np.maximum(4 * np.spacing(scale), 1e-14) * condition
+        for kernel in sw.kernels():
+            found = rover.forward(steering, speeds, kernel=kernel)
+            assert (np.abs(found - plain).max(axis=1) <= allowed).all()
