@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
+    from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
@@ -39,6 +40,7 @@ __all__ = [
     "path_figure",
     "picture_path",
     "reckoning_figure",
+    "replay_figure",
     "residual_figure",
     "save",
     "show_figure",
@@ -58,6 +60,7 @@ __getattr__, __dir__ = attach(
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
+        "replay": ("replay_figure",),
         "saving": ("picture_path", "save"),
         "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
