@@ -617,7 +617,10 @@ class Odometry:
         smoothing: float = 0.0,
         lag: float = 0.0,
         history: int = 1024,
+        gyroscope: Gyroscope | None = None,
     ) -> Odometry: ...
+    @property
+    def gyroscope_bias(self) -> tuple[float, float] | None: ...
     def update(
         self,
         steering: ArrayLike | None,

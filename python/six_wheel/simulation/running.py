@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,13 @@ Floats = NDArray[np.float64]
 
 # Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
 FINER = 8
+
+
+def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
+    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway on."""
+    edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
+    rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
+    return rates
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,7 +159,7 @@ def simulate(
         kept = random.random(len(stamps)) >= dropped
         kept[[0, -1]] = True
         stamps = stamps[kept]
-    there = motion.at(stamps)
+    there = replace(motion.at(stamps), yaw_rate=_mean_rates(motion, stamps))
     sampled = read(rover, there, noise, encoder, steering_encoder, gyroscope, random)
     deviations = np.array([truth_noise[0], truth_noise[0], truth_noise[1]])
     poses = there.poses + deviations * random.standard_normal(there.poses.shape)
