@@ -451,10 +451,10 @@ impl Odometry {
 
     /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
     #[getter]
-    fn gyroscope_bias(&self) -> Option<(f64, f64)> {
-        self.core
-            .gyroscope_bias()
-            .map(|[value, deviation]| (value, deviation))
+    fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
+        let work = self.work.lock(py)?;
+        let bias = work.core.gyroscope_bias();
+        Ok(bias.map(|[value, deviation]| (value, deviation)))
     }
 
     /// The rover.
