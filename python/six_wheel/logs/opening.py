@@ -136,7 +136,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
 
     def open_(*, radians: bool) -> JointLog:
         found = {
-            part: _encoders(rover, part, values)
+            part: encoders_of(rover, part, values)
             for part, values in given.items()
             if counted[part] or (radians and "resolution" not in values)
         }
@@ -178,7 +178,7 @@ NO_RESOLUTION = {
 }
 
 
-def _encoders(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
+def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
     """Encoders by wheel, from the keys of a parameter file; none if these say nothing about them."""
     if not values.keys() - CORRECTIONS:
         return {}

@@ -452,8 +452,9 @@ impl Odometry {
     /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
     #[getter]
     fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
-        let known = self.work.lock(py)?.core.gyroscope_bias();
-        Ok(known.map(|[value, deviation]| (value, deviation)))
+        let work = self.work.lock(py)?;
+        let bias = work.core.gyroscope_bias();
+        Ok(bias.map(|[value, deviation]| (value, deviation)))
     }
 
     /// The rover.

@@ -184,7 +184,12 @@ impl Odometry {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
         } else {
             let rate = 1.0 / (dt * dt);
-            <[f64; 6]>::from(self.work.noise.total()).map(|value| value * rate)
+            let total = self.work.noise.total();
+            let total = match total.may_be_negative() {
+                true => total.without_negative(),
+                false => total,
+            };
+            <[f64; 6]>::from(total).map(|value| value * rate)
         };
         [pose.into(), twist]
     }
