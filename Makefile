@@ -1,6 +1,7 @@
 # Everything makes its own environment: a Rust toolchain, Python 3.11+ and make are enough.
 PYTHON ?= python3
 VENV := .venv
+ROS := .venv-ros
 BIN := $(VENV)/bin
 SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv') Cargo.toml Cargo.lock pyproject.toml \
 	rust/core/Cargo.toml rust/bindings/Cargo.toml
@@ -27,18 +28,23 @@ OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
 
-test: test-rust test-python ## every test
+test: test-rust test-python test-ros ## every test
 
 test-rust:
 	cargo test --workspace --locked
 
 test-python: $(VENV)/installed
 	$(BIN)/python -m pytest
+
+# Where rclpy cannot be had the reason is in $(ROS)/without, and there is nothing to test.
+test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the package index in an environment of its own
+	@if test -s $(ROS)/without; then echo "test-ros: skipped, no rclpy here: $$(tail -n 1 $(ROS)/without)"; else \
+		$(ROS)/bin/python -m pytest tests/ros -o addopts=-ra -p no:cacheprovider; fi
 
 fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ seconds each; finds go to target/fuzz
 	for target in $(FUZZED); do mkdir -p target/fuzz/$$target \
@@ -117,6 +123,14 @@ $(VENV)/installed: $(VENV)/tools $(SOURCES)
 		&& $(BIN)/python -m pip install --quiet "$$wheel[cli]"
 	touch $@
 
+$(ROS)/installed: $(VENV)/installed
+	test -x $(ROS)/bin/python || $(PYTHON) -m venv $(ROS)
+	wheel=$$(ls $(VENV)/wheels/*.whl) && $(ROS)/bin/python -m pip install --quiet --timeout 30 --retries 2 \
+		--only-binary ros-rclpy,ros-rcl,cyclonedds "$$wheel[cli,ros]" cyclonedds hypothesis pytest \
+		2>$(ROS)/without && : >$(ROS)/without && $(ROS)/bin/python -m pip install --quiet --force-reinstall --no-deps "$$wheel" \
+		|| test -s $(ROS)/without
+	touch $@
+
 # Without a wheel of a peer for this machine the others still run: what is missing is left out with a word.
 $(VENV)/peers: $(VENV)/installed
 	wheel=$$(ls $(VENV)/wheels/*.whl) && $(BIN)/python -m pip install --quiet --only-binary :all: "$$wheel[bench]" \
@@ -124,4 +138,4 @@ $(VENV)/peers: $(VENV)/installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) target dist six_wheel_demo
+	rm -rf $(VENV) $(ROS) target dist six_wheel_demo

@@ -617,7 +617,10 @@ class Odometry:
         smoothing: float = 0.0,
         lag: float = 0.0,
         history: int = 1024,
+        gyroscope: Gyroscope | None = None,
     ) -> Odometry: ...
+    @property
+    def gyroscope_bias(self) -> tuple[float, float] | None: ...
     def update(
         self,
         steering: ArrayLike | None,
@@ -1272,6 +1275,7 @@ class Controller:
         align_tolerance: float = 0.02,
         discretise: bool = False,
         steering: ArrayLike | None = None,
+        twist: ArrayLike | None = None,
     ) -> Controller: ...
     def command(self, twist: ArrayLike, stamp: float, mode: _Mode | None = None) -> bool: ...
     def step(self, now: float, measured: ArrayLike | None = None) -> ControllerOutput: ...

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from six_wheel.calibration.cross_validation import Candidate, CrossValidation
     from six_wheel.calibration.files import Calibrated, calibrate_files, half_width, interval
     from six_wheel.calibration.fitting import Loss
+    from six_wheel.calibration.noise import MeasuredNoise
     from six_wheel.calibration.observability import Observability
     from six_wheel.calibration.procedure import calibrate, parameter_names
     from six_wheel.calibration.result import Calibration
@@ -24,6 +25,7 @@ __all__ = [
     "CrossValidation",
     "Estimate",
     "Loss",
+    "MeasuredNoise",
     "Observability",
     "RunErrors",
     "Windows",
@@ -41,7 +43,9 @@ __getattr__, __dir__ = attach(
         "drives": (),
         "files": ("Calibrated", "calibrate_files", "half_width", "interval"),
         "fitting": ("Loss",),
+        "mistakes": (),
         "model": (),
+        "noise": ("MeasuredNoise",),
         "observability": ("Observability",),
         "parameters": (),
         "procedure": ("calibrate", "parameter_names"),

@@ -15,7 +15,7 @@ from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
 from six_wheel.descriptions.findings import ParameterFileError
 from six_wheel.logs.columns import TableError
-from six_wheel.logs.opening import AnyLog, LogOptions, read_log
+from six_wheel.logs.opening import AnyLog, LogOptions, logs_in, read_log
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import replacing
 from six_wheel.odometry.dead_reckoning import dead_reckon
@@ -62,7 +62,7 @@ def calibrate_files(
     rover : Rover
         With its nominal dimensions.
     paths : sequence of Path
-        Logs, see `_log_files`. Those of one folder are one session, if there are several folders.
+        Logs, or folders of them. Those of one folder are one session, if there are several folders.
     output : Path, optional
         The calibrated rover as a parameter file, .yaml.
     parameters : Parameters, optional
@@ -81,6 +81,7 @@ def calibrate_files(
     TableError
         If a log, a truth or an output cannot be used.
     """
+    paths = logs_in(paths)
     if len(truths) > 1 and len(truths) != len(paths):
         raise ValueError(
             f"truth must be given once, or once for every log, got {len(truths)} for {len(paths)} logs"
@@ -102,7 +103,8 @@ def calibrate_files(
             warnings += _said(reader)
         result = calibrate(rover, logs, progress=progress, **(options or {}))
         done = Calibrated(result, tuple(logs), tuple(warnings))
-        text = text_for(result.rover, parameters, _encoders(result, parameters), _remarks(done))
+        said = _encoders(result, parameters), _remarks(done), _noise(result, parameters)
+        text = text_for(result.rover, parameters, *said)
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
@@ -165,6 +167,15 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
+def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
+    """The key ``noise``, as measured; what a sensor of its own errs by stays as the file has it."""
+    if result.measured_noise is None:
+        return None
+    kept = {} if parameters is None else parameters.noise
+    measured = {name: getattr(result.noise, name) for name in ("speed", "steering", "slip", "side_slip")}
+    return kept | measured
+
+
 def half_width(one: Estimate) -> float:
     """How far the interval of a value reaches to either side."""
     low, high = one.interval
@@ -188,6 +199,8 @@ def _remarks(done: Calibrated) -> list[str]:
         unit = f" {one.unit}" if one.unit else ""
         said = f"{one.name} {one.value:.6g}{unit}, was {one.nominal:.6g}"
         lines.append(f"{said}; {100 * result.confidence:g} %: {interval(one)}")
+    if (measured := result.measured_noise) is not None:
+        lines.append(f"noise from {measured.basis}")
     lines += [f"{message}" for message in result.observability.messages]
     return [line if line.isprintable() else repr(line) for line in lines]
 

@@ -31,6 +31,8 @@ OPEN = 0.5
 SMALLEST_SCALE = 1e-6
 # First guess of the error of a motion, as a share of its length.
 FIRST_SCALE = 0.02
+# Windows of one length that tell by themselves how much they err.
+FEW = 10
 ROUNDS, STEPS = 12, 8
 # How far the first, coarse fit goes: the second begins there.
 COARSE = 1e-3
@@ -117,7 +119,7 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     that keeps what nothing is known about where it is. From there on, as from a given start, the drives are
     simulated once per step and everything else settles on their linearisation.
     """
-    model, which = problem.model, problem.which
+    model = problem.model
     scales = np.repeat(FIRST_SCALE * np.append(problem.lengths, problem.lengths[-1])[:, None], 2, axis=1)
     values = model.start.copy() if start is None else start.copy()
     if start is None and len(values):
@@ -134,18 +136,18 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     else:
         solution = replace(solution, converged=False)
     errors, by = linear.errors(solution.values)
-    scales, weights = _scales(errors, which, solution.scales, problem.loss)
+    scales, weights = _scales(problem, errors, solution.scales)
     return replace(solution, errors=errors, by=by, scales=scales, weights=weights)
 
 
 def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
     """Scales, weights, what the data see and the values that follow, until none of them changes any more."""
-    model, which = problem.model, problem.which
+    model = problem.model
     nominal, plausible = model.start, model.plausible
     errors, by = problem.errors(values)
     converged = False
     for _ in range(ROUNDS):
-        scales, weights = _scales(errors, which, scales, problem.loss)
+        scales, weights = _scales(problem, errors, scales)
         seen, unseen, spread = _directions(problem, by, weights, scales)
         values = nominal + plausible * (seen @ (seen.T @ ((values - nominal) / plausible)))
         found = _descend(problem, seen, values, scales, hold=False, fine=True)
@@ -205,17 +207,29 @@ def _descend(
     return place(result.x)
 
 
-def _scales(errors: Floats, which: NDArray[np.int64], before: Floats, loss: Loss) -> tuple[Floats, Floats]:
-    """Usual errors per window length, in place and heading (k, 2), and robust weights (m, 3)."""
+def _scales(problem: "Problem", errors: Floats, before: Floats) -> tuple[Floats, Floats]:
+    """Usual errors per window length, in place and heading (k, 2), and robust weights (m, 3).
+
+    Of a few windows the fit may hit every one, and what is left of them says nothing: they are taken to err
+    as those of the length that has most, growing with the root of the length.
+    """
+    which, loss = problem.which, problem.loss
     scales = before.copy()
     weights = np.ones_like(errors)
-    for number in np.unique(which):
+    kinds = np.append(problem.lengths, problem.lengths[-1])
+    counts = np.bincount(which, minlength=len(kinds))
+    usual = int(np.argmax(counts))
+    order = np.unique(which)
+    for number in sorted(order.tolist(), key=lambda kind: kind != usual):
         rows = which == number
+        least = SMALLEST_SCALE
         for part, columns in ((0, slice(0, 2)), (1, slice(2, 3))):
             values = errors[rows, columns]
-            scale = max(_rms(values, np.ones_like(values)), SMALLEST_SCALE)
+            if counts[number] < FEW and number != usual:
+                least = max(SMALLEST_SCALE, scales[usual, part] * math.sqrt(kinds[number] / kinds[usual]))
+            scale = max(_rms(values, np.ones_like(values)), least)
             for _ in range(50 if loss != "linear" else 0):
-                again = max(_rms(values, _weights(values / (DOUBT * scale), loss)), SMALLEST_SCALE)
+                again = max(_rms(values, _weights(values / (DOUBT * scale), loss)), least)
                 if abs(again - scale) <= 1e-6 * scale:
                     break
                 scale = again
@@ -247,6 +261,8 @@ def _directions(
     Windows that overlap tell the same story again: each counts for the share of new distance in it.
     """
     which, plausible = problem.which, problem.model.plausible
+    if not len(plausible):  # the nominal dimensions have won
+        return np.empty((0, 0)), np.empty((0, 0)), np.empty(0)
     kinds = np.append(problem.lengths, problem.lengths[-1])
     new = problem.lengths[0] / OVERLAP / kinds[which] / len(kinds)
     factor = np.sqrt(weights * new[:, None]) / scales[which][:, [0, 0, 1]]

@@ -5,12 +5,14 @@ by the chain rule, all rows at once.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter
+from six_wheel.logs import Log
 from six_wheel.poses import Floats, between, inverse, joined
 from six_wheel.rebuild import with_wheels
 
@@ -83,6 +85,17 @@ class Model:
         """Steering angles and wheel speeds, as the encoders mean them under these values."""
         gain = np.ones(drive.steering.shape[1]) + (values - self.start) @ self._gains
         return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.speeds
+
+    def corrected(self, log: Log, values: Floats) -> Log:
+        """The log as its encoders mean it under these values."""
+        steering = log.steering
+        if steering is not None:
+            steering = steering * (np.ones(steering.shape[1]) + (values - self.start) @ self._gains)
+        return replace(
+            log,
+            steering=steering,
+            wheel_angles=log.wheel_angles * self.value(values, "encoder_scale", 1.0),
+        )
 
     def twists(self, drive: Drive, values: Floats, rover: Rover) -> tuple[Floats, Floats]:
         """Body twists between the rows (n, 3) and their derivatives by the parameters (n, 3, p)."""

@@ -14,6 +14,8 @@ from six_wheel.poses import Floats
 # Parts of a direction smaller than this are not worth a word, and parameters less open than that are known.
 WORTH_A_WORD = 0.1
 KNOWN = 0.05
+# A value that went less far than this share of what is plausible has stayed where it was.
+MOVED = 1e-4
 # A drive that turns less than this is called straight [rad].
 STRAIGHT = 0.35
 # Parameters whose values go together this closely are named.
@@ -55,12 +57,16 @@ class Observability:
         return "Observability(" + ("; ".join(self.messages) or "everything is identified") + ")"
 
 
-def describe(model: Model, solution: Solution, drives: Sequence[Drive]) -> Observability:
-    """The open directions of a solution, and what they mean for each parameter."""
+def describe(
+    model: Model, solution: Solution, drives: Sequence[Drive], hints: Sequence[str] = ()
+) -> Observability:
+    """The open directions of a solution, and what they mean for each parameter; after other `hints`."""
     unseen = solution.unseen
     openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
     identified = openness < KNOWN
-    messages = [_alone(model, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()]
+    messages = [
+        _alone(model, solution, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()
+    ]
     mixed = np.flatnonzero(~identified & (openness <= 1.0 - KNOWN))
     if len(mixed):
         count = unseen.shape[1] - len(messages)
@@ -68,18 +74,20 @@ def describe(model: Model, solution: Solution, drives: Sequence[Drive]) -> Obser
             _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
         )
     messages += _correlated(model, solution, identified)
-    return Observability(model.names, identified, unseen, solution.spread, tuple(messages))
+    return Observability(model.names, identified, unseen, solution.spread, (*hints, *messages))
 
 
-def _alone(model: Model, number: int, drives: Sequence[Drive]) -> str:
+def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive]) -> str:
     parameter = model.parameters[number]
     turning = max(drive.turning for drive in drives)
     why = f"the drives do not tell it to {OPEN * parameter.plausible:.3g} {parameter.unit}".rstrip()
     if turning < STRAIGHT:
         why = f"a straight run cannot identify it (turned {np.degrees(turning):.1f} deg at most)"
-    return (
-        f"{parameter.name} stays at its nominal {parameter.value:.6g} {parameter.unit}".rstrip() + f": {why}"
-    )
+    value, unit = float(solution.values[number]), f" {parameter.unit}".rstrip()
+    if abs(value - parameter.value) <= MOVED * parameter.plausible:
+        return f"{parameter.name} stays at its nominal {parameter.value:.6g}{unit}: {why}"
+    moved = f"{parameter.name} went from {parameter.value:.6g} to {value:.6g}{unit} along with others"
+    return f"{moved}, by itself it is not known: {why}"
 
 
 def _together(names: list[str], count: int, direction: str) -> str:

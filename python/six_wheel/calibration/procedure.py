@@ -9,18 +9,20 @@ Needs SciPy (``pip install "six-wheel[calibrate]"``).
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-from six_wheel.calibration import fitting
+from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model
+from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
@@ -113,6 +115,7 @@ def calibrate(
         raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
     if not (np.isfinite(max_time_offset) and max_time_offset > 0.0):
         raise ValueError(f"max_time_offset must be finite and positive, got {max_time_offset}")
+    records = [_readable(rover, log, number) for number, log in enumerate(records)]
     lengths = _lengths(rover, window)
     catalogue = Catalogue(rover, encoders(rover, records))
     if isinstance(parameters, str) and parameters != "auto":
@@ -136,7 +139,7 @@ def calibrate(
     if progress is not None:
         progress(0, 1, "fitting all drives")
     model = Model(rover, catalogue.find(chosen))
-    result = _fit(model, drives, loss, lengths, margin, confidence, tuple(chosen), checked)
+    result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
@@ -145,6 +148,7 @@ def calibrate(
 def _fit(
     model: Model,
     drives: Sequence[Drive],
+    records: Sequence[Log],
     loss: Loss,
     lengths: Floats,
     margin: float,
@@ -155,7 +159,12 @@ def _fit(
     problem = Problem(model, drives, loss, lengths, margin)
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
-    observability = describe(model, solution, drives)
+    hints = [
+        *mistakes.mistaken(model.nominal, drives),
+        *mistakes.at_bounds(problem, solution),
+        *mistakes.unsettled(solution),
+    ]
+    observability = describe(model, solution, drives, hints)
     half = fitting.quantile(degrees, confidence)
     estimates = []
     for number, parameter in enumerate(model.parameters):
@@ -179,8 +188,50 @@ def _fit(
         model.value(solution.values, "time_offset", 0.0),
         asked,
         loss,
-        solution.converged,
+        solution.converged and not mistakes.at_bounds(problem, solution),
+        _noise(problem, solution, records, confidence),
     )
+
+
+def _readable(rover: Rover, log: Log, number: int) -> Log:
+    """The log in radians, however it was read."""
+    try:
+        return log.in_radians(rover)
+    except ValueError as error:
+        raise ValueError(f"logs[{number}]: {error}") from None
+
+
+def _noise(
+    problem: Problem, solution: fitting.Solution, records: Sequence[Log], confidence: float
+) -> MeasuredNoise | None:
+    """Noise from where every log ends under a fit without its session, or without itself."""
+    model, drives = problem.model, problem.drives
+    sessions = [drive.session for drive in drives]
+    alone = len(set(sessions)) in (1, len(drives))
+    keys = list(range(len(drives))) if alone else [sessions.index(session) for session in sessions]
+    pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
+    linear = problem.linearised(solution.values)
+
+    def ends_of(chosen: Sequence[Log], values: Floats) -> list[noise.End]:
+        rover, sensor = model.rover(values), model.pose(values, "sensor")
+        offset = model.value(values, "time_offset", 0.0)
+        logs = (model.corrected(record, values) for record in chosen)
+        return [end for log in logs for end in noise.ends(rover, log, sensor, offset, pieces)]
+
+    fitted = ends_of(records, solution.values)
+    groups = [fitted]
+    if len(set(keys)) > 1:
+        groups = []
+        for key in dict.fromkeys(keys):
+            values = solution.values
+            if len(values):
+                values = fitting.refit(linear.only([other != key for other in keys]), solution)
+            own = [record for record, other in zip(records, keys, strict=True) if other == key]
+            groups.append(ends_of(own, values))
+    count = sum(map(len, groups))
+    what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
+    left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
+    return noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
 
 
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
@@ -203,6 +254,6 @@ def _with_truth(logs: list[Log], truth: Truth | ArrayLike | Sequence[Truth | Arr
     if len(truths) != len(logs):
         raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")
     return [
-        Log(log.stamps, log.steering, log.wheel_angles, one, log.name, log.session)  # type: ignore[arg-type]
+        replace(log, truth=one)  # type: ignore[arg-type]
         for log, one in zip(logs, truths, strict=True)
     ]

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from six_wheel._core import Rover
+from six_wheel._core import Noise, Rover
 from six_wheel.calibration.cross_validation import CrossValidation
+from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.poses import Floats
@@ -44,6 +45,8 @@ class Calibration:
         Names of the parameters as asked for, or as cross-validation chose them.
     loss : str
     converged : bool
+    measured_noise : MeasuredNoise or None
+        How far dead reckoning with `rover` errs, with intervals and what they rest on.
     """
 
     rover: Rover
@@ -61,6 +64,12 @@ class Calibration:
     chosen: tuple[str, ...] = field(default=())
     loss: str = "soft_l1"
     converged: bool = True
+    measured_noise: MeasuredNoise | None = None
+
+    @property
+    def noise(self) -> Noise:
+        """What was measured, for ``Odometry(result.rover, result.noise)``; the default where nothing was."""
+        return Noise() if self.measured_noise is None else self.measured_noise.noise
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -113,6 +122,8 @@ class Calibration:
         lines.append(f"  rms position error, median of the runs: {before:.4f} -> {after:.4f} m")
         if self.cross_validation is not None and self.cross_validation.chosen == self.chosen:
             lines.append(f"  {self.cross_validation!r}")
+        if (measured := self.measured_noise) is not None:
+            lines.append(f"  {measured!r}")
         lines += [f"  {message}" for message in self.observability.messages]
         return "\n".join(lines)
 
@@ -132,6 +143,12 @@ class Calibration:
         lines += ["", f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."]
         if not self.converged:
             lines += ["", "**The fit did not settle; do not trust these values.**"]
+        if (measured := self.measured_noise) is not None:
+            lines += ["", "## Noise", "", f"From {measured.basis}: `{measured.noise!r}`.", ""]
+            lines += [f"| slip [m per root m] | most likely | {percent} interval |", "|---|---|---|"]
+            for slip in (measured.slip, measured.side_slip):
+                low, high = slip.interval
+                lines.append(f"| `{slip.name}` | {slip.value:.3g} | {low:.3g} to {high:.3g} |")
         if self.observability.messages:
             lines += ["", "## What the drives do not tell", ""]
             lines += [f"- {message}" for message in self.observability.messages]

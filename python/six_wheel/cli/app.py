@@ -15,7 +15,9 @@ from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.example import example
+from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
+from six_wheel.cli.replay import replay
 from six_wheel.cli.shared import (
     AsOption,
     NodeOption,
@@ -28,6 +30,7 @@ from six_wheel.cli.shared import (
     progress_bar,
 )
 from six_wheel.cli.show import show
+from six_wheel.cli.simulate import simulate
 from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
@@ -89,13 +92,16 @@ def check(
 
 
 app.command(help=COMMANDS["drive"])(drive)
+app.command(help=COMMANDS["simulate"])(simulate)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
 app.command(help=COMMANDS["traverse"])(traverse)
-
-
 app.command(help=COMMANDS["show"])(show)
 app.command(help=COMMANDS["example"])(example)
+app.command(help=COMMANDS["replay"])(replay)
+# What follows --ros-args is for ROS to read.
+app.command("node", help=COMMANDS["node"], context_settings=PASSING)(node)
+app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command_filter)
 
 
 @app.command(help=COMMANDS["bench"])

@@ -12,7 +12,6 @@ from six_wheel.cli.shared import (
     NodeOption,
     RadiusOption,
     Reading,
-    RoverArgument,
     choose,
     choose_suspension,
 )
@@ -26,7 +25,12 @@ SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limi
 
 
 def show(
-    rover: RoverArgument,
+    rover: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROVER", help="Parameter file, URDF, name of a preset, or with --layout a record."
+        ),
+    ],
     twist: Annotated[
         Motion | None,
         typer.Option(metavar="VX VY OMEGA", help="Motion to draw [m/s, m/s, rad/s]. Default: a left turn."),
@@ -39,6 +43,13 @@ def show(
             help="Picture: .png, .svg or .pdf. Default: ROVER_from_above.png or ROVER_from_the_side.png",
         ),
     ] = None,
+    layout: Annotated[
+        Path | None,
+        typer.Option(
+            help="No picture, but how viewers show records of this rover: .json (Foxglove), .rbl (Rerun), "
+            "or of a record .rrd (the record for Rerun, with its layout)."
+        ),
+    ] = None,
     side: Annotated[
         bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
     ] = False,
@@ -46,6 +57,9 @@ def show(
     as_: AsOption = None,
     wheel_radius: RadiusOption = None,
 ) -> None:
+    if layout is not None:
+        print(_write_layout(rover, Reading(node, as_, wheel_radius), layout))
+        return
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.saving import picture_path, save
 
@@ -107,3 +121,25 @@ def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float
         ("speed", float((vx**2 + vy**2) ** 0.5), limits.speed, "m/s"),
         ("yaw_rate", abs(omega), limits.yaw_rate, "rad/s"),
     ]
+
+
+def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
+    """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
+    from six_wheel.logs.writing import replacing
+    from six_wheel.records import layouts
+
+    record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
+    if record is None:
+        chosen = choose(rover, reading)
+        shown, source = chosen.rover, chosen.path
+    else:
+        from six_wheel.records import Record
+        from six_wheel.replay.again import settings_of
+
+        if not record.is_file():
+            raise ValueError(f"{record}: no such file")
+        shown, source = settings_of(Record(record)).rover, record
+    layouts.check(target, record)
+    with replacing(target, [source] if source else []) as temporary:
+        layouts.write(temporary, shown, record)
+    return target.resolve()

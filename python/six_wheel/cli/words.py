@@ -7,11 +7,15 @@ COMMANDS = {
     "demo": "What it can do: two rovers along a real recording, with pictures.",
     "check": "Every mistake in a parameter file at once; then what the rover can do.",
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
+    "simulate": "Drive a suspension over a map: joints, wheels, contacts and slip, a picture in 3D.",
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
     "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
     "example": "A parameter file, a table of commands, a log to try the others on.",
+    "node": "Drive a rover in ROS 2: commands and joint states in, joint commands and odometry out.",
+    "filter": "Between a planner and a robot: commands of ROS 2 that it can follow, the curvature kept.",
+    "replay": "Run a record of a node again: the same bits, or what other parameters would have made of it.",
     "bench": "How fast the compiled core is on this machine, beside the reference in plain NumPy.",
 }
 

@@ -26,6 +26,7 @@ __all__ = [
     "corrections",
     "example_run",
     "log_format",
+    "logs_in",
     "metadata_of",
     "open_log",
     "read_log",
@@ -79,6 +80,36 @@ def log_format(path: Path) -> LogFormat:
     raise TableError(f'{path}: a log must be a bag\'s folder or end in {endings}, got "{path.suffix}"')
 
 
+def logs_in(paths: Sequence[Path]) -> list[Path]:
+    """Logs as they are, and of folders that are no bag every log inside, in the order of their names.
+
+    Raises
+    ------
+    TableError
+        If a folder holds none.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir() or (path / "metadata.yaml").exists():
+            found.append(path)
+            continue
+        inside = sorted(each for each in path.rglob("*") if _is_log(each))
+        if not inside:
+            endings = ", ".join([*FORMATS, *BAGS])
+            raise TableError(f"{path}: the folder must hold a log, a bag or a file ending in {endings}")
+        found += inside
+    return found
+
+
+def _is_log(path: Path) -> bool:
+    """Whether a path in a folder is a log by itself: no part of a bag, not hidden, no metadata of runs."""
+    if path.is_dir():
+        return (path / "metadata.yaml").exists()
+    inside_bag = (path.parent / "metadata.yaml").exists()
+    named = path.suffix.lower() in {*FORMATS, *BAGS}
+    return named and not inside_bag and not path.name.startswith(".") and not path.stem.endswith("_metadata")
+
+
 def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
     """Open a log for reading in chunks.
 
@@ -105,7 +136,7 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
 
     def open_(*, radians: bool) -> JointLog:
         found = {
-            part: _encoders(rover, part, values)
+            part: encoders_of(rover, part, values)
             for part, values in given.items()
             if counted[part] or (radians and "resolution" not in values)
         }
@@ -147,7 +178,7 @@ NO_RESOLUTION = {
 }
 
 
-def _encoders(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
+def encoders_of(rover: Rover, part: str, values: Mapping[str, Any]) -> dict[str, Encoder]:
     """Encoders by wheel, from the keys of a parameter file; none if these say nothing about them."""
     if not values.keys() - CORRECTIONS:
         return {}

@@ -1,13 +1,14 @@
 """Recordings of a drive: what the wheels reported and, where it was measured, how the rover really moved."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from six_wheel._core import Encoder, Rover
 from six_wheel.poses import Floats, as_poses, interpolate
 
 __all__ = ["Log", "Truth"]
@@ -136,6 +137,34 @@ class Log:
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
+    def in_radians(self, rover: Rover) -> "Log":
+        """The same log as running totals and angles in radians, as `options` say how to read it.
+
+        Counters that start over are followed the shorter way; speeds change evenly from row to row;
+        the first row of increments counts from 0.
+
+        Raises
+        ------
+        ValueError
+            If an option does not fit the rover.
+        """
+        if not self.options:
+            return self
+        wheels = encoders_of("wheel_encoders", self.options.get("wheel_encoders"), rover.wheel_names)
+        joints = encoders_of("steering_encoders", self.options.get("steering_encoders"), rover.steered_names)
+        readings = self.options.get("readings", "angles")
+        turned = self.wheel_angles
+        if readings == "speeds":
+            steps = (turned[1:] + turned[:-1]) / 2.0 * np.diff(self.stamps)[:, None]
+            turned = np.concatenate((np.zeros_like(turned[:1]), np.cumsum(steps, axis=0)))
+        elif readings == "increments":
+            turned = np.cumsum(turned, axis=0)
+        elif readings != "angles":
+            raise ValueError(f"readings must be 'angles', 'speeds' or 'increments', got {readings!r}")
+        angles = _angles(turned, wheels, absolute=False)
+        steering = None if self.steering is None else _angles(self.steering, joints, absolute=True)
+        return replace(self, steering=steering, wheel_angles=angles, options={})
+
     @property
     def duration(self) -> float:
         """From the first row to the last [s]."""
@@ -147,6 +176,41 @@ class Log:
     def __repr__(self) -> str:
         known = "with truth" if self.truth is not None else "without truth"
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
+
+
+def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:
+    """One encoder for every joint, from what `Odometry` takes: one, one each, or some by name.
+
+    Raises
+    ------
+    ValueError
+        If their number or a name does not fit.
+    """
+    if isinstance(given, Mapping):
+        if strangers := [name for name in given if name not in names]:
+            raise ValueError(f"{argument} must name some of {', '.join(names)}, got {strangers[0]!r}")
+        return [given.get(name, Encoder()) for name in names]
+    if given is None or isinstance(given, Encoder):
+        return [given or Encoder()] * len(names)
+    if len(given) != len(names):
+        raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
+    return list(given)
+
+
+def _angles(counts: Floats, encoders: Sequence[Encoder], *, absolute: bool) -> Floats:
+    """What counts mean [rad], counters that start over unrolled; absolute ones start near 0."""
+    angles = np.empty_like(counts)
+    for column, read, one in zip(angles.T, counts.T, encoders, strict=True):
+        steps = np.diff(read)
+        if one.modulus is not None:
+            steps -= one.modulus * np.round(steps / one.modulus)
+        first = read[0] * one.angle_per_count + one.offset if absolute else 0.0
+        if absolute and one.modulus is not None:
+            around = abs(one.modulus * one.angle_per_count)
+            first -= around * np.round(first / around)
+        column[0] = first
+        column[1:] = first + np.cumsum(steps) * one.angle_per_count
+    return angles
 
 
 def _check_order(stamps: Floats) -> None:

@@ -37,6 +37,7 @@ def text_for(
     parameters: Parameters | None = None,
     encoders: Values | None = None,
     remarks: Sequence[str] = (),
+    noise: Values | None = None,
 ) -> str:
     """The text of a parameter file for a rover.
 
@@ -51,6 +52,8 @@ def text_for(
         What the file's key ``encoders`` shall hold; what it holds now without it.
     remarks : sequence of str
         Comments for the top of the file.
+    noise : dict, optional
+        What the file's key ``noise`` shall hold, likewise.
 
     Raises
     ------
@@ -60,8 +63,11 @@ def text_for(
     head = "".join(f"# {remark}\n" for remark in remarks)
     if encoders is None:
         encoders = {} if parameters is None else parameters.encoders
-    mended = None if parameters is None else _mended(parameters, rover, encoders)
-    return head + (mended or _plain(rover, parameters, encoders))
+    if noise is None:
+        noise = {} if parameters is None else parameters.noise
+    beside = {"encoders": encoders, "noise": noise}
+    mended = None if parameters is None else _mended(parameters, rover, beside)
+    return head + (mended or _plain(rover, parameters, beside))
 
 
 def _same(rover: Rover, other: Rover) -> bool:
@@ -80,23 +86,21 @@ def _quantities(rover: Rover) -> Floats:
     )
 
 
-def _plain(rover: Rover, parameters: Parameters | None, encoders: Values) -> str:
+def _plain(rover: Rover, parameters: Parameters | None, beside: Values) -> str:
     """A file of our own keys, with what the old file says beside the rover."""
     said: Values = {}
-    groups: Values = {"encoders": encoders} if encoders else {}
+    groups: Values = {name: values for name, values in beside.items() if values}
     if parameters is not None:
         kept = ("odom_frame_id", "base_frame_id", "limits", "control")
         said = {name: getattr(parameters, name) for name in kept}
-        groups = {
-            name: getattr(parameters, name) for name in ("noise", "steering_encoders", "odometry")
-        } | groups
+        groups = {name: getattr(parameters, name) for name in ("steering_encoders", "odometry")} | groups
     for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
         data = syntax.parse(dump(rover, node=node, **said), _unheard).data
         values = data if node is None else data[node][PARAMETERS]
         values |= {name: value for name, value in groups.items() if value}
         text = syntax.write(values if node is None else {node: {PARAMETERS: values}})
         found = parse_parameters(text, node=node)
-        if found.rover == rover and found.encoders == encoders:
+        if found.rover == rover and _holds(found, beside):
             return text
     raise ValueError(f"rover must be one that a parameter file can describe, got {rover}")
 
@@ -115,7 +119,7 @@ class _File:
     values: Values
 
 
-def _mended(parameters: Parameters, rover: Rover, encoders: Values) -> str | None:
+def _mended(parameters: Parameters, rover: Rover, beside: Values) -> str | None:
     """The file's own text with other numbers; None if that cannot say what the rover is."""
     file = _take_apart(parameters)
     if file is None:
@@ -127,17 +131,23 @@ def _mended(parameters: Parameters, rover: Rover, encoders: Values) -> str | Non
         values = _solve(candidate, few, rover) or (_solve(candidate, paths, rover) if factors else None)
         if values is None:
             continue
-        if encoders != parameters.encoders:
-            values["encoders"] = encoders
+        for name, wanted in beside.items():
+            if wanted != getattr(parameters, name):
+                values[name] = wanted
         text = _edit(file, values)
         try:
             node, kind = parameters.node, parameters.asked
             found = None if text is None else parse_parameters(text, node=node, kind=kind)
-            if found is not None and _same(found.rover, rover) and found.encoders == encoders:
+            if found is not None and _same(found.rover, rover) and _holds(found, beside):
                 return text
         except config.ParameterFileError:
             continue
     return None
+
+
+def _holds(found: Parameters, beside: Values) -> bool:
+    """Whether a file says this beside the rover."""
+    return all(getattr(found, name) == values for name, values in beside.items())
 
 
 def _unheard(*_: Any) -> None:

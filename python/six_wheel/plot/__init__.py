@@ -17,9 +17,11 @@ if TYPE_CHECKING:
     from six_wheel.plot.drawing import draw_rover
     from six_wheel.plot.drive import drive_figure, engine_figure
     from six_wheel.plot.four_axle import four_axle_figure
+    from six_wheel.plot.ground import film_figure, ground_figure, speeds_figure
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
+    from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
@@ -31,15 +33,19 @@ __all__ = [
     "draw_rover",
     "drive_figure",
     "engine_figure",
+    "film_figure",
     "four_axle_figure",
+    "ground_figure",
     "limits_figure",
     "path_figure",
     "picture_path",
     "reckoning_figure",
+    "replay_figure",
     "residual_figure",
     "save",
     "show_figure",
     "side_figure",
+    "speeds_figure",
     "track_figure",
     "traverse_figure",
 ]
@@ -50,9 +56,11 @@ __getattr__, __dir__ = attach(
         "drawing": ("draw_rover",),
         "drive": ("drive_figure", "engine_figure"),
         "four_axle": ("four_axle_figure",),
+        "ground": ("film_figure", "ground_figure", "speeds_figure"),
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
+        "replay": ("replay_figure",),
         "saving": ("picture_path", "save"),
         "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),

@@ -38,17 +38,22 @@ def side_figure(rover: RockerBogie, stand: Stand | None = None, *, title: str = 
         raise ValueError(f"stand must be one pose at which the rover stands, got {stand!r}")
     figure = Figure(figsize=(9, 5), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_aspect("equal")
     axes.set_title(title, loc="left", color=INK)
-    for side, fade in ((1, 0.55), (0, 0.0)):
-        _draw_side(axes, rover, stand, side, fade)
-    _draw_ground(axes, rover, stand)
+    draw_side_view(axes, rover, stand)
     axes.set_xlabel("along the heading [m]", color=SOFT)
     axes.set_ylabel("height [m]", color=SOFT)
     axes.tick_params(colors=SOFT)
     for spine in axes.spines.values():
         spine.set_color(FAINT)
     return figure
+
+
+def draw_side_view(axes: Axes, rover: RockerBogie, stand: Stand) -> None:
+    """Both sides of a rover at one pose, and the ground under them."""
+    axes.set_aspect("equal")
+    for side, fade in ((1, 0.55), (0, 0.0)):
+        _draw_side(axes, rover, stand, side, fade)
+    _draw_ground(axes, rover, stand)
 
 
 def _place(stand: Stand, point: Floats) -> tuple[float, float]:

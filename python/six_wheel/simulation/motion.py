@@ -104,10 +104,8 @@ def drive(
     twists = twists + _sliding(rover, middle, speeds, rates, twists, noise, dt, random)
     turning = speeds.copy()
     for slip in slips:
-        during = (stamps[:-1] >= slip.start) & (stamps[1:] <= slip.stop)
-        twists[during] += np.array(slip.drift)
-        for wheel in _wheels(rover, slip):
-            turning[during, wheel] /= 1.0 - slip.ratio
+        twists[during(slip, stamps)] += np.array(slip.drift)
+    spinning(rover, slips, stamps, turning)
     turned = np.concatenate((np.zeros((1, len(rover.wheels))), np.cumsum(turning * dt, axis=0)))
     rate = np.concatenate((twists[:1, 2], (twists[1:, 2] + twists[:-1, 2]) / 2.0, twists[-1:, 2]))
     return Motion(stamps, integrate(twists, dt, start=start), steering, turned, rate)
@@ -154,6 +152,18 @@ def _sliding(
         slid = deviation * root * random.standard_normal(root.shape)
         added += np.einsum("nij,nj->ni", by_slip, slid)
     return added
+
+
+def during(slip: Slip, stamps: Floats) -> NDArray[np.bool_]:
+    """Which steps between these stamps it covers, (n - 1,)."""
+    return (stamps[:-1] >= slip.start) & (stamps[1:] <= slip.stop)
+
+
+def spinning(rover: Rover, slips: Sequence[Slip], stamps: Floats, turning: Floats) -> None:
+    """Turns wheels further than they roll: `turning` (n - 1, wheels) [rad/s], in place."""
+    for slip in slips:
+        for wheel in _wheels(rover, slip):
+            turning[during(slip, stamps), wheel] /= 1.0 - slip.ratio
 
 
 def _wheels(rover: Rover, slip: Slip) -> list[int]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Gyroscope, Noise, Rover
+from six_wheel.logs.recordings import encoders_of
 from six_wheel.simulation.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -59,10 +60,10 @@ def read(
     turned[1:] += np.cumsum(error, axis=0)
     per_reading = np.append(share[:1], share)[:, None]
     angles = motion.steering + noise.steering * per_reading * random.standard_normal(motion.steering.shape)
-    wheels = counts(turned, encoders(encoder, rover.wheel_names))
+    wheels = counts(turned, encoders_of("encoder", encoder, rover.wheel_names))
     passive = [not wheel.driven for wheel in rover.wheels]
     wheels[:, passive] = np.nan
-    steering = counts(angles, encoders(steering_encoder, rover.steered_names))
+    steering = counts(angles, encoders_of("steering_encoder", steering_encoder, rover.steered_names))
     rates = None
     if gyroscope is not None:
         start = gyroscope.bias + gyroscope.bias_noise * random.standard_normal()
@@ -70,19 +71,6 @@ def read(
         bias = start + np.append(0.0, np.cumsum(walk))
         rates = motion.yaw_rate + bias + gyroscope.noise * random.standard_normal(len(bias))
     return Sampled(motion.stamps, steering, wheels, rates)
-
-
-def encoders(given: Encoders | None, names: Sequence[str]) -> list[Encoder]:
-    """One encoder for every joint, as `Odometry` reads what it is given."""
-    if isinstance(given, Mapping):
-        if strangers := [name for name in given if name not in names]:
-            raise ValueError(f"encoder must name some of {', '.join(names)}, got {strangers[0]!r}")
-        return [given.get(name, Encoder()) for name in names]
-    if given is None or isinstance(given, Encoder):
-        return [given or Encoder()] * len(names)
-    if len(given) != len(names):
-        raise ValueError(f"encoder must be one or {len(names)}, got {len(given)}")
-    return list(given)
 
 
 def counts(angles: Floats, every: Sequence[Encoder]) -> Floats:

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Gyroscope, Noise, Rover
+from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.motion import Motion, Slip, drive
@@ -18,6 +18,13 @@ Floats = NDArray[np.float64]
 
 # Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
 FINER = 8
+
+
+def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
+    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway on."""
+    edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
+    rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
+    return rates
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,9 +41,10 @@ class Simulation(Log):
 
 
 def simulate(
-    rover: Rover,
+    rover: Rover | RockerBogie,
     path: ArrayLike | tuple[ArrayLike, ArrayLike],
     *,
+    ground: Terrain | None = None,
     noise: Noise | None = None,
     encoder: Encoders | None = None,
     steering_encoder: Encoders | None = None,
@@ -52,16 +60,19 @@ def simulate(
     name: str = "",
     session: str = "",
 ) -> Simulation:
-    """A log with truth, of any rover on a plane: the same for the same seed.
+    """A log with truth, of any rover on a plane, or of a suspension on ground: the same for the same seed.
 
     Parameters
     ----------
-    rover : Rover
-        As it is built.
+    rover : Rover or RockerBogie
+        As it is built. On ground, a `RockerBogie`.
     path : array_like or pair of array_like
         Commands: rows ``[time, vx, vy, omega]``, shape (n, 4), or a pair of stamps (n,) and twists (n,
         3); between rows the twist changes evenly. Or poses, shape (n, 3), each reached from the one
         before on one arc at `speed`. Of twists the rover cannot make it makes the nearest.
+    ground : Terrain, optional
+        What a `RockerBogie` drives over. Speeds and yaw rates are then those seen from above, along the
+        heading.
     noise : Noise, optional
         How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
     encoder, steering_encoder : Encoder, sequence of Encoder or dict of str to Encoder, optional
@@ -91,13 +102,39 @@ def simulate(
     Returns
     -------
     Simulation
-        A `Log` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is.
+        A `Log` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is. On
+        ground a `GroundSimulation`, which also says how the rover stood.
 
     Raises
     ------
     ValueError
         If an argument breaks its rule.
     """
+    if isinstance(rover, RockerBogie):
+        if ground is None:
+            raise ValueError("ground must be given for a suspension, got None; or simulate rover.planar(...)")
+        if jitter or dropped or any(truth_noise):
+            raise ValueError("jitter, dropped and truth_noise must be left out on ground")
+        from six_wheel.simulation.ground import simulate_on_ground
+
+        return simulate_on_ground(
+            rover,
+            path,
+            ground,
+            noise=noise,
+            encoder=encoder,
+            steering_encoder=steering_encoder,
+            slip=slip,
+            gyroscope=gyroscope,
+            rate=rate,
+            speed=speed,
+            start=start,
+            seed=seed,
+            name=name,
+            session=session,
+        )
+    if ground is not None:
+        raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
     noise = Noise(0.0, 0.0) if noise is None else noise
     for argument, value in (
         ("jitter", jitter),
@@ -122,7 +159,7 @@ def simulate(
         kept = random.random(len(stamps)) >= dropped
         kept[[0, -1]] = True
         stamps = stamps[kept]
-    there = motion.at(stamps)
+    there = replace(motion.at(stamps), yaw_rate=_mean_rates(motion, stamps))
     sampled = read(rover, there, noise, encoder, steering_encoder, gyroscope, random)
     deviations = np.array([truth_noise[0], truth_noise[0], truth_noise[1]])
     poses = there.poses + deviations * random.standard_normal(there.poses.shape)

@@ -88,7 +88,7 @@ def _write_bag(log: Log, rover: Rover, path: Path) -> None:
     with replacing(path) as place, tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag") as folder:
         plugin = rosbags.StoragePlugin.MCAP
         with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
-            messages = _Messages(writer, store)
+            messages = Messages(writer, store)
             poses = None if log.truth is None else log.truth.at(log.stamps)
             for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
                 messages.joints(stamp, list(columns), rows[row])
@@ -100,7 +100,7 @@ def _write_bag(log: Log, rover: Rover, path: Path) -> None:
         file.replace(place)
 
 
-class _Messages:
+class Messages:
     """Joint states, the true pose and the gyroscope, each on its topic."""
 
     TOPICS: ClassVar = {
@@ -116,19 +116,28 @@ class _Messages:
     def _make(self, kind: str, /, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
 
-    def _write(self, kind: str, stamp: int, **fields: Any) -> None:
+    def _header(self, stamp: int, frame: str) -> Any:
+        second, nanosecond = divmod(stamp, 1_000_000_000)
+        time = self._make("builtin_interfaces/msg/Time", sec=second, nanosec=nanosecond)
+        return self._make("std_msgs/msg/Header", stamp=time, frame_id=frame)
+
+    def _write(self, kind: str, stamp: int, frame: str = "", **fields: Any) -> None:
+        self._send(kind, stamp, header=self._header(stamp, frame), **fields)
+
+    def _send(self, kind: str, stamp: int, **fields: Any) -> None:
         if kind not in self._connections:
             topic = self.TOPICS[kind]
             self._connections[kind] = self._writer.add_connection(topic, kind, typestore=self._store)
-        second, nanosecond = divmod(stamp, 1_000_000_000)
-        time = self._make("builtin_interfaces/msg/Time", sec=second, nanosec=nanosecond)
-        header = self._make("std_msgs/msg/Header", stamp=time, frame_id="")
-        message = self._make(kind, header=header, **fields)
+        message = self._make(kind, **fields)
         self._writer.write(self._connections[kind], stamp, self._store.serialize_cdr(message, kind))
 
     def joints(self, stamp: int, names: list[str], positions: Floats) -> None:
         nothing = np.empty(0)
-        readings = {"position": np.ascontiguousarray(positions), "velocity": nothing, "effort": nothing}
+        readings: dict[str, Any] = {
+            "position": np.ascontiguousarray(positions),
+            "velocity": nothing,
+            "effort": nothing,
+        }
         self._write("sensor_msgs/msg/JointState", stamp, name=names, **readings)
 
     def _turned(self, yaw: float) -> Any:

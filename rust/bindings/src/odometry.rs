@@ -62,6 +62,9 @@ use values::Noise;
 ///     How late a pose may come to `correct` [s]; 0: not before the last step.
 /// history : int
 ///     Samples that are kept for that at most.
+/// gyroscope : Gyroscope, optional
+///     Of the `yaw_rate` that comes with the samples: its bias is a state, learnt while wheels and gyroscope agree that the
+///     rover stands, in which case the pose is held. Its noise stands for that of `noise.yaw_rate`.
 ///
 /// Raises
 /// ------
@@ -123,8 +126,8 @@ impl Odometry {
 impl Odometry {
     #[new]
     #[pyo3(
-        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024),
-        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024)"
+        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None),
+        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
@@ -142,6 +145,7 @@ impl Odometry {
         smoothing: Option<&Bound<'_, PyAny>>,
         lag: Option<&Bound<'_, PyAny>>,
         history: usize,
+        gyroscope: Option<&Bound<'_, gyroscope::Gyroscope>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
         let wheels: Vec<&str> = core
@@ -153,6 +157,7 @@ impl Odometry {
         let readings = readings_named(readings)?;
         let settings = Settings {
             noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
+            gyroscope: gyroscope.map(|known| known.get().0),
             readings,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
@@ -442,6 +447,14 @@ impl Odometry {
     #[getter]
     fn state(&self, py: Python<'_>) -> PyResult<OdometryState> {
         Ok(self.state_of(&self.work.lock(py)?.core, py))
+    }
+
+    /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
+    #[getter]
+    fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
+        let work = self.work.lock(py)?;
+        let bias = work.core.gyroscope_bias();
+        Ok(bias.map(|[value, deviation]| (value, deviation)))
     }
 
     /// The rover.

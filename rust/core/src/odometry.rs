@@ -106,11 +106,13 @@ impl Odometry {
         settings.check(&rover)?;
         let from_rates = settings.readings == Readings::Speeds;
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let mut uncertainty = Uncertainty::new(shared_readings(&rover, from_rates));
+        uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State {
             walk: Walk::new([0.0; 3]),
             twist: Twist::ZERO,
             velocity: None,
-            uncertainty: Uncertainty::new(shared_readings(&rover, from_rates)),
+            uncertainty,
         };
         let reference = Reference {
             known: false,
@@ -182,7 +184,12 @@ impl Odometry {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
         } else {
             let rate = 1.0 / (dt * dt);
-            <[f64; 6]>::from(self.work.noise.total()).map(|value| value * rate)
+            let total = self.work.noise.total();
+            let total = match total.may_be_negative() {
+                true => total.without_negative(),
+                false => total,
+            };
+            <[f64; 6]>::from(total).map(|value| value * rate)
         };
         [pose.into(), twist]
     }
@@ -208,6 +215,46 @@ impl Odometry {
             true => Some(self.reference.stamp),
             false => self.history.commanded,
         }
+    }
+
+    /// Bias of the gyroscope and its standard deviation [rad/s]; None without one.
+    pub fn gyroscope_bias(&self) -> Option<[f64; 2]> {
+        let bias = self.state.uncertainty.bias?;
+        Some([bias.value, bias.variance.sqrt()])
+    }
+
+    /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
+    /// its bias.
+    fn stands(&self, rate: f64, dt: f64) -> bool {
+        let (Some(known), Some(bias)) = (self.settings.gyroscope, self.state.uncertainty.bias)
+        else {
+            return false;
+        };
+        let still = self
+            .rover
+            .wheels()
+            .iter()
+            .zip(&self.turned)
+            .all(|(wheel, turned)| {
+                turned.is_nan() || (wheel.radius * turned).abs() <= gyroscope::STANDING * dt
+            });
+        let variance = bias.variance + known.noise * known.noise;
+        still && (rate - bias.value).abs() <= gyroscope::LIKELY * variance.sqrt()
+    }
+
+    /// A step of standing: the pose is held, and the bias learnt.
+    fn rest(&mut self, rate: f64, dt: f64) {
+        let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
+        let walk = self.settings.bias_walk();
+        if let Some(bias) = &mut self.state.uncertainty.bias {
+            bias.variance += walk * walk * dt;
+        }
+        let shift = self.state.uncertainty.learn_bias(rate, noise * noise);
+        self.state.shift(&shift);
+        self.state.hold(Twist::ZERO, dt, self.settings.smoothing);
+        self.residual.fill(0.0);
+        self.work.weights.fill(1.0);
+        self.work.noise.clear();
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
@@ -298,15 +345,26 @@ impl Odometry {
         let wrapped = self.difference(&sample, dt);
         self.check_jump(dt)
             .map_err(|error| Refusal::new(Health::JUMP, error))?;
-        let gyro_turn = sample
-            .yaw_rate
-            .map(|rate| f64::midpoint(self.reference.yaw_rate.unwrap_or(rate), rate) * dt);
+        if let Some(rate) = sample.yaw_rate
+            && self.stands(rate, dt)
+        {
+            self.rest(rate, dt);
+            let flags = Health::WRAPPED.when(wrapped);
+            return Ok(self.conclude(&sample, flags, None));
+        }
+        let bias = self.state.uncertainty.bias;
+        let known = bias.map_or(0.0, |bias| bias.value);
+        let gyro_turn = sample.yaw_rate.map(|rate| {
+            let before = self.reference.yaw_rate.unwrap_or(rate);
+            (f64::midpoint(before, rate) - known) * dt
+        });
         let motion = Motion {
             steering: [&self.reference.angles, &self.angles],
             turned: &self.turned,
             from_rates: self.settings.readings == Readings::Speeds,
             dt,
             gyro_turn,
+            bias_variance: bias.map_or(0.0, |bias| bias.variance),
         };
         let rules = self.settings.rules();
         advance(
@@ -316,6 +374,7 @@ impl Odometry {
             &mut self.work,
             &mut self.state,
             self.settings.smoothing,
+            self.settings.bias_walk(),
         )
         .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
@@ -486,6 +545,7 @@ impl Odometry {
             from_rates: false,
             dt,
             gyro_turn: None,
+            bias_variance: 0.0,
         };
         let rules = self.settings.rules();
         advance(
@@ -495,6 +555,7 @@ impl Odometry {
             &mut self.work,
             &mut self.state,
             self.settings.smoothing,
+            self.settings.bias_walk(),
         )?;
         self.state.uncertainty.let_go();
         self.residual.fill(0.0);

@@ -36,6 +36,9 @@ fuzz_target!(|data: &[u8]| {
             assert_eq!(before, controller.steering());
         }
         let numbers = [controller.steering(), controller.speeds(), controller.steering_rates()];
-        assert!(numbers.concat().iter().all(|value| value.is_finite()));
+        assert!(
+            numbers.concat().iter().all(|value| value.is_finite()),
+            "{numbers:?} at {now}, measured {measured:?}, {controller:?}"
+        );
     }
 });

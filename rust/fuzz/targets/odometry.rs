@@ -55,6 +55,7 @@ fuzz_target!(|data: &[u8]| {
         let covariance = odometry.covariance();
         assert!((0..3).all(|i| !(covariance[i][i] < 0.0)), "{covariance:?}");
         assert!(<[f64; 3]>::from(odometry.pose()).iter().all(|value| value.is_finite()));
-        assert!((0..3).all(|i| !(odometry.twist_covariance()[i][i] < 0.0)));
+        let twist = odometry.twist_covariance();
+        assert!((0..3).all(|i| !(twist[i][i] < 0.0)), "{twist:?} of {odometry:?}");
     }
 });

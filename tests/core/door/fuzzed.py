@@ -20,6 +20,7 @@ ROVERS = [
 DTYPES = ["d", "f", "e", ">f8", "i4", "u8", "i1", "?", "O", "c16"]
 
 
+@atheris.instrument_func
 def array(data: "atheris.FuzzedDataProvider", memory: np.ndarray) -> np.ndarray:
     """A view of the shared memory, or an array of its own."""
     dtype = np.dtype(DTYPES[data.ConsumeIntInRange(0, len(DTYPES) - 1)])
@@ -40,6 +41,7 @@ def array(data: "atheris.FuzzedDataProvider", memory: np.ndarray) -> np.ndarray:
         return values.astype(dtype).reshape(shape)
 
 
+@atheris.instrument_func
 def one(given: bytes) -> None:
     """One call."""
     data = atheris.FuzzedDataProvider(given)

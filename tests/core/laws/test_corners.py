@@ -60,6 +60,18 @@ def test_measured_angles_beyond_a_limit_are_no_error_later_either():
     assert out.reasons & Reason.ALIGNING
 
 
+@pytest.mark.parametrize("name", ["acceleration", "jerk", "wheel_acceleration", "steering_acceleration"])
+@pytest.mark.parametrize("limit", [1e100, 1e200, 9.3e304, 1.7e308])
+def test_limits_too_large_to_meet_are_none(name, limit):
+    """Found by fuzzing: their squares are no numbers."""
+    controller = sw.Controller(ROVER, sw.Limits(**{name: limit}), timeout=None)
+    controller.command((100.0, 0.0, 10.0), 0.0)
+    for k in range(20):
+        out = controller.step(0.02 * k)
+        assert np.isfinite([*out.steering, *out.steering_rates, *out.speeds, *out.twist]).all()
+    np.testing.assert_allclose(out.twist, (100.0, 0.0, 10.0))
+
+
 # Odometry
 
 
@@ -97,6 +109,22 @@ def test_no_stamps_give_a_negative_variance(gap):
         pairs = [(0, 1), (0, 2), (1, 2)]
         for i, j in pairs:
             assert abs(covariance[i, j]) <= math.sqrt(covariance[i, i] * covariance[j, j]) * (1 + 1e-6)
+
+
+def test_no_rover_gives_a_negative_variance_of_its_twist():
+    """Found by fuzzing: wheels close together and far from the origin."""
+    rover = sw.Rover(
+        [
+            sw.Wheel("a", 638.6, 634.4, radius=344.0, steered=True),
+            sw.Wheel("b", 634.4, 634.4, radius=634.4, trail=634.4, driven=False),
+        ]
+    )
+    odometry = sw.Odometry(rover, sw.Noise(0.01, 0.009, slip=0.02), readings="speeds")
+    generator = np.random.default_rng(2)
+    odometry.update([0.0], [0.0, 0.0], 0.0)
+    for k in range(1, 500):
+        steering, speeds = generator.normal(size=1) * 0.01, generator.normal(size=2) * 300.0
+        assert (np.diag(odometry.update(steering, speeds, 0.1 * k).twist_covariance) >= 0.0).all()
 
 
 def test_time_that_a_command_was_held_counts_once():

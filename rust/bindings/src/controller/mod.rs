@@ -53,6 +53,10 @@ pub use quick::install;
 ///     sideways while turning does not skew.
 /// steering : array_like, shape (steered wheels,), optional
 ///     Steering angles at the start [rad]; default the first measured ones, or 0.
+/// twist : array_like, shape (3,), optional
+///     Motion at the start, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default at rest. It is taken for the
+///     possible motion next to it, the joints where that needs them, those with a choice next to `steering`. What is
+///     beyond the limits comes down within them.
 ///
 /// Raises
 /// ------
@@ -70,8 +74,8 @@ pub struct Controller {
 impl Controller {
     #[new]
     #[pyo3(
-        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, discretise=false, steering=None),
-        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, discretise=False, steering=None)"
+        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, discretise=false, steering=None, twist=None),
+        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, discretise=False, steering=None, twist=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
@@ -85,6 +89,7 @@ impl Controller {
         align_tolerance: f64,
         discretise: bool,
         steering: Option<&Bound<'_, PyAny>>,
+        twist: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let chosen = || -> Result<Options, six_wheel_core::Error> {
             Ok(Options {
@@ -101,8 +106,14 @@ impl Controller {
         let joints = rover.get().joints();
         let steering = Rows::read_beside("steering", steering, joints, &[])?;
         let start = steering.as_ref().map(Rows::flat);
-        let core =
-            chosen().and_then(|options| Core::new(&rover.get().core, limits, options, start));
+        let twist = Rows::read_beside("twist", twist, 3, &[])?;
+        let core = chosen().and_then(|options| {
+            let core = Core::new(&rover.get().core, limits, options, start)?;
+            match &twist {
+                Some(rows) => core.in_motion(Twist::from(rows.triples()[0])),
+                None => Ok(core),
+            }
+        });
         Ok(Self {
             core: Shared::new(core.map_err(|error| raise(error, &[]))?),
             wheels: rover.get().count(),
@@ -220,7 +231,7 @@ impl Controller {
         ControllerRun::of(py, self, [stamps, twists, times])
     }
 
-    /// Back to rest, without a command and with the clock stopped, as when it was made.
+    /// Back to where it was when it was made: at rest, without a command and with the clock stopped.
     fn reset(&self, py: Python<'_>) -> PyResult<()> {
         self.core.lock(py)?.reset();
         Ok(())

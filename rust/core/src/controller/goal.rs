@@ -83,7 +83,7 @@ pub struct Goal {
 }
 
 /// Length and direction of a twist; none of length zero.
-fn polar(metric: &Matrix3<f64>, twist: Twist) -> Option<(f64, Vector3<f64>)> {
+pub fn polar(metric: &Matrix3<f64>, twist: Twist) -> Option<(f64, Vector3<f64>)> {
     let vector = Vector3::from(twist);
     let size = vector.amax();
     if size == 0.0 {

@@ -31,6 +31,7 @@ use self::motion::Motion;
 pub use self::options::{Align, Options};
 use self::route::Route;
 pub use self::run::Steps;
+use crate::admissible::Keep;
 use crate::error::{Error, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
@@ -58,6 +59,8 @@ pub struct Controller {
     room: Room,
     options: Options,
     start: Option<Vec<f64>>,
+    /// The motion it starts with, if not at rest; possible for the rover.
+    moving: Option<Twist>,
     scratch: Arc,
 
     clock: Option<f64>,
@@ -115,6 +118,7 @@ impl Controller {
             room,
             options,
             start: None,
+            moving: None,
             scratch: arc.clone(),
             clock: None,
             last_step: 0.0,
@@ -148,6 +152,18 @@ impl Controller {
         Ok(controller)
     }
 
+    /// The same, but already in motion: on the way with the possible twist next to this one, at a steady speed, the
+    /// joints where it needs them. A speed beyond the limits comes down as any other does.
+    ///
+    /// Fails if the twist is not finite.
+    pub fn in_motion(mut self, twist: Twist) -> Result<Self, Error> {
+        finite("twist", &<[f64; 3]>::from(twist))?;
+        let possible = self.rover.project(twist, Keep::Nearest)?;
+        self.moving = Some(possible).filter(|twist| *twist != Twist::ZERO);
+        self.reset();
+        Ok(self)
+    }
+
     /// Back to where it was when it was made.
     pub fn reset(&mut self) {
         self.clock = None;
@@ -175,6 +191,18 @@ impl Controller {
         self.twist = Twist::ZERO;
         self.reasons = 0;
         self.last_step = 0.0;
+        if let Some((twist, (speed, direction))) = self
+            .moving
+            .and_then(|twist| Some((twist, goal::polar(&self.rover.metric, twist)?)))
+        {
+            self.settle(direction);
+            self.speed = Motion::at(speed);
+            self.twist = twist;
+            // Taken even if the speed does not fit into it: then it comes down until it does.
+            self.envelope = Envelope::new(&self.room, &self.arc, 0.0, 0.0, 0.0);
+            self.settled = true;
+            self.set_speeds();
+        }
     }
 
     /// Takes a command given at `stamp` [s]; returns whether it is taken.

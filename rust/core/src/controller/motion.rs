@@ -62,7 +62,9 @@ impl Motion {
             value: sign.mul_add(way, self.value),
             rate: sign * rate,
         };
-        if change.is_infinite() {
+        // Squares of speeds, beyond which there is no number: no limit that any motion meets.
+        let fastest = change * gap + rate * rate / 2.0;
+        if change.is_infinite() || !fastest.is_finite() {
             return if limit * dt >= gap || limit.is_infinite() {
                 there
             } else {
@@ -74,7 +76,7 @@ impl Motion {
         let peak = if brakes && rate > 0.0 {
             rate
         } else {
-            limit.min((change * gap + rate * rate / 2.0).max(0.0).sqrt())
+            limit.min(fastest.max(0.0).sqrt())
         };
         let too_fast = rate > peak;
         let first = (peak - rate).abs() / change;

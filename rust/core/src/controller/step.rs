@@ -42,7 +42,7 @@ impl Controller {
         let mut reasons = self.ignored;
         self.ignored &= !reason::OUT_OF_ORDER;
         let since = self.clock.map(|last| now - last);
-        if let (None, None, Some(measured)) = (since, &self.start, measured) {
+        if let (None, None, None, Some(measured)) = (since, &self.start, self.moving, measured) {
             self.steering.copy_from_slice(measured);
         }
         let dt = match since {

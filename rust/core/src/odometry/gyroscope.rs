@@ -1,6 +1,15 @@
 //! A gyroscope about the vertical axis of the body: its noise, and the bias it drifts with.
 
+use nalgebra::Vector3;
+
+use super::uncertainty::Bias;
 use crate::error::{Error, number};
+
+/// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
+pub(super) const STANDING: f64 = 1e-3;
+
+/// Deviations within which a reading may well be the bias.
+pub(super) const LIKELY: f64 = 4.0;
 
 /// What is known of a gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +36,14 @@ impl Default for Gyroscope {
 }
 
 impl Gyroscope {
+    pub(super) fn at_start(&self) -> Bias {
+        Bias {
+            value: self.bias,
+            variance: self.bias_noise * self.bias_noise,
+            cross: Vector3::zeros(),
+        }
+    }
+
     /// Fails unless every number is finite and no deviation negative.
     pub fn check(&self) -> Result<(), Error> {
         if !self.bias.is_finite() {

@@ -325,6 +325,11 @@ impl Odometry {
                 from_rates: self.settings.readings == Readings::Speeds,
                 dt: entry.dt,
                 gyro_turn: entry.gyro_turn,
+                bias_variance: self
+                    .state
+                    .uncertainty
+                    .bias
+                    .map_or(0.0, |bias| bias.variance),
             };
             // It went well the first time, and the displacement does not depend on the pose.
             let smoothing = self.settings.smoothing;
@@ -335,6 +340,7 @@ impl Odometry {
                 &mut self.work,
                 &mut self.state,
                 smoothing,
+                self.settings.bias_walk(),
             )?;
             if let Some(yaw) = entry.yaw {
                 meet_yaw(&mut self.state, yaw, rules.noise.yaw);

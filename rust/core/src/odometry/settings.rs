@@ -1,6 +1,7 @@
 //! How odometry works: all that does not change while it does.
 
 use super::encoder::Encoder;
+use super::gyroscope::Gyroscope;
 use super::noise::Noise;
 use super::step::Rules;
 use crate::batch::one_row::step::Plan;
@@ -26,6 +27,8 @@ pub enum Readings {
 pub struct Settings {
     /// Standard deviations of readings and slip.
     pub noise: Noise,
+    /// The gyroscope whose rates come with the samples, its bias a state; None: rates are as the noise says.
+    pub gyroscope: Option<Gyroscope>,
     /// What the readings of the wheels are.
     pub readings: Readings,
     /// One for all wheels or one per wheel; empty: they read radians.
@@ -56,6 +59,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             noise: Noise::default(),
+            gyroscope: None,
             readings: Readings::Angles,
             wheel_encoders: Vec::new(),
             steering_encoders: Vec::new(),
@@ -75,6 +79,7 @@ impl Default for Settings {
 impl Settings {
     pub(super) fn check(&self, rover: &Rover) -> Result<(), Error> {
         self.noise.check()?;
+        self.gyroscope.map_or(Ok(()), |known| known.check())?;
         let encoders = [
             ("wheel_encoders", &self.wheel_encoders, rover.wheels().len()),
             (
@@ -118,9 +123,18 @@ impl Settings {
 }
 
 impl Settings {
+    /// By how much the bias of the gyroscope wanders [rad/s per root s].
+    pub(super) fn bias_walk(&self) -> f64 {
+        self.gyroscope.map_or(0.0, |known| known.bias_walk)
+    }
+
     pub(super) fn rules(&self) -> Rules {
+        let mut noise = self.noise;
+        if let Some(known) = self.gyroscope {
+            noise.yaw_rate = known.noise;
+        }
         Rules {
-            noise: self.noise,
+            noise,
             method: self.method,
             inflate: self.inflate,
             slip_threshold: self.slip_threshold,

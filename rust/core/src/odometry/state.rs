@@ -75,6 +75,7 @@ pub(super) fn advance(
     work: &mut Workspace,
     state: &mut State,
     smoothing: f64,
+    walk: f64,
 ) -> Result<(), Error> {
     let displacement = work.displacement(rover, motion, rules)?;
     let step = <[f64; 3]>::from(displacement);
@@ -89,6 +90,13 @@ pub(super) fn advance(
     let (sin, cos) = state.walk.heading.value().sin_cos();
     let jacobian = step_jacobian::<Apart>(displacement, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
+    if motion.gyro_turn.is_some() {
+        let gain = work.fusion().gain;
+        let wandered = walk * walk * motion.dt;
+        state
+            .uncertainty
+            .lean_on_bias(&jacobian, &gain, motion.dt, wandered);
+    }
     state.go(jacobian.shift, displacement.omega);
     state.hold(twist, motion.dt, smoothing);
     Ok(())

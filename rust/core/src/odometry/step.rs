@@ -33,8 +33,10 @@ pub(crate) struct Motion<'a> {
     pub from_rates: bool,
     /// Duration [s].
     pub dt: f64,
-    /// What a gyroscope turned [rad].
+    /// What a gyroscope turned, its bias taken off [rad].
     pub gyro_turn: Option<f64>,
+    /// Variance of that bias [rad²/s²].
+    pub bias_variance: f64,
 }
 
 /// How a step is worked out.
@@ -217,7 +219,13 @@ impl Workspace {
         self.fusion = Fusion::none();
         Ok(match motion.gyro_turn {
             Some(turn) => self
-                .fuse(displacement, turn, motion.dt, &rules.noise)
+                .fuse(
+                    displacement,
+                    turn,
+                    motion.dt,
+                    &rules.noise,
+                    motion.bias_variance,
+                )
                 .into(),
             None => by_wheels,
         })
@@ -263,6 +271,11 @@ impl Workspace {
         Ok(())
     }
 
+    /// How a gyroscope shared the last step.
+    pub fn fusion(&self) -> &Fusion {
+        &self.fusion
+    }
+
     /// How far a wheel rolled over the last step [m].
     pub fn rolled(&self, wheel: usize) -> f64 {
         self.readings[wheel].rolled
@@ -275,11 +288,13 @@ impl Workspace {
         turn: f64,
         dt: f64,
         noise: &Noise,
+        bias_variance: f64,
     ) -> Vector3<f64> {
         // The reading at each end counts for half the step.
         let deviation = noise.yaw_rate * noise.sharing(dt).sqrt() * dt / 2.0;
         let total = self.noise.total();
-        let spread = total.zz() + 2.0 * deviation * deviation;
+        let by_bias = bias_variance * dt * dt;
+        let spread = total.zz() + 2.0 * deviation * deviation + by_bias;
         let gain = if spread > 0.0 {
             total.with_z() / spread
         } else {

@@ -75,6 +75,13 @@ impl StepNoise {
         total
     }
 
+    /// No noise: a step in which nothing moved.
+    pub fn clear(&mut self) {
+        (self.own, self.ends) = (Spread::default(), Spread::default());
+        self.old.fill(Vector3::zeros());
+        self.new.fill(Vector3::zeros());
+    }
+
     /// Adds up the columns.
     pub fn sum_ends(&mut self) {
         self.ends = Spread::default();
@@ -104,6 +111,17 @@ pub(crate) struct YawOffset {
     pub cross: Vector3<f64>,
 }
 
+/// Bias of a gyroscope, as far as it is known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bias {
+    /// Its value [rad/s].
+    pub value: f64,
+    /// Its variance.
+    pub variance: f64,
+    /// Covariance of its error with that of the pose.
+    pub cross: Vector3<f64>,
+}
+
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
@@ -112,6 +130,7 @@ pub(crate) struct Uncertainty {
     /// Sum over the columns of their products with themselves.
     open: Spread,
     pub yaw_offset: Option<YawOffset>,
+    pub bias: Option<Bias>,
 }
 
 impl Uncertainty {
@@ -121,6 +140,7 @@ impl Uncertainty {
             carried: vec![[0.0; 3]; shared_readings],
             open: Spread::default(),
             yaw_offset: None,
+            bias: None,
         }
     }
 
@@ -130,6 +150,7 @@ impl Uncertainty {
         self.carried.copy_from_slice(&other.carried);
         self.open = other.open;
         self.yaw_offset = other.yaw_offset;
+        self.bias = other.bias;
     }
 
     /// Starts over from a known covariance.
@@ -137,6 +158,9 @@ impl Uncertainty {
         self.settled = Spread::of(&covariance);
         self.close();
         self.yaw_offset = None;
+        if let Some(bias) = &mut self.bias {
+            bias.cross = Vector3::zeros();
+        }
     }
 
     /// No reading before is shared with a step to come.
@@ -197,6 +221,42 @@ impl Uncertainty {
             *column = [0.0; 3];
         }
         self.carry_yaw_offset(step);
+    }
+
+    /// The bias of a gyroscope goes along one step, in which it turned the rover by as much as `gain` let it, and wandered
+    /// by a variance.
+    pub fn lean_on_bias(&mut self, step: &StepJacobian, gain: &Vector3<f64>, dt: f64, walk: f64) {
+        let Some(mut bias) = self.bias else {
+            return;
+        };
+        let by = step.map(&(gain * -dt));
+        let carried = step.carry(&bias.cross);
+        let mixed = by * carried.transpose();
+        let added = mixed + mixed.transpose() + by * by.transpose() * bias.variance;
+        self.settled.add_spread(&Spread::of(&added));
+        bias.cross = carried + by * bias.variance;
+        bias.variance += walk;
+        self.bias = Some(bias);
+    }
+
+    /// At rest a gyroscope reads its bias: by how much that moves the pose, which has leant on it.
+    pub fn learn_bias(&mut self, rate: f64, variance: f64) -> Vector3<f64> {
+        let Some(mut bias) = self.bias else {
+            return Vector3::zeros();
+        };
+        let spread = bias.variance + variance;
+        if spread == 0.0 {
+            return Vector3::zeros();
+        }
+        let innovation = rate - bias.value;
+        let (gain, along) = (bias.variance / spread, bias.cross / spread);
+        let less = along * bias.cross.transpose();
+        self.settled = Spread::of(&(self.settled.matrix() - less));
+        bias.value += gain * innovation;
+        bias.variance *= 1.0 - gain;
+        bias.cross *= 1.0 - gain;
+        self.bias = Some(bias);
+        along * innovation
     }
 
     #[inline(always)]
@@ -278,6 +338,9 @@ impl Uncertainty {
         }
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = rest * offset.cross;
+        }
+        if let Some(bias) = &mut self.bias {
+            bias.cross = rest * bias.cross;
         }
     }
 }

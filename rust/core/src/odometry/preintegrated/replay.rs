@@ -189,6 +189,7 @@ impl Sums {
             from_rates: odometry.settings.readings == Readings::Speeds,
             dt,
             gyro_turn,
+            bias_variance: 0.0,
         };
         let rules = odometry.settings.rules();
         let displacement = odometry.work.displacement(&odometry.rover, given, &rules)?;

@@ -1,0 +1,142 @@
+"""Mistakes that no fit can mend: logs that fit far better if something about them is read another way."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from six_wheel._core import Rover
+from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.fitting import Problem, Solution
+from six_wheel.calibration.model import Model
+from six_wheel.calibration.parameters import size
+from six_wheel.poses import Floats
+
+# How much better another reading must fit than the one given, nominal dimensions both.
+FAR_BETTER = 3.0
+# A place counts as the same from which this share of the size is missing.
+SAME_PLACE = 0.05
+# Shares of a bound within which a value is at it.
+AT_BOUND = 1e-6
+# A direction known no better than to this share of what is plausible.
+HARDLY = 0.1
+
+Reading = tuple[str, str, Callable[[Drive], Drive]]
+
+FACTORS = (
+    (2.0, "a gear or resolution is taken twice, or a radius for a diameter"),
+    (0.5, "a gear of 2 is missing, or a diameter is taken for a radius"),
+    (4.0, "edges are counted four times a tick"),
+    (0.25, "ticks are a quarter of what they are"),
+    (math.tau, "turns are taken for radians"),
+    (math.radians(1.0), "degrees are taken for radians"),
+)
+
+
+def mistaken(rover: Rover, drives: Sequence[Drive]) -> list[str]:
+    """What is probably wrong with the logs or the rover, and the remedy; nothing if they fit as they are.
+
+    Every suspicion is tried: sides swapped, wheels that count backwards, factors of two, degrees for radians.
+    """
+    model = Model(rover, [])
+    nothing = model.start
+
+    def misfit(change: Callable[[Drive], Drive] | None) -> float:
+        squares: list[Floats] = []
+        for drive in drives:
+            errors, _ = model.errors(drive if change is None else change(drive), nothing)
+            squares.append(np.sum(errors * errors * (1.0, 1.0, size(rover) ** 2), axis=1))
+        return math.sqrt(float(np.median(np.concatenate(squares))))
+
+    given = misfit(None)
+    tried = [(misfit(change), what, remedy) for what, remedy, change in _readings(rover)]
+    found, what, remedy = min(tried, key=lambda one: one[0], default=(math.inf, "", ""))
+    if found * FAR_BETTER > given:
+        return []
+    return [f"the drives fit far better ({given:.3g} m to {found:.3g} m a window) if {what}: {remedy}"]
+
+
+def _readings(rover: Rover) -> Iterator[Reading]:
+    """Other ways to read a log: what would be so, the remedy, and how a drive reads then."""
+
+    def factor(by: float) -> Callable[[Drive], Drive]:
+        return lambda drive: replace(drive, speeds=drive.speeds * by)
+
+    for by, why in FACTORS:
+        remedy = f"{why}; check resolution and gear of the encoders, and the unit of the columns"
+        yield f"the wheels turn {by:.3g} times as far", remedy, factor(by)
+    yield (
+        "all wheels count the other way round",
+        "give the encoders a negative gear",
+        factor(-1.0),
+    )
+    for number, name in enumerate(rover.wheel_names):
+        signs = np.ones(len(rover.wheels))
+        signs[number] = -1.0
+        remedy = f"give the encoder of {name} a negative gear"
+        yield (
+            f"wheel {name} counts the other way round",
+            remedy,
+            lambda drive, signs=signs: replace(drive, speeds=drive.speeds * signs),  # type: ignore[misc]
+        )
+    if (order := _mirrored(rover)) is not None:
+        steered = [number for number, wheel in enumerate(rover.wheels) if wheel.steered]
+        joints = [steered.index(order[number]) for number in steered]
+        yield (
+            "left and right are swapped",
+            "exchange the columns or the names of the wheels on both sides",
+            lambda drive: replace(drive, speeds=drive.speeds[:, order], steering=drive.steering[:, joints]),
+        )
+    if rover.steered_names:
+        units = "write deg into the header, or convert them"
+        for by, what, remedy in (
+            (-1.0, "steering angles count the other way round", "give the steering encoders a negative gear"),
+            (math.radians(1.0), "steering angles are in degrees", units),
+        ):
+            yield (
+                what,
+                remedy,
+                lambda drive, by=by: replace(drive, steering=drive.steering * by),  # type: ignore[misc]
+            )
+
+
+def _mirrored(rover: Rover) -> list[int] | None:
+    """For every wheel the one on the other side; None if one has none."""
+    places = np.array([(wheel.x, wheel.y) for wheel in rover.wheels])
+    if not np.abs(places[:, 1]).any():
+        return None
+    apart = np.hypot(places[:, None, 0] - places[None, :, 0], places[:, None, 1] + places[None, :, 1])
+    partners = apart.argmin(axis=1)
+    if (apart[np.arange(len(places)), partners] > SAME_PLACE * size(rover)).any():
+        return None
+    alike = [rover.wheels[a].steered == rover.wheels[b].steered for a, b in enumerate(partners)]
+    return partners.tolist() if all(alike) else None
+
+
+def at_bounds(problem: Problem, solution: Solution) -> list[str]:
+    """Parameters that went as far as they may."""
+    low, high = problem.bounds()
+    said = []
+    for one, value, least, most in zip(problem.model.parameters, solution.values, low, high, strict=True):
+        room = AT_BOUND * (most - least)
+        if not (value - least > room and most - value > room):
+            unit = f" {one.unit}".rstrip()
+            said.append(
+                f"{one.name} went as far as it may, to {value:.4g}{unit} from {one.value:.4g}{unit}: "
+                "check what the wheels read and in which unit, or leave it out"
+            )
+    return said
+
+
+def unsettled(solution: Solution) -> list[str]:
+    """Why a fit did not settle, and what to do."""
+    if solution.converged:
+        return []
+    widest = float(solution.spread.max(initial=0.0))
+    why = (
+        "the drives hardly tell some of the parameters; ask for fewer, or drive turns both ways"
+        if widest > HARDLY
+        else "stretches fit one another badly; try loss='cauchy', which forgets where it slipped"
+    )
+    return [f"the values still moved after the last round: {why}"]

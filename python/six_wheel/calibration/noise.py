@@ -1,0 +1,188 @@
+"""How far a calibrated rover's dead reckoning errs: slip along and across, by maximum likelihood.
+
+What is compared is where dead reckoning ends with where the rover was, on drives whose own session was left
+out of the fit: so what the dimensions are still off by is in it, and a rover that drives with this noise is
+as far off as it says. Slip grows with the root of the way, whatever the rate of the samples.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import chdtri, ndtri
+
+from six_wheel._core import Noise, Rover, wrap_angle
+from six_wheel.calibration.values import Estimate
+from six_wheel.logs import Log
+from six_wheel.odometry import dead_reckon
+from six_wheel.poses import Floats, inverse, joined
+
+# What the truth itself is not better than [m, m, rad]: motion capture.
+TRUTH = np.array([1e-3, 1e-3, 1e-3])
+# Sections a few runs are cut into, and from how many runs on each is one section.
+PIECES, ENOUGH = 4, 4
+# Slip that is looked for [m per root m].
+LEAST, MOST = 1e-5, 3.0
+# Of ends that shall lie within what is said of them.
+COVERED = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredNoise:
+    """Noise that was measured.
+
+    Attributes
+    ----------
+    noise : Noise
+        To give to `Odometry`; `speed` and `steering` are 0, for slip holds all that ends err by.
+    slip, side_slip : Estimate
+        Along and across the wheels [m per root m], by maximum likelihood, with intervals.
+    sections : int
+        Stretches whose ends were compared.
+    basis : str
+        What these were.
+    nees : ndarray, shape (sections,)
+        Normalised error squared of their ends under `noise`: 95 % are meant to lie below 7.81.
+    """
+
+    noise: Noise
+    slip: Estimate
+    side_slip: Estimate
+    sections: int
+    basis: str
+    nees: Floats
+
+    @property
+    def covered(self) -> float:
+        """Share of the ends within the 95 % bound."""
+        return float(np.mean(self.nees <= _bound()))
+
+    def __repr__(self) -> str:
+        return f"MeasuredNoise({self.noise!r}, {100 * self.covered:.0f} % of {self.basis} within their bound)"
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """Error of an end (3,), and its covariance (3, 3) by slip of 1 m per root m along and across."""
+
+    error: Floats
+    along: Floats
+    across: Floats
+
+
+def _bound() -> float:
+    return float(chdtri(3, 1.0 - COVERED))
+
+
+def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
+    """Where dead reckoning of a log ends, against the truth, for each of so many pieces of it."""
+    if log.truth is None:
+        return []
+    truth = log.truth.at(log.stamps + offset)
+    known = np.flatnonzero(np.isfinite(truth).all(axis=1))
+    if len(known) < 2 * pieces:
+        return []
+    body = joined(truth[known], np.broadcast_to(inverse(sensor), (len(known), 3)))
+    found = []
+    for rows in np.array_split(np.arange(len(known)), pieces):
+        first, last = int(rows[0]), int(rows[-1])
+        part = known[first : last + 1]
+        readings = (
+            None if log.steering is None else log.steering[part],
+            log.wheel_angles[part],
+            log.stamps[part],
+        )
+        tracks = [
+            dead_reckon(rover, *readings, noise=noise, start=body[first], residuals=False)
+            for noise in (Noise(0.0, 0.0, slip=1.0), Noise(0.0, 0.0, side_slip=1.0))
+        ]
+        along, across = (track.covariances[-1] for track in tracks)  # type: ignore[index]
+        error = tracks[0].poses[-1] - body[last]
+        error[2] = wrap_angle(error[2])
+        if np.trace(along) > 0.0:  # it moved
+            found.append(End(error, along, across))
+    return found
+
+
+def measure(
+    groups: Sequence[Sequence[End]], fitted: Sequence[End], confidence: float, basis: str
+) -> MeasuredNoise | None:
+    """Slip that makes errors most likely, sized by what most groups ask for; None without an end.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of End
+        Errors of what was left out together. All tell how slip along and across compare. Of the size that
+        each group asks for the median is taken, of two the larger: a fit without one of a few sessions may go
+        wrong altogether, which says little of the fit to all.
+    fitted : sequence of End
+        Errors under the fit to all: the size is widened until 95 % of them lie within what it says.
+    """
+    found = [end for group in groups for end in group]
+    if not found:
+        return None
+    errors, along, across = _stacked(found)
+    sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
+
+    def cost(logs: Floats) -> float:
+        logs = np.clip(logs, math.log(LEAST), math.log(MOST))
+        squares, sizes = _nees(logs, errors, along, across)
+        return 0.5 * float((squares + sizes).sum())
+
+    begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
+    best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
+    logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
+    # As multiples of the median of what chance would have of so many ends.
+    sums = [(_nees(logs, *_stacked(group))[0].sum(), 3 * len(group)) for group in groups if group]
+    asked = np.sort([total / float(chdtri(degrees, 0.5)) for total, degrees in sums])
+    sized = logs + 0.5 * math.log(max(float(asked[len(asked) // 2]), 1e-6))
+    at_once = _nees(sized, *_stacked(fitted))[0]
+    wide = sized + 0.5 * math.log(max(float(np.quantile(at_once, COVERED)) / _bound(), 1.0))
+    along_wheels = _estimate("slip", logs, 0, cost, confidence)
+    across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
+    if sides:
+        across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
+    slip, side_slip = (_digits(float(np.exp(one))) for one in wide)
+    noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
+    return MeasuredNoise(
+        noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]
+    )
+
+
+def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:
+    errors, along, across = ([getattr(end, name) for end in found] for name in ("error", "along", "across"))
+    return np.array(errors), np.array(along), np.array(across)
+
+
+def _nees(logs: Floats, errors: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
+    """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
+    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + np.diag(TRUTH**2)
+    solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
+    return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
+
+
+def _digits(value: float) -> float:
+    """Three digits: more are not known."""
+    return float(f"{value:.3g}")
+
+
+def _estimate(
+    name: str, logs: Floats, place: int, cost: Callable[[Floats], float], confidence: float
+) -> Estimate:
+    """A value with its interval by the profile of the likelihood: where it is not too unlikely."""
+    allowed = cost(logs) + 0.5 * float(chdtri(1, 1.0 - confidence))
+    interval = []
+    for side in (-1.0, 1.0):
+        edge = math.log(LEAST if side < 0.0 else MOST)
+        near, far = logs[place], edge
+        for _ in range(30):
+            middle = (near + far) / 2.0
+            trial = logs.copy()
+            trial[place] = middle
+            near, far = (middle, far) if cost(trial) <= allowed else (near, middle)
+        interval.append(math.exp(near))
+    value = math.exp(logs[place])
+    std = (interval[1] - interval[0]) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
+    return Estimate(name, "m per root m", 0.0, value, std, (interval[0], interval[1]))

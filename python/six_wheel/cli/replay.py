@@ -1,0 +1,99 @@
+"""`six-wheel replay`: a record of a loop once more, with other parameters."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from six_wheel.cli.shared import grid, new_console, progress_bar
+from six_wheel.cli.words import PROGRAM
+
+if TYPE_CHECKING:
+    from six_wheel.replay import Difference
+
+
+def replay(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="Record of a node, .mcap.")],
+    change: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUE", help="Another value for a key of the parameter file: limits.speed=0.3."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Record of the new run, .mcap.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture of both runs: .png, .svg or .pdf.")] = None,
+) -> None:
+    changes = _changes(change or [])
+    from six_wheel.logs.writing import replacing
+    from six_wheel.replay import compare
+    from six_wheel.replay import replay as run_again
+
+    if not record.is_file():
+        raise ValueError(f"{record}: no such file")
+    if output is not None and output.suffix.lower() != ".mcap":
+        raise ValueError(f'{output}: the ending of a record must be .mcap, got "{output.suffix}"')
+    import contextlib
+
+    with contextlib.ExitStack() as stack:
+        progress = stack.enter_context(progress_bar(f"replaying {record.name}"))
+        picture = None
+        if plot is not None:
+            from six_wheel.plot.saving import picture_path
+
+            picture = stack.enter_context(replacing(picture_path(plot), [record]))
+        target = None if output is None else stack.enter_context(replacing(output, [record]))
+        result = run_again(record, changes, target, progress=progress)
+        if picture is not None:
+            from six_wheel.plot.replay import replay_figure
+            from six_wheel.plot.saving import save
+
+            save(replay_figure(result, title=record.name), picture)
+    for warning in result.warnings:
+        print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
+    difference = compare(result)
+    console = new_console()
+    console.print(_table(difference))
+    written = [("record", output), ("picture", plot)]
+    console.print(grid([*_verdict(difference, bool(changes)), *written]))
+
+
+def _changes(given: list[str]) -> dict[str, Any]:
+    changes: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not (key.strip() and equals and value.strip()):
+            raise ValueError(f'change must be KEY=VALUE, such as "limits.speed=0.3", got "{text}"')
+        from six_wheel.onboard.settings import read_value
+
+        changes[key.strip()] = read_value(value.strip())
+    return changes
+
+
+def _table(difference: "Difference") -> Any:
+    from rich.table import Table
+
+    table = Table()
+    for heading in ("", "recorded", "again"):
+        table.add_column(heading, overflow="fold")
+    for row in difference.rows:
+        table.add_row(*row)
+    return table
+
+
+def _verdict(difference: "Difference", changed: bool) -> list[tuple[str, object]]:
+    """In what the runs differ, as rows for `grid`."""
+    if difference.same_bits:
+        meant = ", in spite of the changes" if changed else ""
+        return [("commands", f"the same bits in all {difference.common:,} steps{meant}")]
+    if difference.first is None:
+        return [("commands", f"the same in all {difference.common:,} steps that both have")]
+    return [
+        ("commands", f"differ in {difference.differing:,} of {difference.common:,} steps"),
+        ("for the first time", f"{difference.first:.3f} s after the first command"),
+        ("speed", f"by up to {difference.twist:.4g} m/s"),
+        ("steering angles", f"by up to {difference.steering:.4g} rad"),
+        ("wheel speeds", f"by up to {difference.speeds:.4g} rad/s"),
+    ]

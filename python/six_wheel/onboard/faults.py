@@ -1,0 +1,67 @@
+"""What was wrong: how often, when last, and how bad; nothing is lost between two reports."""
+
+from dataclasses import dataclass
+
+__all__ = ["AREAS", "ERROR", "OK", "STALE", "WARN", "Fault", "Faults"]
+
+# Levels of diagnostic_msgs/DiagnosticStatus.
+OK, WARN, ERROR, STALE = range(4)
+AREAS = ("commands", "joints", "odometry", "time")
+
+
+@dataclass
+class Fault:
+    """One kind of thing that goes wrong.
+
+    Attributes
+    ----------
+    area : {"commands", "joints", "odometry", "time"}
+    level : int
+        `WARN` or `ERROR`.
+    what : str
+        The rule that was broken.
+    last : str
+        What came instead, the last time.
+    count, new : int
+        How often, and how often since the last report.
+    """
+
+    area: str
+    level: int
+    what: str
+    last: str = ""
+    count: int = 0
+    new: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.what}, got {self.last}" if self.last else self.what
+
+
+class Faults:
+    """All of them, by what they are."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[str, str], Fault] = {}
+
+    def add(self, area: str, level: int, what: str, got: str = "") -> bool:
+        """One more; whether it is the first since the last report."""
+        fault = self._known.get((area, what))
+        if fault is None:
+            fault = self._known[area, what] = Fault(area, level, what)
+        fault.last = got
+        fault.count += 1
+        fault.new += 1
+        return fault.new == 1
+
+    def of(self, area: str) -> list[Fault]:
+        """Those of an area, the worst first."""
+        found = [fault for fault in self._known.values() if fault.area == area]
+        return sorted(found, key=lambda fault: -fault.level)
+
+    def __iter__(self):  # type: ignore[no-untyped-def]
+        return iter(self._known.values())
+
+    def reported(self) -> None:
+        """All that there is has been told."""
+        for fault in self._known.values():
+            fault.new = 0

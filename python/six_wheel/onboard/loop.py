@@ -1,0 +1,425 @@
+"""The loop on a rover: a `Controller` and an `Odometry`, and what happens when something is wrong.
+
+Every call has the time `now` [ns]; nothing else is known of time. Steps are made when a set of joint readings
+is complete, and by `tick` where none come in time. What a fault leads to:
+
+- Without all joints for longer than `joint_state_timeout` the rover stops, its steering held, until they are
+back and
+  a command newer than the stop has come.
+- Where time jumps back, commands and readings from before are forgotten, and the loop begins as after a
+start.
+- At a start the rover may be moving. The first commands are those of the motion that odometry measures.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from six_wheel._core import Controller, OdometryState
+from six_wheel.controller import Reason
+from six_wheel.odometry.tracks import Health
+from six_wheel.onboard.faults import ERROR, WARN, Faults
+from six_wheel.onboard.joints import JointReader, Numbers, Readings
+from six_wheel.onboard.settings import Settings
+
+__all__ = ["Loop", "Step"]
+
+SECOND = 1_000_000_000  # [ns]
+HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
+JUMP = SECOND  # of time, forward, between two calls, that is worth a word
+SETTLE = 0.03  # [s] over which it is measured at the start how the rover moves
+CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
+AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
+STALE = int(Reason.STALE)
+
+
+class Step(NamedTuple):
+    """What came of one step.
+
+    Attributes
+    ----------
+    now : int
+        Its time [ns].
+    steering, speeds : list of float, or None
+        Joint commands in the order of the rover's joints [rad, rad/s]; None where nothing is commanded.
+    twist : tuple of float
+        The motion they make.
+    reasons : int
+        Bits of `Reason`.
+    stamp : int or None
+        When the readings were taken [ns] that odometry has counted with this step; None if it has not.
+    state : OdometryState or None
+    """
+
+    now: int
+    steering: list[float] | None
+    speeds: list[float] | None
+    twist: tuple[float, float, float]
+    reasons: int
+    stamp: int | None
+    state: OdometryState | None
+
+
+class Loop:
+    """A rover on its way.
+
+    Parameters
+    ----------
+    settings : Settings
+
+    Attributes
+    ----------
+    settings : Settings
+    faults : Faults
+    reasons : Counter
+        Steps with each combination of reasons, since `reasons` was cleared.
+    stopping : str or None
+        Why the rover is stopped, whatever the commands; None if it is not.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._take(settings)
+        self.faults = Faults()
+        self.reasons: Counter[int] = Counter()
+        self.stopping: str | None = None
+        self.active = True
+        rover = settings.rover
+        steered, wheels = list(rover.steered_names), list(rover.wheel_names)
+        # Commands go out in the order and with the signs of the file's joints, not of the rover's wheels.
+        sign = dict.fromkeys(rover.reversed_joints, -1.0)
+        self._steering_out = [
+            (sign.get(joint, 1.0), steered.index(wheel)) for joint, wheel in rover.steering_joints.items()
+        ]
+        self._traction_out = [
+            (sign.get(joint, 1.0), wheels.index(wheel)) for joint, wheel in rover.traction_joints.items()
+        ]
+        self._controller: Controller | None = None
+        self._odometry = settings.odometry()
+        self._reader = self._new_reader()
+        self._origin: int | None = (
+            None  # times count from here: doubles hold seconds, not nanoseconds since 1970
+        )
+        self._stamp_origin: int | None = None
+        self._now = 0
+        self._first = 0
+        self._stepped: int | None = None
+        self._measured: list[float] | None = None
+        self._moved: tuple[tuple[float, float, float], float] = (0.0, 0.0, 0.0), 0.0
+        self._seen: float | None = None
+        self._command: tuple[tuple[float, float, float], float] | None = None
+        self._latest = -math.inf  # the latest stamp that the controller was given
+        self._wanted = (0.0, 0.0, 0.0)
+
+    # What comes in
+
+    def command(self, twist: tuple[float, float, float], stamp: int, now: int) -> None:
+        """A command ``[vx, vy, omega]`` that was given at `stamp` and came at `now` [ns]; stamp 0: now."""
+        now = self._move_on(now)
+        stamp = stamp or now
+        if not all(map(math.isfinite, twist)):
+            self.faults.add("commands", ERROR, "a command must be finite", str(twist))
+        elif stamp - now > AHEAD:
+            ahead = f"{(stamp - now) / SECOND:.3g} s ahead"
+            self.faults.add("commands", WARN, "the stamp of a command must not be ahead of the clock", ahead)
+        else:
+            timeout = self.settings.parameters.control.get("timeout", 0.5)
+            if timeout is not None and now - stamp > timeout * SECOND:
+                age = f"{(now - stamp) / SECOND:.3g} s old"
+                self.faults.add("commands", WARN, f"a command must not be older than {timeout:g} s", age)
+        if self.stopping is not None or not self.active:
+            return
+        self._wanted = twist
+        self._give(twist, self._seconds(min(stamp, now)))
+
+    def joints(
+        self, names: Sequence[str], positions: Numbers, velocities: Numbers, stamp: int, now: int
+    ) -> Step | None:
+        """Joint states, read at `stamp` (0: now), that came at `now` [ns]. A step if they are complete."""
+        now = self._move_on(now)
+        stamp = stamp or now
+        timeout = self._timeout
+        if abs(now - stamp) > timeout:
+            age = f"{(now - stamp) / SECOND:.3g} s"
+            self.faults.add(
+                "joints", ERROR, f"stamps must be within {timeout / SECOND:g} s of the clock", age
+            )
+            return None
+        readings = self._reader.read(names, positions, velocities, now)
+        if readings is None:
+            return None
+        self._measured = readings.steering or None
+        state = self._count(readings, stamp)
+        if self._stepped is not None and now <= self._stepped:
+            return None  # the same time twice, as a simulation may have it
+        if self._controller is None and not self._begin():
+            return Step(now, None, None, (0.0, 0.0, 0.0), 0, stamp, state)
+        return self._step(now, stamp, state)
+
+    def tick(self, now: int) -> Step | None:
+        """The timer: a step if there has been none by joint states for a period."""
+        now = self._move_on(now)
+        if self._stepped is not None and now - self._stepped < self._period:
+            return None
+        if self._open_loop:
+            if self._controller is None:
+                self._controller = self.settings.controller()
+                self._give_again()
+            return self._step(now, now, None)
+        missing = self._reader.missing(now, self._timeout)
+        if missing and now - self._first > self._timeout:
+            self.stopping = "joint states are missing"
+            self._say_missing(missing)
+        return None if self._controller is None else self._step(now, None, None)
+
+    def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
+        """The rover is known to be here; readings count on."""
+        self._move_on(now)
+        self._odometry.set_pose(pose, covariance)
+
+    def reset(self, now: int, pose: Numbers = (0.0, 0.0, 0.0), covariance: Numbers | None = None) -> None:
+        """Odometry starts over; the motion goes on."""
+        self._move_on(now)
+        self._odometry.reset(pose, covariance)
+        self._stamp_origin = None
+
+    def change(self, settings: Settings, now: int) -> None:
+        """Other limits, options or noise, from the present motion on; the rover itself stays what it is."""
+        self._move_on(now)
+        if settings.rover != self.settings.rover:
+            raise ValueError("the rover must stay what it is while it drives; start again with the other one")
+        before = self.settings
+        self._take(settings)
+        old, new = before.parameters, settings.parameters
+        if (old.limits, old.control) != (new.limits, new.control) and self._controller is not None:
+            last = self._controller
+            self._controller = settings.controller(steering=last.steering, twist=last.twist)
+            self._latest = -math.inf
+            self._give_again()
+        if (old.noise, old.odometry) != (new.noise, new.odometry):
+            state = self._odometry.state
+            self._odometry = settings.odometry()
+            self._odometry.reset(state.pose, state.covariance)
+
+    def activate(self, now: int, active: bool = True) -> None:
+        """Take commands; or stop within the limits, and take none."""
+        self._move_on(now)
+        self.active = active
+
+    def begin(self, now: int, twist: Numbers) -> None:
+        """The rover moves like this; for one without joint states, before its first step."""
+        self._move_on(now)
+        if self._controller is None:
+            self._controller = self.settings.controller(twist=twist)
+            self._give_again()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether nothing is in motion by the commands."""
+        return self._controller is None or self._controller.stopped
+
+    @property
+    def twist(self) -> tuple[float, float, float]:
+        """The motion that is commanded."""
+        if self._controller is None:
+            return 0.0, 0.0, 0.0
+        vx, vy, omega = self._controller.twist.tolist()
+        return vx, vy, omega
+
+    @property
+    def stopping_distance(self) -> float:
+        """How far the rover goes, at most, if it is told to stop now [m]."""
+        return 0.0 if self._controller is None else self._controller.stopping_distance
+
+    @property
+    def state(self) -> OdometryState:
+        """Of the odometry."""
+        return self._odometry.state
+
+    @property
+    def wanted(self) -> tuple[float, float, float]:
+        """The last command that was taken."""
+        return self._wanted
+
+    def _take(self, settings: Settings) -> None:
+        self.settings = settings
+        options = settings.options
+        self._timeout = round(options.joint_state_timeout * SECOND)
+        # Between two ticks, but for the jitter of the timer.
+        self._period = round(0.9 * SECOND / options.update_rate)
+        self._open_loop = options.open_loop
+
+    # Time
+
+    def _seconds(self, time: int) -> float:
+        assert self._origin is not None
+        return (time - self._origin) / SECOND
+
+    def _move_on(self, now: int) -> int:
+        """The time from here on: that given, but never a little earlier than the last one."""
+        if self._origin is None:
+            self._origin = self._now = self._first = now
+        since = now - self._now
+        if -HICCUP <= since < 0:
+            return self._now
+        if since < 0:
+            self.faults.add("time", WARN, "time must not run backwards", f"{-since / SECOND:.6g} s back")
+            self._start_over(now)
+        elif since > JUMP:
+            self.faults.add("time", WARN, "time must not jump", f"{since / SECOND:.6g} s ahead")
+        self._now = now
+        return now
+
+    def _start_over(self, now: int) -> None:
+        self._origin = self._first = now
+        self._stamp_origin = self._stepped = self._command = self._controller = self._measured = None
+        self._moved, self._seen = ((0.0, 0.0, 0.0), 0.0), None
+        self._latest = -math.inf
+        self.stopping = None
+        self._reader.forget()
+        if self.settings.options.reset_on_time_jump:
+            self._odometry.reset()
+        else:
+            state = self._odometry.state
+            self._odometry.reset(state.pose, state.covariance)
+
+    # Steps
+
+    def _new_reader(self) -> JointReader:
+        settings = self.settings
+        positions = settings.options.position_feedback
+        return JointReader(settings.rover, positions, settings.steering_factors(), self.faults)
+
+    def _give(self, twist: tuple[float, float, float], stamp: float) -> None:
+        self._command = twist, stamp
+        if self._controller is None:
+            return
+        if self._controller.command(twist, stamp):
+            self._latest = stamp
+        elif stamp < self._latest:
+            self.faults.add("commands", WARN, "commands must come in the order of their stamps")
+
+    def _count(self, readings: Readings, stamp: int) -> OdometryState | None:
+        """Give readings to the odometry; what it says, if they count."""
+        if self._stamp_origin is None:
+            self._stamp_origin = stamp
+        seconds = (stamp - self._stamp_origin) / SECOND
+        steering = readings.steering or None
+        try:
+            state = self._odometry.update(steering, readings.wheels, seconds)
+        except ValueError:
+            # For rows it says which rule one breaks, and follows a clock or counter that moved for good.
+            rows = None if steering is None else [steering]
+            track = self._odometry.run(rows, [readings.wheels], [seconds], covariances=False, residuals=False)
+            health = Health(int(track.health[0]))
+            self._say_health(health)
+            return None if health & Health.LEFT_OUT else self._odometry.state
+        if health := state.health:
+            self._say_health(health)
+        if self._controller is None:
+            self._measure(state)
+        return state
+
+    def _measure(self, state: OdometryState) -> None:
+        """The way since the first readings, in body axes, and the time it took."""
+        ways, span = self._moved
+        before, self._seen = self._seen, state.stamp
+        if before is None or state.stamp is None or state.health & Health.FIRST:
+            self._moved = (0.0, 0.0, 0.0), 0.0
+            return
+        step = state.stamp - before
+        vx, vy, omega = state.twist.tolist()
+        self._moved = (ways[0] + step * vx, ways[1] + step * vy, ways[2] + step * omega), span + step
+
+    def _say_health(self, health: Health) -> None:
+        for each in health:
+            if each is not Health.FIRST:
+                level = WARN if each in (Health.GAP, Health.WRAPPED, Health.SLIP) else ERROR
+                self.faults.add("odometry", level, f"{each.name}: {HEALTH[each]}")
+
+    def _begin(self) -> bool:
+        """Make a controller from what is measured; whether there is one."""
+        moved, span = self._moved
+        if span < SETTLE:
+            return False  # two readings alone may have stamps that jitter
+        twist = [way / span for way in moved]
+        measured, new = self._measured, self.settings.controller
+        try:
+            self._controller = new(steering=measured)
+        except ValueError as error:
+            self._say_impossible(error)
+            return False
+        if any(twist):
+            moving = new(steering=measured, twist=twist)
+            errors = zip(moving.steering.tolist(), measured or (), strict=True)
+            if max((abs(a - b) for a, b in errors), default=0.0) <= CLOSE:
+                self._controller = moving
+        self._give_again()
+        return True
+
+    def _step(self, now: int, stamp: int | None, state: OdometryState | None) -> Step:
+        controller, seconds = self._controller, self._seconds(now)
+        assert controller is not None
+        if stamp is not None:
+            self.stopping = None
+        if self.stopping is not None or not self.active:
+            self._stop(controller, seconds)
+        resting = controller.stopped
+        try:
+            output = controller.step(seconds, None if self.stopping else self._measured)
+        except ValueError as error:
+            # An angle that no joint can have: as good as none.
+            self._say_impossible(error)
+            self._stop(controller, seconds)
+            output = controller.step(seconds)
+        self._stepped = now
+        reasons = int(output.reasons)
+        self.reasons[reasons] += 1
+        if reasons & STALE:
+            self.faults.add("commands", WARN, "commands must keep coming", "none in time: the rover stops")
+        vx, vy, omega = output.twist.tolist()
+        if self._open_loop:
+            state = self._odometry.command((vx, vy, omega), seconds)
+        if resting and not self.active:
+            return Step(now, None, None, (vx, vy, omega), reasons, stamp, state)
+        steering, speeds = output.steering.tolist(), output.speeds.tolist()
+        return Step(
+            now,
+            [sign * steering[k] for sign, k in self._steering_out],
+            [sign * speeds[k] for sign, k in self._traction_out],
+            (vx, vy, omega),
+            reasons,
+            stamp,
+            state,
+        )
+
+    def _stop(self, controller: Controller, seconds: float) -> None:
+        """The rover is to stop, and only a newer command than this drives it again."""
+        self._command = None
+        self._latest = max(self._latest, seconds)
+        controller.command((0.0, 0.0, 0.0), self._latest)
+
+    def _give_again(self) -> None:
+        if self._command is not None:
+            self._give(*self._command)
+
+    def _say_impossible(self, error: ValueError) -> None:
+        self.faults.add("joints", ERROR, "steering angles must be possible", str(error))
+
+    def _say_missing(self, missing: list[str]) -> None:
+        for joint in missing:
+            got = "none" + self._reader.hint(joint)
+            self.faults.add("joints", ERROR, f"joint {joint} must be in the joint states", got)
+
+
+HEALTH = {
+    Health.GAP: "a gap between readings, counted as one arc",
+    Health.WRAPPED: "a counter started over",
+    Health.SLIP: "a wheel contradicts the others",
+    Health.NOT_FINITE: "a reading is not finite, left out",
+    Health.DUPLICATE: "readings have the stamp of those before, left out",
+    Health.BACKWARDS: "readings are older than those before, left out",
+    Health.JUMP: "faster than the rover can be, left out",
+    Health.UNDETERMINED: "the wheels do not determine the motion, left out",
+    Health.RESTARTED: "clock or counters restarted, followed",
+}

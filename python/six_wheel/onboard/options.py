@@ -1,0 +1,94 @@
+"""What a loop can be told beside its parameter file; names of ros2_controllers where they have one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+__all__ = ["OPTIONS", "Option", "Options"]
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option.
+
+    Attributes
+    ----------
+    name : str
+    default : bool, float or str
+    description : str
+    least, most : float, optional
+        Between which a number lies.
+    choices : tuple of str
+        Of a text.
+    live : bool
+        Whether it can be changed while the rover drives.
+    """
+
+    name: str
+    default: bool | float | str
+    description: str
+    least: float | None = None
+    most: float | None = None
+    choices: tuple[str, ...] = ()
+    live: bool = False
+
+    def check(self, given: Any) -> Any:
+        """The value, if it may be one."""
+        kind: type = type(self.default)
+        value: Any = given
+        if kind is float and isinstance(given, int) and not isinstance(given, bool):
+            value = float(given)
+        if type(value) is not kind:
+            names = {bool: "true or false", float: "a number", str: "text"}
+            raise ValueError(f"{self.name} must be {names[kind]}, got {value!r}")
+        if self.choices and value not in self.choices:
+            raise ValueError(f'{self.name} must be one of {", ".join(self.choices)}, got "{value}"')
+        if self.least is not None and self.most is not None and not (self.least <= given <= self.most):
+            raise ValueError(f"{self.name} must lie between {self.least:g} and {self.most:g}, got {value:g}")
+        return value
+
+
+OPTIONS = (
+    Option("open_loop", False, "odometry from the commands, for a rover without joint states"),
+    Option("position_feedback", True, "wheels report positions (running totals); false: velocities"),
+    Option(
+        "joint_state_timeout",
+        0.5,
+        "age of a joint's last reading at which the rover stops [s]",
+        least=0.01,
+        most=60.0,
+        live=True,
+    ),
+    Option("update_rate", 50.0, "steps per second while no joint states come [Hz]", least=1.0, most=1000.0),
+    Option(
+        "publish_rate",
+        50.0,
+        "odometry messages per second, at most [Hz]; 0: one for every reading",
+        least=0.0,
+        most=1000.0,
+        live=True,
+    ),
+    Option("reset_on_time_jump", False, "odometry starts over where time jumps back, as simulations do it"),
+)
+
+
+@dataclass(frozen=True)
+class Options:
+    """The values of `OPTIONS`."""
+
+    open_loop: bool = False
+    position_feedback: bool = True
+    joint_state_timeout: float = 0.5
+    update_rate: float = 50.0
+    publish_rate: float = 50.0
+    reset_on_time_jump: bool = False
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> "Options":
+        """Checked, the defaults for what is left out."""
+        known = {option.name: option for option in OPTIONS}
+        return cls(**{name: known[name].check(value) for name, value in values.items()})
+
+    def values(self) -> dict[str, Any]:
+        """By name."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}

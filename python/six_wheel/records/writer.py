@@ -1,0 +1,96 @@
+"""An MCAP file being written: topics with the schemas of ROS 2, settings beside them."""
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Self
+
+from six_wheel._core import __version__
+
+__all__ = ["FORMAT", "SETTINGS", "RecordWriter", "libraries"]
+
+INSTALL = 'pip install "six-wheel[bags]"'
+SETTINGS = "six_wheel"  # the name of the metadata
+FORMAT = "1"
+CHUNK = 1 << 18  # [bytes] half a second of a loop at 200 Hz: what is lost at most when the power goes
+
+
+def libraries() -> Any:
+    """What records are written and read with."""
+    try:
+        import mcap.records
+        import mcap.stream_reader
+        import mcap.writer
+        import rosbags.typesys
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"records need {error.name}: {INSTALL}", name=error.name) from None
+    return SimpleNamespace(
+        Writer=mcap.writer.Writer,
+        CompressionType=mcap.writer.CompressionType,
+        StreamReader=mcap.stream_reader.StreamReader,
+        records=mcap.records,
+        store=rosbags.typesys.get_typestore(rosbags.typesys.Stores.LATEST),
+    )
+
+
+class RecordWriter:
+    """Messages on topics into one MCAP file, readable up to its last chunk whenever the writer ends.
+
+    Parameters
+    ----------
+    path : Path
+        The file; what is there is replaced.
+    settings : mapping of str to str
+        What was set, as metadata of the file.
+    files : mapping of str to str
+        Texts that go with it, by name, as attachments.
+    """
+
+    def __init__(
+        self, path: Path, settings: Mapping[str, str] | None = None, files: Mapping[str, str] | None = None
+    ) -> None:
+        self._libraries = libraries()
+        self._stream: io.BufferedWriter = path.open("wb")
+        compression = self._libraries.CompressionType.LZ4
+        self._writer = self._libraries.Writer(self._stream, chunk_size=CHUNK, compression=compression)
+        self._writer.start("ros2", f"six_wheel {__version__}")
+        self._writer.add_metadata(SETTINGS, {"format": FORMAT, "version": __version__, **(settings or {})})
+        for name, content in (files or {}).items():
+            self._writer.add_attachment(0, 0, name, "text/yaml", content.encode())
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+
+    def topic(self, name: str, kind: str) -> int:
+        """The number of a topic of messages such as ``nav_msgs/msg/Odometry``; it is made if need be."""
+        if name in self._channels:
+            return self._channels[name]
+        if kind not in self._schemas:
+            definition, _ = self._libraries.store.generate_msgdef(kind, ros_version=2)
+            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", definition.encode())
+        self._channels[name] = self._writer.register_channel(name, "cdr", self._schemas[kind])
+        return self._channels[name]
+
+    def write(self, topic: int, time: int, message: bytes, stamp: int | None = None) -> None:
+        """Append a message of that time [ns]; `stamp` is what it says itself."""
+        self._writer.add_message(topic, time, message, time if stamp is None else stamp)
+
+    def write_object(self, topic: str, kind: str, time: int, build: Any) -> None:
+        """Append a message that `build` makes of the types by their names: for those of changing shape."""
+        store = self._libraries.store
+        message = store.serialize_cdr(build(store.types), kind)
+        self.write(self.topic(topic, kind), time, bytes(message))
+
+    def close(self) -> None:
+        """End the file."""
+        if not self._stream.closed:
+            try:
+                self._writer.finish()
+            finally:
+                self._stream.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()

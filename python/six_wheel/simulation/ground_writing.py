@@ -1,0 +1,214 @@
+"""A drive over ground as a table, or as a bag with transforms that viewers draw."""
+
+import tempfile
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import RockerBogie
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.tables import FORMATS, table_format
+from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.simulation.ground import GroundSimulation
+from six_wheel.simulation.writing import BAG, POSE, Messages, joint_columns
+
+__all__ = ["write_ground"]
+
+Floats = NDArray[np.float64]
+
+ENDINGS = (*FORMATS, BAG)
+WORLD, BODY = "map", "base_link"
+
+
+def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> None:
+    """Write a drive over ground.
+
+    Parameters
+    ----------
+    run : GroundSimulation
+        What `simulate` returned.
+    arm : RockerBogie
+        Who drove.
+    path : str or Path
+        .csv or .parquet: readings and truth as `write_log` has them, and ``z``, ``roll``, ``pitch``, the
+        joints, the IMU and, wheel by wheel, speed, contact angle, slip ratio and slip angle. .mcap: joint
+        states, transforms from ``map`` to ``base_link`` and to every wheel, the true pose and the IMU. A
+        file that is there is replaced once the new one is complete.
+
+    Raises
+    ------
+    TableError
+        If the ending is none of these, or a bag would have to hold counts: it has radians by definition.
+    ModuleNotFoundError
+        If what writes the format is not installed.
+    """
+    target = Path(path)
+    if target.suffix.lower() == BAG:
+        _write_bag(run, arm, target)
+        return
+    table_format(target, ENDINGS)
+    named = target.suffix.lower() == ".csv"  # a CSV states its units in its headers
+    columns = {
+        f"{name} [{unit}]" if named and unit not in ("s", "1") and name not in dict(POSE) else name: (
+            unit,
+            values,
+        )
+        for name, (unit, values) in _columns(run, arm).items()
+    }
+    units = {name: unit for name, (unit, _) in columns.items()}
+    with replacing(target) as place, TableWriter(place, units) as writer:
+        writer.write([np.ascontiguousarray(values) for _, values in columns.values()])
+
+
+def _columns(run: GroundSimulation, arm: RockerBogie) -> dict[str, tuple[str, Any]]:
+    """Name to unit and values, in the order of the table."""
+    assert run.stand is not None
+    assert run.slip is not None
+    assert run.speeds is not None
+    assert run.truth is not None
+    assert run.orientations is not None
+    assert run.angular_velocity is not None
+    planar, stand = arm.planar(0.0, (0.0, 0.0)), run.stand
+    columns: dict[str, tuple[str, Any]] = {"time": ("s", run.stamps)}
+    in_ticks = {"wheel": "wheel_encoders" in run.options, "steering": "steering_encoders" in run.options}
+    for joint, values in joint_columns(run, planar).items():
+        kind = "steering" if joint in planar.steering_joints else "wheel"
+        columns[joint] = ("ticks" if in_ticks[kind] else "rad", values)
+    if run.yaw_rate is not None:
+        columns["yaw_rate"] = ("rad/s", run.yaw_rate)
+    for (name, unit), values in zip(POSE, run.truth.poses.T, strict=True):
+        columns[name] = (unit, values)
+    columns["status"] = ("1", np.asarray(stand.status).astype(str))
+    columns |= {"z": ("m", stand.z), "roll": ("rad", stand.roll), "pitch": ("rad", stand.pitch)}
+    for name, values in zip(arm.free_joints, stand.joints.T, strict=True):
+        columns[name] = ("rad", values)
+    for name, values in zip("xyzw", run.orientations.T, strict=True):
+        columns[f"orientation_{name}"] = ("1", values)
+    for name, values in zip("xyz", run.angular_velocity.T, strict=True):
+        columns[f"angular_velocity_{name}"] = ("rad/s", values)
+    for unit, quantity, table in (
+        ("rad/s", "speed", run.speeds),
+        ("rad", "contact_angle", stand.contact_angles),
+        ("1", "slip_ratio", run.slip.ratio),
+        ("rad", "slip_angle", run.slip.angle),
+    ):
+        for wheel, values in zip(arm.wheel_names, table.T, strict=True):
+            columns[f"{wheel}_{quantity}"] = (unit, values)
+    return columns
+
+
+def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
+    if run.options:
+        raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
+    from six_wheel.logs.bag_files import rosbags_names
+
+    assert run.stand is not None
+    assert run.truth is not None
+    assert run.orientations is not None
+    assert run.angular_velocity is not None
+    rosbags = rosbags_names()
+    store = rosbags.get_typestore(rosbags.Stores.LATEST)
+    planar, stand = arm.planar(0.0, (0.0, 0.0)), run.stand
+    columns = joint_columns(run, planar) | dict(zip(arm.free_joints, stand.joints.T, strict=True))
+    rows = np.stack(list(columns.values()), axis=-1)
+    places = np.column_stack((run.truth.poses[:, :2], stand.z))
+    wheels = _wheel_transforms(run, arm)
+    with replacing(path) as place, tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag") as folder:
+        plugin = rosbags.StoragePlugin.MCAP
+        with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
+            messages = _GroundMessages(writer, store)
+            for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
+                if not np.isfinite(places[row]).all():
+                    continue  # no way to stand was found here
+                messages.joints(stamp, list(columns), rows[row])
+                frames = {BODY: (WORLD, places[row], run.orientations[row])}
+                frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
+                messages.transforms(stamp, frames)
+                messages.posed(stamp, places[row], run.orientations[row])
+                messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
+        (file,) = Path(folder).glob("bag/*.mcap")
+        file.replace(place)
+
+
+def _wheel_transforms(run: GroundSimulation, arm: RockerBogie) -> dict[str, list[tuple[Floats, Floats]]]:
+    """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
+    assert run.stand is not None
+    joints = np.nan_to_num(run.stand.joints)
+    frames = arm.frames(joints[:, 0], joints[:, 1:], np.nan_to_num(run.stand.steering))
+    transforms = {}
+    for number, name in enumerate(arm.wheel_names):
+        frame = frames[f"A{number + 1}"]
+        half = np.nan_to_num(run.wheel_angles[:, number]) / 2.0
+        spin = np.stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)], axis=-1)
+        turned = _product(_quaternion(frame[:, :3, :3]), spin)
+        transforms[name] = list(zip(frame[:, :3, 3], turned, strict=True))
+    return transforms
+
+
+def _quaternion(rotation: Floats) -> Floats:
+    """Of rotations by less than half a turn, x, y, z, w (n, 4)."""
+    w = np.sqrt(np.maximum(0.0, 1.0 + np.trace(rotation, axis1=1, axis2=2))) / 2.0
+    pairs = ((2, 1), (0, 2), (1, 0))
+    vector = [(rotation[:, i, k] - rotation[:, k, i]) / (4.0 * w) for i, k in pairs]
+    return np.stack([*vector, w], axis=-1)
+
+
+def _product(first: Floats, second: Floats) -> Floats:
+    """Of quaternions x, y, z, w (n, 4)."""
+    a, b = first[:, :3], second[:, :3]
+    s, t = first[:, 3:], second[:, 3:]
+    return np.concatenate(
+        [s * b + t * a + np.cross(a, b), s * t - np.sum(a * b, axis=1, keepdims=True)], axis=1
+    )
+
+
+class _GroundMessages(Messages):
+    """The same in three dimensions, and transforms."""
+
+    TOPICS: ClassVar = Messages.TOPICS | {"tf2_msgs/msg/TFMessage": "/tf"}
+
+    def _quaternion(self, numbers: Floats) -> Any:
+        x, y, z, w = map(float, numbers)
+        return self._make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+    def _vector(self, numbers: Floats, kind: str = "Vector3") -> Any:
+        x, y, z = map(float, numbers)
+        return self._make(f"geometry_msgs/msg/{kind}", x=x, y=y, z=z)
+
+    def transforms(self, stamp: int, frames: dict[str, tuple[str, Floats, Floats]]) -> None:
+        """Child frame to parent frame, place and quaternion."""
+        stamped = []
+        for child, (parent, place, turn) in frames.items():
+            transform = self._make(
+                "geometry_msgs/msg/Transform",
+                translation=self._vector(place),
+                rotation=self._quaternion(turn),
+            )
+            header = self._header(stamp, parent)
+            fields = {"header": header, "child_frame_id": child, "transform": transform}
+            stamped.append(self._make("geometry_msgs/msg/TransformStamped", **fields))
+        self._send("tf2_msgs/msg/TFMessage", stamp, transforms=stamped)
+
+    def posed(self, stamp: int, place: Floats, turn: Floats) -> None:
+        """The true pose."""
+        point = self._vector(place, "Point")
+        pose = self._make("geometry_msgs/msg/Pose", position=point, orientation=self._quaternion(turn))
+        self._write("geometry_msgs/msg/PoseStamped", stamp, WORLD, pose=pose)
+
+    def inertial(self, stamp: int, turn: Floats, rates: Floats) -> None:
+        """Attitude and rates of the body."""
+        unknown = np.zeros(9)
+        unknown[0] = -1.0  # by REP 145: this sensor has none of it
+        self._write(
+            "sensor_msgs/msg/Imu",
+            stamp,
+            BODY,
+            orientation=self._quaternion(turn),
+            orientation_covariance=np.zeros(9),
+            angular_velocity=self._vector(rates),
+            angular_velocity_covariance=np.zeros(9),
+            linear_acceleration=self._vector(np.zeros(3)),
+            linear_acceleration_covariance=unknown,
+        )

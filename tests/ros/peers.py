@@ -1,0 +1,152 @@
+"""The other side of the nodes under test: a robot, a planner and an operator in this process."""
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.executors import SingleThreadedExecutor
+from sensor_msgs.msg import JointState
+
+import six_wheel as sw
+
+PATIENCE = 20.0  # [s] for what has to come: discovery takes milliseconds, a busy machine seconds
+PERIOD = 0.005  # [s] of the robot's joint states
+
+
+class Process:
+    """`six-wheel` in a process of its own, ended by its id."""
+
+    def __init__(self, *arguments: str, folder: Path) -> None:
+        command = [sys.executable, "-m", "six_wheel", *arguments]
+        self._log = folder / f"process_{time.monotonic_ns()}.txt"
+        with self._log.open("w") as log:
+            self.process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=subprocess.STDOUT)
+
+    def end(self, how: signal.Signals = signal.SIGINT) -> int:
+        """Tell it to end, and wait."""
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+            try:
+                self.process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait(PATIENCE)
+        return self.process.returncode
+
+    @property
+    def said(self) -> str:
+        """What it printed."""
+        return self._log.read_text()
+
+
+class Peer:
+    """A node in this process with everything that a node under test talks to.
+
+    Its robot follows joint commands at once and reports positions every `PERIOD` while it spins.
+    """
+
+    def __init__(self, rover: sw.Rover, commands: str = "joint_commands") -> None:
+        self.rover = rover
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.node = rclpy.create_node("peer", context=self.context)
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self._executor.add_node(self.node)
+        self.names = [*rover.steering_joints, *rover.traction_joints]
+        self.steering = [0.0] * len(rover.steering_joints)
+        self.angles = [0.0] * len(rover.traction_joints)
+        self.speeds = [0.0] * len(rover.traction_joints)
+        self.commands: list[Any] = []
+        self.odometry: list[Odometry] = []
+        self.diagnostics: list[DiagnosticArray] = []
+        self.limited: list[Any] = []
+        self.wanted: tuple[float, float, float] | None = None
+        self.clock: Callable[[], int] = time.time_ns
+        self.alter: Callable[[JointState], JointState | None] = lambda state: state
+        self._states = self.node.create_publisher(JointState, "joint_states", 10)
+        self._wanted = self.node.create_publisher(TwistStamped, "cmd_vel", 10)
+        subscribe = self.node.create_subscription
+        self._kept = [
+            subscribe(JointState, commands, self._on_commands, 10),
+            subscribe(Odometry, "odom", self.odometry.append, 10),
+            subscribe(DiagnosticArray, "/diagnostics", self.diagnostics.append, 10),
+            subscribe(TwistStamped, "cmd_vel_out", self.limited.append, 10),
+        ]
+        self._next = time.monotonic()
+        self._stamp = time.time_ns()
+        self._count = 0
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+    def __enter__(self) -> "Peer":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _on_commands(self, message: JointState) -> None:
+        self.commands.append(message)
+        steered = len(self.steering)
+        self.steering = list(message.position[:steered])
+        self.speeds = list(message.velocity[steered:])
+
+    def state(self) -> JointState:
+        """What the robot says now."""
+        state = JointState(name=self.names)
+        state.header.stamp.sec, state.header.stamp.nanosec = divmod(self._stamp, 1_000_000_000)
+        state.position = [*self.steering, *self.angles]
+        state.velocity = [*[0.0] * len(self.steering), *self.speeds]
+        return state
+
+    def spin(self, duration: float, until: Callable[[], object] | None = None) -> bool:
+        """Live for a while, or until something is so; whether it is."""
+        end = time.monotonic() + duration
+        while time.monotonic() < end:
+            if until is not None and until():
+                return True
+            now = time.monotonic()
+            if now >= self._next:
+                # After a pause of this process the robot goes on from where it was.
+                self._next = max(self._next, now - 5 * PERIOD) + PERIOD
+                stamp = time.time_ns()
+                step, self._stamp = (stamp - self._stamp) * 1e-9, stamp
+                self.angles = [a + step * w for a, w in zip(self.angles, self.speeds, strict=True)]
+                if (state := self.alter(self.state())) is not None:
+                    self._states.publish(state)
+                self._count += 1
+                if self.wanted is not None and self._count % 10 == 0:
+                    self.want(self.wanted)
+            self._executor.spin_once(timeout_sec=max(0.0, min(self._next - time.monotonic(), PERIOD)))
+        return until is not None and bool(until())
+
+    def want(self, twist: Sequence[float], age: float = 0.0) -> None:
+        """Send a command, given some time ago [s]."""
+        message = TwistStamped()
+        given = self.clock() - round(age * 1e9)
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(given, 1_000_000_000)
+        message.twist.linear.x, message.twist.linear.y, message.twist.angular.z = map(float, twist)
+        self._wanted.publish(message)
+
+    def until(self, what: Callable[[], object], hint: Callable[[], str] = lambda: "") -> None:
+        """Live until something is so, or fail."""
+        assert self.spin(PATIENCE, what), hint()
+
+    def diagnosed(self, text: str) -> bool:
+        """Whether a report has said this since the list was cleared."""
+        return any(
+            text in f"{status.name}: {status.message}"
+            for report in self.diagnostics
+            for status in report.status
+        )
