@@ -74,7 +74,7 @@ def test_the_true_dimensions_are_found_and_written_into_the_file(run: Run, drive
 
     text = Path("true.yaml").read_text()
     assert text.startswith("# Calibrated by six-wheel ")
-    for kept in ("# Measured with a tape.", "# hub to hub", "noise: {slip: 0.01}", "kind: differential"):
+    for kept in ("# Measured with a tape.", "# hub to hub", 'noise: {"slip": ', "kind: differential"):
         assert kept in text
     rover = sw.load("true.yaml")
     found = calibrate_files(

@@ -25,6 +25,8 @@ TRUTH = np.array([1e-3, 1e-3, 1e-3])
 PIECES, ENOUGH = 4, 4
 # Slip that is looked for [m per root m].
 LEAST, MOST = 1e-5, 3.0
+# Nothing that rolls slips less [m per root m].
+FINEST = 1e-4
 # Of ends that shall lie within what is said of them.
 COVERED = 0.95
 
@@ -144,7 +146,7 @@ def measure(
     across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
     if sides:
         across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
-    slip, side_slip = (_digits(float(np.exp(one))) for one in wide)
+    slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
     noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
     return MeasuredNoise(
         noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]

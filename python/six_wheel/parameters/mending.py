@@ -264,7 +264,14 @@ def _edit(file: _File, values: Values) -> str | None:
             edits.append(edit)
             continue
         if key in GROUPS and value != before[key]:
-            return None
+            node = nodes.get(absolute.get(id(file.section.places.get((key,))), ()))
+            if not isinstance(node, yaml.MappingNode):
+                return None
+            start, end = node.start_mark.index, node.end_mark.index
+            # A mapping in block style reaches to where the next key begins.
+            rest = file.text[start:end]
+            edits.append((start, start + len(rest.rstrip()), _written(value)))
+            continue
         if isinstance(value, list) != isinstance(before[key], list):
             places: list[tuple[Path, Any]] = [((key,), value)]
         else:
