@@ -64,9 +64,9 @@ def simulate(
         chunks = list(table.chunks(ROWS))
         scale = table.time_unit.scale
     times = np.concatenate([chunk.time for chunk in chunks])
-    path = (times - times[0]) * scale, np.concatenate([chunk.twists for chunk in chunks])
+    driven = (times - times[0]) * scale, np.concatenate([chunk.twists for chunk in chunks])
     first = _start(start) if start is not None else (*_middle(land), 0.0)
-    done = run(arm, path, ground=land, start=first, rate=rate, seed=seed)
+    done = run(arm, driven, ground=land, start=first, rate=rate, seed=seed)
     assert isinstance(done, GroundSimulation)
     if output is not None:
         write_ground(done, arm, output)

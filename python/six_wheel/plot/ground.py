@@ -1,9 +1,10 @@
 """A drive over ground: in three dimensions, as a strip of side views, and what its wheels did."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Stand, Terrain
@@ -49,7 +50,7 @@ def ground_figure(run: GroundSimulation, arm: RockerBogie, ground: Terrain, *, t
         The ground around the path with the rover at five times; the rover from its left at six.
     """
     figure = Figure(figsize=(11, 9), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(4, 1))
+    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=(4, 1)))
     _draw_space(upper.add_subplot(projection="3d"), run, arm, ground, title)
     _draw_film(list(lower.subplots(1, FRAMES)), run, arm)
     return figure
@@ -85,7 +86,7 @@ def speeds_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -
     return figure
 
 
-def _draw_space(axes: Axes3D, run: GroundSimulation, arm: RockerBogie, ground: Terrain, title: str) -> None:
+def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terrain, title: str) -> None:
     assert run.truth is not None
     assert run.stand is not None
     poses, stand = run.truth.poses, run.stand
@@ -119,7 +120,7 @@ def _draw_space(axes: Axes3D, run: GroundSimulation, arm: RockerBogie, ground: T
     axes.set_zlabel("z [m]")
 
 
-def _draw_rover(axes: Axes3D, arm: RockerBogie, stand: Stand, row: int) -> None:
+def _draw_rover(axes: Any, arm: RockerBogie, stand: Stand, row: int) -> None:
     """Links and wheels at one pose."""
     transform, joints = stand.transform[row], stand.joints[row]
     frames = arm.frames(joints[0], joints[1:], stand.steering[row])

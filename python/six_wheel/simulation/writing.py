@@ -133,7 +133,11 @@ class Messages:
 
     def joints(self, stamp: int, names: list[str], positions: Floats) -> None:
         nothing = np.empty(0)
-        readings = {"position": np.ascontiguousarray(positions), "velocity": nothing, "effort": nothing}
+        readings: dict[str, Any] = {
+            "position": np.ascontiguousarray(positions),
+            "velocity": nothing,
+            "effort": nothing,
+        }
         self._write("sensor_msgs/msg/JointState", stamp, name=names, **readings)
 
     def _turned(self, yaw: float) -> Any:
