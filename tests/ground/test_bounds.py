@@ -268,3 +268,28 @@ def test_a_mass_that_is_none_is_refused(mass: float) -> None:
     level = sw.Terrain(np.zeros((120, 120)), 0.1)
     with pytest.raises(ValueError, match="mass must be finite and positive, got"):
         rover.stability(rover.settle(level, (6, 6, 0)), mass=mass)
+
+
+@pytest.mark.parametrize("name", ["perseverance", "in front"])
+def test_the_reference_is_inside_and_hardly_narrower(name: str) -> None:
+    from six_wheel.reference.ground.bounds import bounds, boxes
+    from six_wheel.reference.ground.terrain import Terrain
+
+    size = {**sw.RockerBogie.perseverance().dimensions} if name == "perseverance" else dict(IN_FRONT)
+    rover = rovers()[name]
+    ground = sw.Terrain.yard(20, 0.1, 0.03, seed=4, roughness=0.05)
+    plain, patches = Terrain(ground.heights, 0.1), boxes(size)
+    poses = some(ground, 40, 4)
+    found = rover.bounds(ground, poses, within=(math.radians(15), math.radians(7), math.radians(17)))
+    compared = 0
+    for k, pose in enumerate(poses):
+        if found.status[k] != "bounded" or (narrow := bounds(plain, size, pose, patches)) is None:
+            continue
+        compared += 1
+        for quantity, interval in narrow.items():
+            wide = getattr(found, quantity)[k]
+            assert np.all(wide[..., 0] <= interval[..., 0] + 1e-9)
+            assert np.all(interval[..., 1] <= wide[..., 1] + 1e-9)
+            # It looks at points of the very boxes, the core at whole cells of hulls along the grid.
+            assert np.all(np.ptp(wide, axis=-1) - np.ptp(interval, axis=-1) < 0.3)
+    assert compared > 10
