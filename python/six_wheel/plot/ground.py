@@ -50,7 +50,8 @@ def ground_figure(run: GroundSimulation, arm: RockerBogie, ground: Terrain, *, t
         The ground around the path with the rover at five times; the rover from its left at six.
     """
     figure = Figure(figsize=(11, 9), layout="constrained")
-    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=(4, 1)))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(4, 1))
+    upper, lower = parts
     _draw_space(upper.add_subplot(projection="3d"), run, arm, ground, title)
     _draw_film(list(lower.subplots(1, FRAMES)), run, arm)
     return figure
