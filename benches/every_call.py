@@ -24,6 +24,8 @@ NO_BATCH = {
     "Rover.swerve": "positions of wheels",
     "simulate": "one log, made sample by sample",
     "umbmark": "two runs of a square",
+    "body_slip": "the components of one motion",
+    "BodySlip.compensate": "the components of one motion",
 }
 
 
@@ -166,6 +168,10 @@ def others(few):
     add("RockerBogie.jacobians", bogie.jacobians, rocker, bogies)
     speed, yaw_rate = np.full(few, 0.1), random.uniform(-0.05, 0.05, few)
     add("RockerBogie.steer", bogie.steer, speed, yaw_rate, rocker, bogies)
+    yard = sw.Terrain.yard((12.0, 12.0), 0.1, cover=0.1, seed=1)
+    stands = random.uniform([3.0, 3.0, -3.0], [9.0, 9.0, 3.0], (few, 3))
+    add("RockerBogie.bounds", bogie.bounds, yard, stands)
+    add("RockerBogie.feasible", bogie.feasible, yard, stands)
     axles = sw.FourAxle((0.3, 0.3), 0.4, 0.1)
     centres = np.stack([np.zeros(few), random.uniform(2.0, 3.0, few)], axis=-1)
     add("FourAxle.concurrent_angles", axles.concurrent_angles, centres)
@@ -179,7 +185,16 @@ def others(few):
     add("Preintegrated.add", lambda *log: sw.Preintegrated(rover).add(*log), steering, totals, stamps)
     ground = sw.Terrain(random.uniform(0.0, 0.1, (32, 32)), 0.1)
     points = random.uniform(1.2, 1.9, (few, 2))
-    add("Suspension.settle", bogie.settle, ground, np.concatenate([points, points[:, :1]], axis=1))
+    poses = np.concatenate([points, points[:, :1]], axis=1)
+    add("Suspension.settle", bogie.settle, ground, poses)
+    stand = bogie.settle(ground, poses)
+    turns, rates = np.full((few, 4), 0.1), np.ones((few, 6))
+    moved = bogie.forward(stand, turns, rates)
+    add("Suspension.forward", bogie.forward, stand, turns, rates)
+    add("Suspension.inverse", bogie.inverse, stand, np.stack([speed, yaw_rate], axis=-1))
+    add("Suspension.slip", bogie.slip, stand, rates, moved.twist, moved.joint_rates)
+    still, joints = np.zeros((few, 3)), np.column_stack([rocker, bogies])
+    add("Suspension.traction", bogie.traction, speed, yaw_rate, still, joints, still)
     for name in ("contains", "gradient", "height", "normal"):
         add(f"Terrain.{name}", getattr(ground, name), points)
     return table

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING
 from six_wheel import profiles
 from six_wheel._core import (
     BodySlip,
+    Bounds,
     Controller,
     ControllerOutput,
     ControllerRun,
     Encoder,
+    Feasible,
     Fit,
     FourAxle,
     GroundCommand,
@@ -33,6 +35,7 @@ from six_wheel._core import (
     RockerBogie,
     Rover,
     Sensitivity,
+    Stability,
     Stand,
     SteeringCommand,
     Suspension,
@@ -58,23 +61,28 @@ from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, Underdete
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
-from six_wheel.standing import SettleStatus
 
 if TYPE_CHECKING:
+    from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
     from six_wheel.calibration import calibrate
     from six_wheel.evaluation import umbmark
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
     from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
     from six_wheel.simulation import simulate
+    from six_wheel.standing import SettleStatus
 
 __all__ = [
     "ArgumentTypeError",
     "BodySlip",
+    "BoundStatus",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
+    "FeasibleReason",
     "Fit",
     "FourAxle",
     "FourAxleState",
@@ -100,7 +108,9 @@ __all__ = [
     "Sensitivity",
     "SettleStatus",
     "SlipReport",
+    "Stability",
     "Stand",
+    "StandLimits",
     "SteeringCommand",
     "Suspension",
     "Terrain",
@@ -183,7 +193,9 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "benchmark": (),
+        "bounding": ("BoundStatus", "FeasibleReason", "StandLimits"),
         "calibration": ("calibrate",),
+        "cluster": (),
         "demo": (),
         "descriptions": (),
         "drive": (),
@@ -201,6 +213,9 @@ __getattr__, __dir__ = attach(
         "report": (),
         "ros": (),
         "simulation": ("simulate",),
+        "standing": ("SettleStatus",),
+        "terrain": (),
+        "traverse": (),
         "urdf": (),
     },
 )

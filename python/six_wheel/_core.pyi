@@ -1,10 +1,12 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
+from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
 from six_wheel.four_axle import (
     FourAxleMobility,
@@ -23,10 +25,12 @@ from six_wheel.standing import SettleStatus
 __all__ = [
     "BodySlip",
     "BodyTransition",
+    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Encoder",
+    "Feasible",
     "Fit",
     "FourAxle",
     "GroundCommand",
@@ -45,6 +49,7 @@ __all__ = [
     "RockerBogie",
     "Rover",
     "Sensitivity",
+    "Stability",
     "Stand",
     "SteeringCommand",
     "Suspension",
@@ -768,6 +773,23 @@ class Terrain:
         origin: tuple[float, float] | None = None,
         orientation: float | None = None,
     ) -> Self: ...
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        *,
+        window: tuple[float, float, float, float] | None = None,
+        topic: str | None = None,
+        layer: str | None = None,
+    ) -> Terrain: ...
+    @staticmethod
+    def yard(
+        size: float | tuple[float, float] | None = None,
+        spacing: float = 0.05,
+        cover: float = 0.1,
+        seed: int | None = None,
+        *,
+        roughness: float = 0.1,
+    ) -> Terrain: ...
     @property
     def heights(self) -> NDArray[np.float32] | _Floats: ...
     @property
@@ -940,6 +962,64 @@ class Suspension:
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> Stand: ...
+    def stability(
+        self,
+        stand: Stand,
+        *,
+        mass: float,
+        centre_of_mass: ArrayLike | None = None,
+        gravity: float = 9.80665,
+        belly: tuple[float, float, float, float] | None = None,
+    ) -> Stability: ...
+
+@final
+class Bounds:
+    @property
+    def z(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def roll(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def pitch(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def tilt(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def clearance(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def rocker(self) -> _Floats: ...  # (..., 2) [rad]
+    @property
+    def bogies(self) -> _Floats: ...  # (..., 2, 2) [rad]
+    @property
+    def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
+    @property
+    def status(self) -> BoundStatus | NDArray[Any]: ...  # (...) BoundStatus
+
+@final
+class Feasible:
+    @property
+    def ok(self) -> bool | NDArray[np.bool_]: ...
+    @property
+    def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
+    @property
+    def margin(self) -> float | _Floats: ...
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def exact(self) -> bool | NDArray[np.bool_]: ...
+
+@final
+class Stability:
+    @property
+    def loads(self) -> _Floats: ...  # (..., wheels) [N]
+    @property
+    def tip_over_angle(self) -> float | _Floats: ...  # [rad]
+    @property
+    def clearance(self) -> float | _Floats: ...  # [m]
+    @property
+    def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
+    @property
+    def tilt(self) -> float | _Floats: ...  # [rad]
 
 @final
 class Stand:
@@ -1019,6 +1099,29 @@ class RockerBogie(Suspension):
         self, rho: ArrayLike, beta: ArrayLike, psi: ArrayLike | None = None
     ) -> dict[str, _Floats]: ...
     def planar(self, rho: float, beta: ArrayLike) -> Rover: ...
+    def bounds(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        yaw_margin: ArrayLike | None = None,
+        *,
+        position_margin: ArrayLike | None = None,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        within: tuple[float, float, float] | None = None,
+        threads: int | None = None,
+        kernel: str | None = None,
+    ) -> Bounds: ...
+    def feasible(
+        self,
+        ground: Terrain,
+        poses: ArrayLike,
+        limits: StandLimits | None = None,
+        *,
+        map_error: float = 0.0,
+        belly: tuple[float, float, float, float] | None = None,
+        threads: int | None = None,
+    ) -> Feasible: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(self, rho: ArrayLike, beta: ArrayLike) -> float | _Floats: ...
     def steer(

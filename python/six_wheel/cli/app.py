@@ -15,9 +15,8 @@ from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.example import example
-from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
-from six_wheel.cli.replay import replay
+from six_wheel.cli.onboard import PASSING, command_filter, node, replay
 from six_wheel.cli.shared import (
     AsOption,
     NodeOption,
@@ -30,6 +29,7 @@ from six_wheel.cli.shared import (
     progress_bar,
 )
 from six_wheel.cli.show import show
+from six_wheel.cli.traverse import traverse
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 if TYPE_CHECKING:
@@ -92,6 +92,9 @@ def check(
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["odometry"])(odometry)
 app.command(help=COMMANDS["calibrate"])(calibrate)
+app.command(help=COMMANDS["traverse"])(traverse)
+
+
 app.command(help=COMMANDS["show"])(show)
 app.command(help=COMMANDS["example"])(example)
 app.command(help=COMMANDS["replay"])(replay)

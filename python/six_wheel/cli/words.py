@@ -9,6 +9,7 @@ COMMANDS = {
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
+    "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",
     "show": "A rover from above: its wheels, their axes meeting in the centre of rotation.",
     "example": "A parameter file, a table of commands, a log to try the others on.",
     "node": "Drive a rover in ROS 2: commands and joint states in, joint commands and odometry out.",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
+    from six_wheel.plot.traverse import traverse_figure
     from six_wheel.plot.twist import show_figure
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "show_figure",
     "side_figure",
     "track_figure",
+    "traverse_figure",
 ]
 
 __getattr__, __dir__ = attach(
@@ -57,6 +59,7 @@ __getattr__, __dir__ = attach(
         "saving": ("picture_path", "save"),
         "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
+        "traverse": ("traverse_figure",),
         "twist": ("show_figure",),
     },
 )

@@ -65,6 +65,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::RockerBogie>()?;
     module.add_class::<ground::Stand>()?;
     module.add_class::<suspension::Link>()?;
+    module.add_class::<suspension::Bounds>()?;
+    module.add_class::<suspension::Feasible>()?;
+    module.add_class::<suspension::Stability>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_class::<controller::limits::Limits>()?;

@@ -1,7 +1,9 @@
 //! `six_wheel.Suspension` and `six_wheel.RockerBogie`: suspensions as data.
 
 mod base;
+mod bounds;
 mod chain;
+mod stability;
 mod steer;
 
 use pyo3::prelude::*;
@@ -13,6 +15,8 @@ use crate::convert::{ArgumentTypeError, Rows, number, raise, refuse, shape_text}
 use crate::wheel::{reduce, steering_range};
 
 pub use base::Suspension;
+pub use bounds::Bounds;
+pub use stability::{Feasible, Stability};
 pub use steer::SteeringCommand;
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.

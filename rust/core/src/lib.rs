@@ -18,6 +18,7 @@
 
 pub mod admissible;
 pub mod batch;
+pub mod bounds;
 pub mod controller;
 pub mod error;
 pub mod estimate;

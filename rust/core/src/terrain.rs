@@ -5,10 +5,11 @@
 //! asked for. NaN is a height nobody knows. Neither it nor the outside is ever guessed: both are answers
 //! ([`Sample`]).
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector3;
 
+use crate::bounds::Pyramid;
 use crate::error::{Error, finite, number, numbers};
 use crate::wheels::Direction;
 
@@ -140,6 +141,8 @@ pub struct Terrain {
     origin: [f64; 2],
     orientation: f64,
     turn: Direction,
+    /// Made when it is first asked for.
+    pyramid: OnceLock<Arc<Pyramid>>,
 }
 
 impl PartialEq for Terrain {
@@ -211,12 +214,18 @@ impl Terrain {
             origin,
             orientation,
             turn: Direction::from(orientation),
+            pyramid: OnceLock::new(),
         })
     }
 
     /// The heights, row after row.
     pub fn heights(&self) -> &Heights {
         &self.heights
+    }
+
+    /// Lowest and highest heights in windows; made at the first call, from all heights.
+    pub fn pyramid(&self) -> &Pyramid {
+        self.pyramid.get_or_init(|| Arc::new(Pyramid::new(self)))
     }
 
     /// Number of rows and of columns.

@@ -167,9 +167,11 @@ impl<'a> Settler<'a> {
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
-                // Only a walk along the whole rim says that nothing else touches.
-                touches = at(&state, Part::Whole, Some(&touches))?;
-                worst = self.worst(&touches, hold);
+                // Only the whole rim says that nothing else touches.
+                if part == Part::Lower && touches.look_up(self.ground, self.chain) {
+                    part = Part::Whole;
+                    worst = self.worst(&touches, hold);
+                }
                 if worst <= tolerance {
                     return Some(Attempt {
                         state,
@@ -177,7 +179,6 @@ impl<'a> Settler<'a> {
                         closed: true,
                     });
                 }
-                part = Part::Whole;
             }
             let Some(step) = worst
                 .is_finite()
@@ -282,7 +283,7 @@ impl<'a> Settler<'a> {
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
-        for round in 0..4 {
+        for round in 0..3 {
             let placed = self.chain.place(pose, &state, steering)?;
             let mut system = System::<1>::empty();
             let (mut missing, mut mean) = (0.0, 0.0);

@@ -137,6 +137,23 @@ impl<'a> Touches<'a> {
         Some(Self { placed, wheels })
     }
 
+    /// Walks along the upper halves of the rims too where the ground may be that high, or is not known; whether
+    /// there is such a rim.
+    pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain) -> bool {
+        let mut looked = false;
+        for (touch, wheel) in self.wheels.iter_mut().zip(chain.wheels()) {
+            let circle = circle(ground, &touch.frame, wheel.radius);
+            let gap = touch.rim.least.map_or(f64::INFINITY, |least| least.gap);
+            if upper_half_matters(ground, &circle, gap) {
+                looked = true;
+                let near = touch.rim.least.map_or(BELOW, |least| least.at);
+                let rim = walk(ground, &circle, Part::Whole, near);
+                *touch = Touch::of(ground, touch.frame, wheel.radius, rim);
+            }
+        }
+        looked
+    }
+
     /// [`gap_slopes`] of a wheel.
     pub fn slopes(&self, wheel: usize) -> ([f64; 3], [f64; MAX_STATE]) {
         let touch = &self.wheels[wheel];

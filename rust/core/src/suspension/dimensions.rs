@@ -270,6 +270,17 @@ impl Dimensions {
         }
     }
 
+    /// Centre of the left wheel of a pair, counted from the front, in the rover's frame at joint angles 0 [m].
+    pub fn level_place(&self, pair: usize) -> [f64; 3] {
+        let joint = if self.bogie.carries(pair) {
+            self.rocker_to_bogie
+        } else {
+            [0.0; 3]
+        };
+        let to_wheel = self.to_wheel(pair);
+        std::array::from_fn(|k| self.rocker_pivot[k] + joint[k] + to_wheel[k])
+    }
+
     /// Fails unless every number is finite and the left wheels are on the left.
     pub(super) fn check(&self) -> Result<(), Error> {
         let vectors = self.vectors();

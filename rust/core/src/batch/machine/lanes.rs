@@ -47,6 +47,12 @@ impl<S: Simd> Lanes<S> {
         column[k] = self.values;
     }
 
+    /// The token of the level.
+    #[inline(always)]
+    pub fn simd(self) -> S {
+        self.simd
+    }
+
     #[inline(always)]
     fn with(self, values: S::f64s) -> Self {
         Self { values, ..self }

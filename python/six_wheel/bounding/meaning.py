@@ -1,0 +1,103 @@
+"""What the bounds of a pose are worth, and what may be driven on."""
+
+import math
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["BoundStatus", "FeasibleReason", "StandLimits", "reasons", "statuses"]
+
+
+class BoundStatus(StrEnum):
+    """What the bounds of a pose are worth. Prints, and compares with text, by its name."""
+
+    bounded = "bounded"
+    """The rover, settled, is inside the intervals."""
+    off_map = "off_map"
+    """A wheel or the belly may be outside the map."""
+    unknown_cells = "unknown_cells"
+    """A height under them is not known."""
+    unsolved = "unsolved"
+    """Some heights of the wheels have no solution, or are not proved to be extreme: not impossible."""
+    beyond = "beyond"
+    """The rover may be inclined so far that a wheel leaves the box that was looked at."""
+    at_stop = "at_stop"
+    """A joint may be at its stop, with a wheel in the air."""
+
+    def __repr__(self) -> str:
+        return self.value
+
+
+_ALL = np.empty(len(BoundStatus), dtype=object)
+_ALL[:] = list(BoundStatus)
+
+
+def statuses(codes: int | NDArray[np.uint8]) -> BoundStatus | NDArray[Any]:
+    """The status of a code of the core, or an array of them."""
+    found: BoundStatus | NDArray[Any] = _ALL[codes]
+    return found
+
+
+class FeasibleReason(StrEnum):
+    """Why a rover may not stand somewhere: the limit it would go furthest beyond, or what is not known."""
+
+    ok = "ok"
+    """It may."""
+    roll = "roll"
+    """Too much roll."""
+    pitch = "pitch"
+    """Too much pitch."""
+    tilt = "tilt"
+    """Too much tilt."""
+    clearance = "clearance"
+    """Too little room under the belly."""
+    rocker = "rocker"
+    """A rocker turned too far."""
+    bogie = "bogie"
+    """A bogie turned too far."""
+    wheel_drop = "wheel_drop"
+    """A wheel too far down."""
+    off_map = "off_map"
+    """A wheel or the belly may leave the map."""
+    unknown_cells = "unknown_cells"
+    """A wheel or the belly may be over ground that is not known."""
+    not_settled = "not_settled"
+    """No way to stand was found."""
+
+    def __repr__(self) -> str:
+        return self.value
+
+
+_REASONS = np.empty(len(FeasibleReason), dtype=object)
+_REASONS[:] = list(FeasibleReason)
+
+
+def reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
+    """The reason of a code of the core, or an array of them."""
+    found: FeasibleReason | NDArray[Any] = _REASONS[codes]
+    return found
+
+
+class StandLimits(NamedTuple):
+    """What is allowed where a rover stands; by default what Curiosity is, and a belly that touches nothing.
+
+    Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars
+    rover mobility trends during the first seven years, IEEE Aerospace Conference 2020.
+    """
+
+    roll: float = math.radians(15)
+    """Largest roll [rad]."""
+    pitch: float = math.radians(15)
+    """Largest pitch [rad]."""
+    tilt: float = math.radians(30)
+    """Largest tilt [rad]."""
+    rocker: float = math.radians(7)
+    """Largest angle of a rocker [rad]."""
+    bogie: float = math.radians(17)
+    """Largest angle of a bogie [rad]."""
+    clearance: float = 0.0
+    """Least clearance of the belly [m]."""
+    wheel_drop: float = math.inf
+    """Largest drop of a wheel in the rover's frame [m]."""

@@ -1,0 +1,96 @@
+"""`six-wheel traverse`: where on a map a rover can stand."""
+
+import math
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from six_wheel.cli.shared import grid, new_console, progress_bar
+
+if TYPE_CHECKING:
+    from six_wheel.bounding import StandLimits
+
+ROVERS = ("perseverance", "curiosity", "rocky7", "open_source_rover")
+ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
+
+
+def traverse(
+    map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
+    rover: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(ROVERS)}.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", help="GeoTIFF: share of safe headings, worst tilt, clearance left, reason."
+        ),
+    ],
+    headings: Annotated[int, typer.Option(help="How many, evenly spaced.")] = 16,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="Largest roll, pitch, tilt, rocker, bogie [degrees], wheel_drop [m]; least clearance [m].",
+        ),
+    ] = None,
+    map_error: Annotated[float, typer.Option(help="How far the heights may be wrong [m].")] = 0.0,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, as tcp://10.0.0.7:8786.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; default one per core.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
+) -> None:
+    if rover not in ROVERS:
+        raise ValueError(f'rover must be one of {", ".join(ROVERS)}, got "{rover}"')
+    if not output.parent.is_dir():
+        raise ValueError(f"{output}: there is no folder {output.parent}")
+    if plot is not None:
+        from six_wheel.plot.saving import picture_path
+
+        picture_path(plot)
+    from six_wheel import RockerBogie
+    from six_wheel.traverse import traverse as run
+
+    limits = _limits(limit or [])
+    begin = time.monotonic()
+    with progress_bar("tiles") as update:
+        done = run(
+            map,
+            getattr(RockerBogie, rover)(),
+            output,
+            headings=headings,
+            limits=limits,
+            map_error=map_error,
+            cluster=cluster,
+            workers=workers,
+            tell=lambda done, total: update(done, total),
+        )
+    if plot is not None:
+        from six_wheel.plot import save, traverse_figure
+
+        layers = done.picture
+        save(traverse_figure(layers.safe, layers.tilt, done.extent, f"{rover} on {map.name}"), plot)
+    rows = [
+        ("cells", f"{done.cells} at {done.headings} headings, {time.monotonic() - begin:.1f} s"),
+        ("safe", f"{100 * done.safe:.2f} % of all poses"),
+        ("resumed", f"{done.resumed} of {done.tiles} tiles were done before" if done.resumed else None),
+        ("layers", done.output),
+        ("picture", plot),
+    ]
+    new_console().print(grid(rows))
+
+
+def _limits(texts: list[str]) -> "StandLimits":
+    from six_wheel.bounding import StandLimits
+
+    found = dict[str, float]()
+    for text in texts:
+        name, _, value = text.partition("=")
+        if name not in StandLimits._fields:
+            raise ValueError(f"limit must be one of {', '.join(StandLimits._fields)}, got {text!r}")
+        try:
+            number = float(value)
+        except ValueError:
+            raise ValueError(f"limit {name} must be a number, got {text!r}") from None
+        found[name] = math.radians(number) if name in ANGLES else number
+    return StandLimits(**found)

@@ -1,0 +1,272 @@
+//! `RockerBogie.bounds`.
+
+use numpy::ndarray::IxDyn;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyFloat;
+use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
+
+use super::RockerBogie;
+use crate::batch::any_workers;
+use crate::convert::{
+    Rows, Scalars, compute, joined, named, raise, refuse, scalar_or_array, together,
+};
+use crate::terrain::Terrain;
+
+/// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
+///
+/// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct Bounds {
+    /// Height of the origin of the rover's frame, shape (..., 2) [m].
+    z: Py<PyAny>,
+    /// Roll, shape (..., 2) [rad].
+    roll: Py<PyAny>,
+    /// Pitch, shape (..., 2) [rad].
+    pitch: Py<PyAny>,
+    /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
+    tilt: Py<PyAny>,
+    /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
+    clearance: Py<PyAny>,
+    /// Angle of the left rocker, shape (..., 2) [rad].
+    rocker: Py<PyAny>,
+    /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
+    bogies: Py<PyAny>,
+    /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
+    /// (..., 2) [m].
+    wheel_drop: Py<PyAny>,
+    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
+    status: Py<PyAny>,
+}
+
+#[pymethods]
+impl Bounds {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
+        Ok(format!(
+            "Bounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
+            text(&self.z)?,
+            text(&self.roll)?,
+            text(&self.pitch)?,
+            text(&self.tilt)?,
+            text(&self.clearance)?,
+            text(&self.rocker)?,
+            text(&self.bogies)?,
+            text(&self.wheel_drop)?,
+            text(&self.status)?,
+        ))
+    }
+}
+
+/// Reads sizes, one or one per pose, default 0.
+fn sizes<'py>(
+    py: Python<'py>,
+    argument: &'static str,
+    value: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Scalars<'py>> {
+    let none = PyFloat::new(py, 0.0);
+    let sizes = Scalars::read(argument, value.unwrap_or(none.as_any()))?;
+    let wrong = |size: &&f64| !(size.is_finite() && **size >= 0.0);
+    match sizes.flat().iter().find(wrong) {
+        Some(size) => Err(refuse(
+            argument,
+            "be finite and not negative",
+            &format!("{size:?}"),
+        )),
+        None => Ok(sizes),
+    }
+}
+
+/// The members of `BoundStatus`, one or an array of them.
+fn members(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
+    let codes: Vec<u8> = status.iter().map(|status| *status as u8).collect();
+    let codes = scalar_or_array(py, codes, leading)?;
+    let module = py.import("six_wheel.bounding")?;
+    module.call_method1("statuses", (codes,)).map(Bound::unbind)
+}
+
+/// What is asked beside the poses.
+pub struct Question {
+    pub plans: Vec<Plan>,
+    pub error: f64,
+}
+
+impl RockerBogie {
+    /// Reads what concerns the rover and the map.
+    pub fn question(
+        &self,
+        map_error: f64,
+        belly: Option<(f64, f64, f64, f64)>,
+        within: Option<(f64, f64, f64)>,
+    ) -> PyResult<Question> {
+        if !(map_error.is_finite() && map_error >= 0.0) {
+            return Err(refuse(
+                "map_error",
+                "be finite and not negative",
+                &format!("{map_error:?}"),
+            ));
+        }
+        let ranges = match within {
+            Some((attitude, rocker, bogie)) => vec![Within {
+                attitude,
+                rocker,
+                bogie,
+            }],
+            None => vec![Within::default(), Within::wide()],
+        };
+        let plans = self.belly(belly).and_then(|belly| {
+            let plan = |within| Plan::new(self.0.dimensions(), belly, within);
+            ranges.into_iter().map(plan).collect()
+        });
+        Ok(Question {
+            plans: plans.map_err(|error| raise(error, &[]))?,
+            error: map_error,
+        })
+    }
+
+    /// The belly that is given, or the default one.
+    pub fn belly(
+        &self,
+        belly: Option<(f64, f64, f64, f64)>,
+    ) -> Result<Belly, six_wheel_core::Error> {
+        match belly {
+            Some((rear, front, half_width, z)) => Belly::new([rear, front], half_width, z),
+            None => Ok(Belly::between_wheels(self.0.dimensions())),
+        }
+    }
+}
+
+#[pymethods]
+impl RockerBogie {
+    /// Conservative intervals of how the rover stands, without settling it.
+    ///
+    /// Per wheel the lowest and highest ground in a box that covers it, and closed-form kinematics of the extremes:
+    /// a fraction of the time of `settle`, and a statement about every place and yaw within margins. The rover
+    /// without steering, its joints away from their stops, is inside wherever `status` is ``bounded``.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     The map. At the first call it makes a pyramid of its extremes: 48 bytes per cell.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    /// yaw_margin : float or array_like, shape (...)
+    ///     Holds for every yaw up to so much to either side [rad].
+    /// position_margin : float or array_like, shape (...)
+    ///     Holds for every place up to so far away [m].
+    /// map_error : float
+    ///     Holds for every map whose heights differ by up to so much [m].
+    /// belly : (float, float, float, float), optional
+    ///     Rear edge, front edge, half width and height of the underside of the body in the rover's frame [m].
+    ///     Default: between the wheels, as wide as three quarters of the way to the rockers, a quarter of a wheel's
+    ///     radius below the lower of the rockers' and the bogies' axes.
+    /// within : (float, float, float), optional
+    ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
+    ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// kernel : str, optional
+    ///     Instructions; the result is the same with any, to the bit.
+    ///
+    /// Returns
+    /// -------
+    /// Bounds
+    ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
+    ///     `status` (...).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a margin negative or a shape does not fit.
+    ///
+    /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
+    /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
+    /// (`docs/bounds.md`).
+    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, threads=None, kernel=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn bounds(
+        &self,
+        py: Python<'_>,
+        ground: &Bound<'_, Terrain>,
+        poses: &Bound<'_, PyAny>,
+        yaw_margin: Option<&Bound<'_, PyAny>>,
+        position_margin: Option<&Bound<'_, PyAny>>,
+        map_error: f64,
+        belly: Option<(f64, f64, f64, f64)>,
+        within: Option<(f64, f64, f64)>,
+        threads: Option<i64>,
+        kernel: Option<&str>,
+    ) -> PyResult<Bounds> {
+        let question = self.question(map_error, belly, within)?;
+        let mut poses = Rows::read("poses", poses, 3)?;
+        poses.check_finite("poses")?;
+        let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
+        let mut position = sizes(py, "position_margin", position_margin)?;
+        together([
+            named("poses", &mut poses),
+            named("yaw_margin", &mut yaw),
+            named("position_margin", &mut position),
+        ])?;
+        let leading = poses.leading.as_slice();
+        let (yaw, position) = (yaw.flat().to_vec(), position.flat().to_vec());
+        let workers = any_workers(threads, kernel)?;
+        let (rows, ground) = (poses.triples(), &*ground.get().0);
+        let count = rows.len();
+        let mut blocks: [Vec<[f64; 2]>; core::QUANTITIES.len()] =
+            std::array::from_fn(|_| vec![[0.0; 2]; count]);
+        let mut status = vec![Knowledge::Bounded; count];
+        compute(py, count.max(ground.heights().len() / 1000), || {
+            let map = Ground {
+                pyramid: ground.pyramid(),
+                error: question.error,
+            };
+            let margins = Margins {
+                yaw: &yaw,
+                position: &position,
+            };
+            let blocks = blocks.each_mut().map(Vec::as_mut_slice);
+            core::bounds(
+                &question.plans,
+                map,
+                rows,
+                margins,
+                blocks,
+                &mut status,
+                workers,
+            );
+        });
+        let [
+            z,
+            roll,
+            pitch,
+            tilt,
+            clearance,
+            rocker,
+            left,
+            right,
+            wheel_drop,
+        ] = blocks;
+        let array = |values: Vec<f64>, shape: &[usize]| {
+            PyArray1::from_vec(py, values)
+                .reshape(IxDyn(shape))
+                .map(|array| array.into_any().unbind())
+        };
+        let pairs = joined(leading, 2);
+        let interval = |block: Vec<[f64; 2]>| array(block.into_flattened(), &pairs);
+        let bogies = left
+            .iter()
+            .zip(&right)
+            .flat_map(|(left, right)| [left[0], left[1], right[0], right[1]]);
+        Ok(Bounds {
+            z: interval(z)?,
+            roll: interval(roll)?,
+            pitch: interval(pitch)?,
+            tilt: interval(tilt)?,
+            clearance: interval(clearance)?,
+            rocker: interval(rocker)?,
+            bogies: array(bogies.collect(), &joined(&pairs, 2))?,
+            wheel_drop: interval(wheel_drop)?,
+            status: members(py, &status, leading)?,
+        })
+    }
+}

@@ -1,0 +1,305 @@
+//! `Suspension.stability` and `RockerBogie.feasible`.
+
+use numpy::ndarray::IxDyn;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use six_wheel_core::bounds::{
+    Allowed, Belly, Judge, Verdict, joint_margins, loads, tilt, tip_over_angle,
+};
+use six_wheel_core::ground::Settler;
+
+use super::{RockerBogie, Suspension};
+use crate::batch::any_workers;
+use crate::convert::{Rows, compute, joined, number, raise, refuse, scalar_or_array};
+use crate::ground::Stand;
+use crate::terrain::Terrain;
+
+/// What a settled pose means for the rover: see `Suspension.stability`.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct Stability {
+    /// What every wheel carries, straight up, shape (..., wheels) [N]; a negative one would have to pull.
+    loads: Py<PyAny>,
+    /// Least angle by which the rover has to be turned about a line through two contacts to tip over, shape (...)
+    /// [rad]; negative where it does.
+    tip_over_angle: Py<PyAny>,
+    /// Least vertical distance from the ground to the belly, shape (...) [m]; negative where the ground is in it.
+    clearance: Py<PyAny>,
+    /// Angle of every free joint to its nearer stop, shape (..., joints) [rad]; infinite without stops.
+    joint_margins: Py<PyAny>,
+    /// Angle between the rover's z axis and the vertical, shape (...) [rad].
+    tilt: Py<PyAny>,
+}
+
+#[pymethods]
+impl Stability {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
+        Ok(format!(
+            "Stability(loads={}, tip_over_angle={}, clearance={}, joint_margins={}, tilt={})",
+            text(&self.loads)?,
+            text(&self.tip_over_angle)?,
+            text(&self.clearance)?,
+            text(&self.joint_margins)?,
+            text(&self.tilt)?,
+        ))
+    }
+}
+
+/// Whether a rover may stand at poses: see `RockerBogie.feasible`.
+#[pyclass(frozen, get_all, module = "six_wheel")]
+pub struct Feasible {
+    /// Whether it may, shape (...).
+    ok: Py<PyAny>,
+    /// Why not, shape (...): `six_wheel.FeasibleReason`, ``ok`` where it may.
+    reason: Py<PyAny>,
+    /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
+    /// radii. NaN where nothing is known.
+    margin: Py<PyAny>,
+    /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
+    tilt: Py<PyAny>,
+    /// Clearance, shape (...) [m]; the least possible where `exact` is false.
+    clearance: Py<PyAny>,
+    /// Whether the rover was settled to know, shape (...).
+    exact: Py<PyAny>,
+}
+
+#[pymethods]
+impl Feasible {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
+        Ok(format!(
+            "Feasible(ok={}, reason={}, margin={}, tilt={}, clearance={}, exact={})",
+            text(&self.ok)?,
+            text(&self.reason)?,
+            text(&self.margin)?,
+            text(&self.tilt)?,
+            text(&self.clearance)?,
+            text(&self.exact)?,
+        ))
+    }
+}
+
+/// Reads the limits of an object that has them as attributes, or the default ones.
+fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
+    let limits = match limits {
+        Some(limits) => limits.clone(),
+        None => py
+            .import("six_wheel.bounding")?
+            .call_method0("StandLimits")?,
+    };
+    let read = |name: &str| match limits.getattr(name) {
+        Ok(value) => number(name, &value),
+        Err(_) => {
+            let got = limits.get_type().name()?.to_string();
+            Err(refuse("limits", "be a StandLimits", &got))
+        }
+    };
+    let allowed = Allowed {
+        roll: read("roll")?,
+        pitch: read("pitch")?,
+        tilt: read("tilt")?,
+        rocker: read("rocker")?,
+        bogie: read("bogie")?,
+        clearance: read("clearance")?,
+        wheel_drop: read("wheel_drop")?,
+    };
+    allowed.check().map_err(|error| raise(error, &[]))?;
+    Ok(allowed)
+}
+
+#[pymethods]
+impl RockerBogie {
+    /// Whether the rover may stand at poses: by `bounds` where they decide, by `settle` where they do not.
+    ///
+    /// Parameters
+    /// ----------
+    /// ground : Terrain
+    ///     The map.
+    /// poses : array_like, shape (..., 3)
+    ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
+    /// limits : StandLimits, optional
+    ///     What is allowed; default what Curiosity is.
+    /// map_error : float
+    ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
+    ///     clearances are less by twice as much.
+    /// belly : (float, float, float, float), optional
+    ///     As for `bounds`.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
+    ///
+    /// Returns
+    /// -------
+    /// Feasible
+    ///     `ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite, a limit not positive or a shape does not fit.
+    #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn feasible(
+        slf: &Bound<'_, Self>,
+        py: Python<'_>,
+        ground: &Bound<'_, Terrain>,
+        poses: &Bound<'_, PyAny>,
+        limits: Option<&Bound<'_, PyAny>>,
+        map_error: f64,
+        belly: Option<(f64, f64, f64, f64)>,
+        threads: Option<i64>,
+    ) -> PyResult<Feasible> {
+        let this = slf.get();
+        let error = this.question(map_error, belly, None)?.error;
+        let allowed = allowed(py, limits)?;
+        let poses = Rows::read("poses", poses, 3)?;
+        poses.check_finite("poses")?;
+        let workers = any_workers(threads, None)?;
+        let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
+        let settler = Settler::new(ground, this.0.chain());
+        let judge = this
+            .belly(belly)
+            .and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
+        let judge = judge.map_err(|error| raise(error, &[]))?;
+        let mut verdicts = vec![Verdict::UNKNOWN; rows.len()];
+        compute(py, rows.len().max(ground.heights().len() / 1000), || {
+            judge.judge(rows, &mut verdicts, workers);
+        });
+        let numbers = |value: fn(&Verdict) -> f64| {
+            scalar_or_array(py, verdicts.iter().map(value).collect(), leading)
+        };
+        let truths = |value: fn(&Verdict) -> bool| {
+            scalar_or_array(py, verdicts.iter().map(value).collect(), leading)
+        };
+        let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
+        let codes = scalar_or_array(py, codes.collect(), leading)?;
+        let module = py.import("six_wheel.bounding")?;
+        Ok(Feasible {
+            ok: truths(|verdict| verdict.reason as u8 == 0)?,
+            reason: module.call_method1("reasons", (codes,))?.unbind(),
+            margin: numbers(|verdict| verdict.margin)?,
+            tilt: numbers(|verdict| verdict.tilt)?,
+            clearance: numbers(|verdict| verdict.clearance)?,
+            exact: truths(|verdict| verdict.exact)?,
+        })
+    }
+}
+
+#[pymethods]
+impl Suspension {
+    /// What settled poses mean: loads of the wheels, the way to tipping over, clearance, joints near their stops.
+    ///
+    /// Loads push straight up where wheels touch, wheels held by their links; all mass is in the body. They keep
+    /// the body and every free joint in balance; a joint at its stop takes any moment.
+    ///
+    /// Parameters
+    /// ----------
+    /// stand : Stand
+    ///     From `settle` of this suspension.
+    /// mass : float
+    ///     Of the rover [kg].
+    /// centre_of_mass : (float, float, float), optional
+    ///     In the rover's frame [m]; default that of `settle`.
+    /// gravity : float
+    ///     [m/s^2].
+    /// belly : (float, float, float, float), optional
+    ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
+    ///
+    /// Returns
+    /// -------
+    /// Stability
+    ///     `loads` (..., wheels), `tip_over_angle` (...), `clearance` (...), `joint_margins` (..., joints),
+    ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If mass or gravity are not finite and positive, or the stand is of another suspension.
+    ///
+    /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
+    /// ICRA 1996.
+    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None))]
+    fn stability(
+        slf: &Bound<'_, Self>,
+        py: Python<'_>,
+        stand: &Bound<'_, Stand>,
+        mass: f64,
+        centre_of_mass: Option<&Bound<'_, PyAny>>,
+        gravity: f64,
+        belly: Option<(f64, f64, f64, f64)>,
+    ) -> PyResult<Stability> {
+        for (name, value) in [("mass", mass), ("gravity", gravity)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(refuse(
+                    name,
+                    "be finite and positive",
+                    &format!("{value:?}"),
+                ));
+            }
+        }
+        let (chain, stand) = (&slf.get().chain, stand.get());
+        if !stand.suspension.bind(py).is(slf)
+            && stand.suspension.get().chain.wheels().len() != chain.wheels().len()
+        {
+            return Err(refuse(
+                "stand",
+                "be one of this suspension",
+                "one of another",
+            ));
+        }
+        let centre = match centre_of_mass {
+            Some(centre) => {
+                let centre = Rows::read("centre_of_mass", centre, 3)?;
+                centre.check_leading("centre_of_mass", &[])?;
+                centre.check_finite("centre_of_mass")?;
+                centre.triples()[0]
+            }
+            None => chain.balance().into(),
+        };
+        let belly = match (belly, slf.cast::<RockerBogie>()) {
+            (Some((rear, front, half_width, z)), _) => {
+                Some(Belly::new([rear, front], half_width, z).map_err(|error| raise(error, &[]))?)
+            }
+            (None, Ok(rover)) => Some(Belly::between_wheels(rover.get().0.dimensions())),
+            (None, Err(_)) => None,
+        };
+        let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
+        let count = stand.stands.len();
+        let nothing = |width: usize| vec![f64::NAN; count * width];
+        let (mut carried, mut margins) = (nothing(wheels), nothing(joints));
+        let (mut tipping, mut clear, mut tilts) = (nothing(1), nothing(1), nothing(1));
+        for (k, one) in stand.stands.iter().enumerate() {
+            let Some(placed) = stand.placed(k) else {
+                continue;
+            };
+            if let Some(shares) = loads(chain, one, &placed, centre) {
+                for (load, share) in carried[k * wheels..][..wheels].iter_mut().zip(shares) {
+                    *load = share * mass * gravity;
+                }
+            }
+            for (margin, value) in margins[k * joints..][..joints]
+                .iter_mut()
+                .zip(joint_margins(chain, one))
+            {
+                *margin = value;
+            }
+            tipping[k] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
+            let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
+            clear[k] = clearance.unwrap_or(f64::NAN);
+            tilts[k] = tilt(&placed);
+        }
+        let leading = stand.leading.as_slice();
+        let array = |values: Vec<f64>, width: usize| {
+            let shape = joined(leading, width);
+            PyArray1::from_vec(py, values)
+                .reshape(IxDyn(&shape))
+                .map(|array| array.into_any().unbind())
+        };
+        Ok(Stability {
+            loads: array(carried, wheels)?,
+            joint_margins: array(margins, joints)?,
+            tip_over_angle: scalar_or_array(py, tipping, leading)?,
+            clearance: scalar_or_array(py, clear, leading)?,
+            tilt: scalar_or_array(py, tilts, leading)?,
+        })
+    }
+}
