@@ -74,7 +74,16 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
     monkeypatch.setattr(draw, "PICTURES", tmp_path)
     draw.main()
     drawn = {path.name for path in tmp_path.iterdir()}
-    others = ("four_axle", "transitions", "calibration", "limits", "drive")
+    others = (
+        "four_axle",
+        "transitions",
+        "calibration",
+        "limits",
+        "drive",
+        "ground",
+        "ground_side",
+        "ground_speeds",
+    )
     assert drawn == {f"{name}.png" for name in (*draw.VEHICLES, *others)}
     assert drawn <= {path.name for path in (DOCS / "pictures").iterdir()}
     assert max(path.stat().st_size for path in tmp_path.iterdir()) < LARGEST_PICTURE

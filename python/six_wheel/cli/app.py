@@ -15,9 +15,8 @@ from six_wheel.cli.calibrate import calibrate
 from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
 from six_wheel.cli.drive import drive
 from six_wheel.cli.example import example
-from six_wheel.cli.node import PASSING, command_filter, node
 from six_wheel.cli.odometry import odometry
-from six_wheel.cli.replay import replay
+from six_wheel.cli.onboard import PASSING, command_filter, node, replay
 from six_wheel.cli.shared import (
     AsOption,
     NodeOption,

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Stand, Terrain
@@ -88,7 +87,7 @@ def speeds_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -
     return figure
 
 
-def _draw_space(axes: Axes3D, run: GroundSimulation, arm: RockerBogie, ground: Terrain, title: str) -> None:
+def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terrain, title: str) -> None:
     assert run.truth is not None
     assert run.stand is not None
     poses, stand = run.truth.poses, run.stand
@@ -122,7 +121,7 @@ def _draw_space(axes: Axes3D, run: GroundSimulation, arm: RockerBogie, ground: T
     axes.set_zlabel("z [m]")
 
 
-def _draw_rover(axes: Axes3D, arm: RockerBogie, stand: Stand, row: int) -> None:
+def _draw_rover(axes: Any, arm: RockerBogie, stand: Stand, row: int) -> None:
     """Links and wheels at one pose."""
     transform, joints = stand.transform[row], stand.joints[row]
     frames = arm.frames(joints[0], joints[1:], stand.steering[row])

@@ -31,7 +31,7 @@ impl Motion {
 
     /// Where it comes to rest when its rate falls by `change` per second.
     pub fn stop(self, change: f64) -> f64 {
-        if self.rate == 0.0 {
+        if self.rate == 0.0 || change.is_infinite() {
             self.value
         } else {
             self.value + self.rate * self.rate.abs() / (2.0 * change)
