@@ -24,7 +24,9 @@ def call(peer, kind, name, request):
     if name not in peer.clients:
         peer.clients[name] = peer.node.create_client(kind, name)
         peer.until(peer.clients[name].service_is_ready)
-        peer.spin(0.3)  # ready is who can be asked: that the answer finds its way back is settled a little later
+        peer.spin(
+            0.3
+        )  # ready is who can be asked: that the answer finds its way back is settled a little later
     future = peer.clients[name].call_async(request)
     peer.until(future.done)
     return future.result()
