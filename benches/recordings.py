@@ -1,8 +1,8 @@
-"""What calibration and its noise are worth on recordings that were not fitted: ``python benches/recordings.py DATA``.
+"""What calibration is worth on recordings that were not fitted: ``python benches/recordings.py DATA``.
 
-DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others choose the
-parameters, fit them and measure the noise; the session left out is dead-reckoned with what they found, its first pose
-given. Prints two tables in Markdown.
+DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others
+choose the parameters, fit them and measure the noise; the session left out is dead-reckoned with what they
+found, its first pose given. Prints two tables in Markdown.
 """
 
 import argparse

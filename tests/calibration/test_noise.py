@@ -98,7 +98,7 @@ def test_real_robots_are_as_far_off_as_they_say(robot, parameters):
 @REQUIRED
 @pytest.mark.parametrize("robot", RUNS)
 def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
-    """As their tape measures say they are: all ends in the 95 % bound, half of them well within the middle."""
+    """As their tape measures say they are: all ends in the 95 % bound, half of them well inside."""
     values = []
     for rover, log in map(read, RUNS[robot]):
         track = sw.dead_reckon(rover, log, start=log.truth.poses[0], residuals=False)

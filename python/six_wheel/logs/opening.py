@@ -40,7 +40,7 @@ AnyLog: TypeAlias = "JointLog | OptiOdomLog"
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a log does not say by itself; see `JointLog`. Encoders and truth have the keys of a parameter file."""
+    """What a log does not say by itself; see `JointLog`. Encoders and truth have a parameter file's keys."""
 
     format: LogFormat | None = None
     reading: Reading | None = None

@@ -72,8 +72,8 @@ class Parameters:
         What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
         the readings of wheels and steering joints; options of `Odometry`.
     truth, calibration : dict
-        Where what a truth follows sits in the body (`x`, `y`, `yaw`) and its `time_offset`; names of the `parameters`
-        that were calibrated and their `covariance`.
+        Where what a truth follows sits in the body (`x`, `y`, `yaw`) and its `time_offset`; names of the
+        `parameters` that were calibrated and their `covariance`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str

@@ -189,7 +189,7 @@ class _Run:
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
 
     def _note_truth(self, chunk: JointRows, poses: Floats, truth: Truth | None) -> None:
-        """Keep what can be compared: at once, or at the end where the clock of the log's own truth is another."""
+        """Keep what can be compared: now, or at the end where the log's own truth has another clock."""
         if truth is None and chunk.truth is not None and self._options.truth:
             there = np.isfinite(chunk.truth).all(axis=1)
             self._own.append((chunk.stamps[there], chunk.truth[there]))
