@@ -27,6 +27,7 @@ from six_wheel.poses import Floats, joined
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
+MANY = 8  # logs from which on it is worth starting processes
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,10 @@ def calibrate_files(
             _check_truth(path, log, truth)
             logs.append(log)
             warnings += _said(reader)
-        result = calibrate(rover, logs, progress=progress, **(options or {}))
+        given = dict(options or {})
+        if given.get("workers") is None:
+            given["workers"] = 1 if len(logs) < MANY else None
+        result = calibrate(rover, logs, progress=progress, **given)
         done = Calibrated(result, tuple(logs), tuple(warnings))
         text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
