@@ -352,7 +352,7 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
         (["cart.yaml", "log.csv", "--reading", "angel"], "reading must be one of angle, speed, ticks"),
         (["cart.yaml", "log.csv", "--truth", "none.csv"], "none.csv"),
         (["cart.yaml", "log.csv", "--truth", "commands.csv"], "the truth must have columns x, y and yaw"),
-        (["cart.yaml", "log.csv", "-o", "t.txt"], 'the ending must be .csv or .parquet, got ".txt"'),
+        (["cart.yaml", "log.csv", "-o", "t.txt"], 'the ending must be .csv, .parquet or .mcap, got ".txt"'),
         (["cart.yaml", "log.csv", "-o", "log.csv"], "the output must be another file than log.csv"),
         (["cart.yaml", "log.csv", "-o", "none/t.csv"], "the folder of the output must exist"),
         (["cart.yaml", "log.csv", "--plot", "p.xyz"], "the ending must be one of .png, .svg, .pdf"),
