@@ -445,6 +445,6 @@ def test_show_draws_a_suspension_from_the_side(run, refused):
     code, out, _ = run("show", "open_source_rover", "--side", "-o", "side.svg")
     assert (code, Path(out.strip()).name) == (0, "side.svg")
     assert refused("show", "rover.yaml", "--side") == (
-        'ROVER must be a preset with a suspension, got "rover.yaml": '
-        "perseverance, curiosity, rocky7, open_source_rover"
+        "ROVER must have a suspension, as the kind rocker_bogie, the URDF of one, or one of "
+        'perseverance, curiosity, rocky7, open_source_rover; got "rover.yaml"'
     )

@@ -64,7 +64,7 @@ def odometry(
         typer.Option(
             "-o",
             "--output",
-            help="Poses, twists, covariances, residuals: .csv or .parquet; "
+            help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap; "
             "of several logs a folder, where a run that was stopped goes on.",
         ),
     ] = None,
