@@ -107,3 +107,20 @@ def test_a_rover_without_a_suspension_stays_on_the_plane(refused: Callable[..., 
     Path("flat.yaml").write_text("kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n")
     said = refused("simulate", "flat.yaml", "over.csv", "--ground", land)
     assert said.startswith("ROVER must have a suspension, as the kind rocker_bogie")
+
+
+@pytest.mark.parametrize("ground", [(), ("--ground", "map.asc")])
+def test_a_path_is_driven_from_its_first_pose_to_its_last(run: Run, land: str, ground: tuple[str, ...]):
+    Path("path.csv").write_text("time,x,y,yaw\n0,4,4,0\n1,5,4,0\n2,6,4.2,0.4\n")
+    code, out, err = run("simulate", "perseverance", "path.csv", *ground, "--speed", "0.2", "-o", "run.csv")
+    assert (code, err) == (0, "")
+    assert "10" in out.partition("duration")[2]  # 2.03 m at 0.2 m/s
+    rows = np.genfromtxt("run.csv", delimiter=",", names=True, deletechars="")
+    names = [name for name in rows.dtype.names or () if name.split("_")[0] in ("x", "y")][:2]
+    ends = [[float(rows[name][k]) for name in names] for k in (0, -1)]
+    np.testing.assert_allclose(ends, [[4, 4], [6, 4.2]], atol=0.03)
+
+
+def test_neither_commands_nor_a_path(refused: Callable[..., str]):
+    Path("odd.csv").write_text("time,a,b\n0,1,2\n1,2,3\n")
+    assert "vx" in refused("simulate", "perseverance", "odd.csv")

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -32,7 +32,11 @@ def simulate(
         ),
     ],
     commands: Annotated[
-        Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
+        Path,
+        typer.Argument(
+            metavar="COMMANDS",
+            help="Table with time, vx, vy, omega, or a path: time, x, y, yaw; .csv, .parquet.",
+        ),
     ],
     ground: Annotated[
         Path | None,
@@ -47,9 +51,10 @@ def simulate(
         str | None,
         typer.Option(
             metavar="X,Y,YAW",
-            help="First pose [m, m, rad]; default the middle of the map, on a plane the origin, along x.",
+            help="First pose [m, m, rad]; default that of a path, the middle of a map or the origin.",
         ),
     ] = None,
+    speed: Annotated[float, typer.Option(metavar="V", help="Along a path [m/s].")] = 0.5,
     rate: Annotated[float, typer.Option(metavar="HZ", help="Samples per second.")] = 10.0,
     seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0,
     plot: Annotated[
@@ -80,34 +85,49 @@ def simulate(
 
         if output.suffix.lower() not in ENDINGS:
             table_format(output, ENDINGS)
-    pose = None if start is None else _start(start)
-    way = _way(commands)
+    way = _way(commands, None if start is None else _start(start), speed)
     if chosen is not None:
-        rows = _on_a_plane(chosen, way, pose, rate, seed, output, plot)
+        rows = _on_a_plane(chosen, way, rate, seed, output, plot)
     else:
         assert suspended is not None
         assert ground is not None
-        rows = _over_ground(*suspended, ground, way, pose, rate, seed, output, plot, speeds)
+        rows = _over_ground(*suspended, ground, way, rate, seed, output, plot, speeds)
     new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
 
 
-def _way(commands: Path) -> Any:
-    """Stamps from the first one on [s], and twists."""
+class Way(NamedTuple):
+    """Stamps [s] and twists, or poses and the speed along them; where it begins, if that is known."""
+
+    path: Any
+    start: tuple[float, float, float] | None
+    speed: float
+
+
+def _way(commands: Path, start: tuple[float, float, float] | None, speed: float) -> Way:
     import numpy as np
 
+    from six_wheel.logs.columns import TableError
+    from six_wheel.logs.joints import read_truth
     from six_wheel.logs.tables import CommandTable
 
-    with CommandTable(commands) as table:
-        chunks = list(table.chunks(ROWS))
-        scale = table.time_unit.scale
+    try:
+        with CommandTable(commands) as table:
+            chunks = list(table.chunks(ROWS))
+            scale = table.time_unit.scale
+    except TableError as no_commands:
+        try:
+            _, poses, _ = read_truth(commands)
+        except (TableError, ValueError):
+            raise no_commands from None
+        return Way(poses, start or tuple(poses[0].tolist()), speed)
     times = np.concatenate([chunk.time for chunk in chunks])
-    return (times - times[0]) * scale, np.concatenate([chunk.twists for chunk in chunks])
+    twists = np.concatenate([chunk.twists for chunk in chunks])
+    return Way(((times - times[0]) * scale, twists), start, speed)
 
 
 def _on_a_plane(
     chosen: Chosen,
-    way: Any,
-    start: tuple[float, float, float] | None,
+    way: Way,
     rate: float,
     seed: int,
     output: Path | None,
@@ -132,7 +152,14 @@ def _on_a_plane(
         if "resolution" in counts:
             encoders[name] = Encoder(**counts)
     done = run(
-        chosen.rover, way, noise=noise, rate=rate, start=start or (0.0, 0.0, 0.0), seed=seed, **encoders
+        chosen.rover,
+        way.path,
+        noise=noise,
+        rate=rate,
+        start=way.start or (0.0, 0.0, 0.0),
+        speed=way.speed,
+        seed=seed,
+        **encoders,
     )
     assert done.truth is not None
     assert done.motion is not None
@@ -158,8 +185,7 @@ def _over_ground(
     arm: "RockerBogie",
     name: str,
     ground: Path,
-    way: Any,
-    start: tuple[float, float, float] | None,
+    way: Way,
     rate: float,
     seed: int,
     output: Path | None,
@@ -173,7 +199,8 @@ def _over_ground(
     from six_wheel.simulation.running import simulate as run
 
     land = Terrain.read(ground)
-    done = run(arm, way, ground=land, start=start or (*_middle(land), 0.0), rate=rate, seed=seed)
+    start = way.start or (*_middle(land), 0.0)
+    done = run(arm, way.path, ground=land, start=start, rate=rate, speed=way.speed, seed=seed)
     assert isinstance(done, GroundSimulation)
     if output is not None:
         write_ground(done, arm, output)
