@@ -3,7 +3,7 @@
 //! They name their instructions, through the safe wrappers of the level's token. Written as loops or lane
 //! by lane, the compiler turned them into gathers and scatters at three times the cost.
 
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 
 /// A level with its shuffles.
 pub(crate) trait Vector: Simd {
@@ -44,6 +44,57 @@ pub(crate) trait Vector: Simd {
 
     /// Asks for the line of an address, which need not be one.
     fn fetch(self, address: *const f64);
+}
+
+/// One number at a time.
+impl Vector for Scalar {
+    #[inline(always)]
+    fn zip(self, pair: [f64; 2]) -> [f64; 2] {
+        pair
+    }
+
+    #[inline(always)]
+    fn unzip(self, pair: [f64; 2]) -> [f64; 2] {
+        pair
+    }
+
+    #[inline(always)]
+    fn braid(self, registers: [f64; 3]) -> [f64; 3] {
+        registers
+    }
+
+    #[inline(always)]
+    fn unbraid(self, registers: [f64; 3]) -> [f64; 3] {
+        registers
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [f64; 8]) -> [f64; 8] {
+        rows
+    }
+
+    #[inline(always)]
+    fn shift<const LOG: u32>(self, _: f64) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn last(self, register: f64) -> f64 {
+        register
+    }
+
+    const STREAMS: bool = false;
+
+    #[inline(always)]
+    unsafe fn stream(self, target: &mut f64, register: f64) {
+        *target = register;
+    }
+
+    #[inline(always)]
+    fn fence(self) {}
+
+    #[inline(always)]
+    fn fetch(self, _: *const f64) {}
 }
 
 #[cfg(target_arch = "x86_64")]
