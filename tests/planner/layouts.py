@@ -21,9 +21,7 @@ ROVERS = {
     "ackermann": sw.Rover.ackermann(wheelbase=1.1, track_width=0.6, wheel_radius=0.15, steering_limit=0.6),
     "tricycle": sw.Rover.tricycle(wheelbase=0.9, track_width=0.6, wheel_radius=0.12),
     "swerve": sw.Rover.swerve(CORNERS, 0.08),
-    "narrow swerve": sw.Rover([
-        sw.Wheel(str(k), x, y, radius=0.08, steered=True, steering_limit=0.9) for k, (x, y) in enumerate(CORNERS)
-    ]),
+    "narrow swerve": sw.Rover.swerve(CORNERS, 0.08, steering_limit=0.9),
     "differential": sw.Rover.differential(0.5, 0.1, wheels_per_side=3, wheelbase=0.8),
     "mecanum": sw.Rover.mecanum(half_wheelbase=0.3, half_track=0.25, wheel_radius=0.1),
     "omni": sw.Rover.omni(

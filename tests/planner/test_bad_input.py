@@ -23,14 +23,20 @@ def planner(**options):
     [
         (lambda: sw.Costmap(NAN, 0.1), "values[3, 7] must be finite, got nan"),
         (lambda: sw.Costmap(FLAT - np.inf, 0.1), "values[0, 0] must be finite, got -inf"),
-        (lambda: sw.Costmap(FLAT[:1], 0.1), "values must have 2 to 4194304 rows and columns, got shape (1, 40)"),
+        (
+            lambda: sw.Costmap(FLAT[:1], 0.1),
+            "values must have 2 to 4194304 rows and columns, got shape (1, 40)",
+        ),
         (lambda: sw.Costmap(FLAT[0], 0.1), "values must have shape (rows, columns), got shape (40,)"),
         (lambda: sw.Costmap(FLAT, 0.0), "spacing must be finite and positive, got (0.0, 0.0)"),
         (lambda: sw.Costmap(FLAT, 0.1, (0, np.nan)), "origin must be finite, got (0.0, nan)"),
         (lambda: planner(samples=0), "samples must be 1 to 16777216, got 0"),
         (lambda: planner(horizon=0), "horizon must be 1 to 16777216, got 0"),
         (lambda: planner(horizon=-3), "horizon must be a whole number from 0 on, got -3"),
-        (lambda: planner(samples=10**7, horizon=10**3), "horizon * samples must make 268435456 rollout steps at most"),
+        (
+            lambda: planner(samples=10**7, horizon=10**3),
+            "horizon * samples must make 268435456 rollout steps at most",
+        ),
         (lambda: planner(seed=-1), "seed must be 0 to 2^64 - 1, got -1"),
         (lambda: planner(seed=2**64), "seed must be 0 to 2^64 - 1, got 18446744073709551616"),
         (lambda: planner(samples=1.5), "samples must be a whole number, got 1.5"),
@@ -72,13 +78,25 @@ def raising(poses, twists):
         ({"path": [(0, 0), (np.nan, 1)]}, "path must be finite"),
         ({"path": np.zeros((4, 5))}, "path must have shape (..., 2), got shape (4, 5)"),
         ({"goal": (0, np.inf)}, "goal must be finite, got (0.0, inf)"),
-        ({"out": (np.zeros(4), np.zeros(5))}, "out.speeds must be a writeable float64 array of shape (6,), got shape"),
+        (
+            {"out": (np.zeros(4), np.zeros(5))},
+            "out.speeds must be a writeable float64 array of shape (6,), got shape",
+        ),
         ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and speeds, got ndarray"),
         ({"kernel": "none"}, "kernel must be one this machine has"),
         ({"threads": 0}, "threads must be at least 1, got 0"),
-        ({"extra_cost": lambda poses, twists: np.zeros(3)}, "extra_cost must have shape (..., 50), got shape (3,)"),
-        ({"extra_cost": lambda poses, twists: np.full(50, np.nan)}, "extra_cost[0] must return numbers, got nan"),
-        ({"extra_cost": lambda poses, twists: np.full(50, np.inf)}, "extra_cost must leave one rollout possible"),
+        (
+            {"extra_cost": lambda poses, twists: np.zeros(3)},
+            "extra_cost must have shape (..., 50), got shape (3,)",
+        ),
+        (
+            {"extra_cost": lambda poses, twists: np.full(50, np.nan)},
+            "extra_cost[0] must return numbers, got nan",
+        ),
+        (
+            {"extra_cost": lambda poses, twists: np.full(50, np.inf)},
+            "extra_cost must leave one rollout possible",
+        ),
     ],
 )
 def test_a_step_is_refused_and_nothing_is_written(arguments, message):
@@ -127,7 +145,8 @@ def test_a_callback_must_not_step_its_planner():
             "no motion lets all wheels of this rover roll",
         ),
         (
-            sw.Rover([sw.Wheel("a", 0, 0, radius=0.1), sw.Wheel("b", 1, 0, radius=0.1, steered=True, steering_limit=(0.5, 1.0))]),
+            sw.Rover([sw.Wheel("a", 0, 0, radius=0.1),
+                      sw.Wheel("b", 1, 0, radius=0.1, steered=True, steering_limit=(0.5, 1.0))]),
             {"steering_limit": 0.3},
             "a steered wheel has no angle within steering_limit",
         ),

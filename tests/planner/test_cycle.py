@@ -34,7 +34,9 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     if how == "loose" and len(rover.steered_names) < 2:
         pytest.skip("one joint is always set for some motion")
     options = {"noise": (0.6, 0.4, 0.9), "temperature": 5.0, "weights": {"effort": 0.3, "scrub": 0.7}}
-    plan = sw.Mppi(rover, sw.Limits(**LIMITS), horizon=40, dt=DT, samples=200, seed=7, smoothing=False, **options)
+    plan = sw.Mppi(
+        rover, sw.Limits(**LIMITS), horizon=40, dt=DT, samples=200, seed=7, smoothing=False, **options
+    )
     drive = twin(rover, LIMITS, DT)
     twist, steering, setting, loose = begun(rover, drive, how)
     costmap = sw.Costmap(HILLS, lethal=0.97, outside=0.9, **GROUND)
@@ -45,8 +47,8 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     way = plain.poses(drive, motions, START)
     value = plain.map_value(HILLS.astype(float), 0.1, (0.3, -0.2), way[:, 1:, :2], outside=0.9)
     total = plain.costs(drive, motions, way, plan.weights, np.array([4.0, 3.0]), value, lethal=0.97)
-    # Who wants to turn on the spot and cannot is as far from a turn to the left as from one to the right: rounding
-    # decides. So do two of the samples that are no noise, and one that brakes to exactly zero speed.
+    # Who wants to turn on the spot and cannot is as far from a turn to the left as from one to the right:
+    # rounding decides. So do two of the samples that are no noise, and one that brakes to exactly zero speed.
     apart = np.abs(plan.costs / total - 1) > 1e-12
     assert apart.sum() <= (3 if rover.spin_radius == 0 else 0)
     _, mean = plain.mean(plan.costs, wishes, 5.0)
@@ -69,7 +71,9 @@ def test_the_generator_gives_its_published_words():
 def test_wishes_are_the_noise_of_the_counter(name, dtype):
     rover = ROVERS[name]
     components = 2 if name == "differential" else 3
-    plan = sw.Mppi(rover, horizon=11, samples=3000, seed=2**63 + 5, noise=(1, 1, 1), correlation=0, dtype=dtype)
+    plan = sw.Mppi(
+        rover, horizon=11, samples=3000, seed=2**63 + 5, noise=(1, 1, 1), correlation=0, dtype=dtype
+    )
     plan.step((0, 0, 0))
     noise = plain.normals(2**63 + 5, 0, 3000, 11, components)
     wishes = plan.wishes if components == 3 else plan.wishes[..., [0, 2]]
@@ -93,7 +97,11 @@ def test_bits_depend_on_neither_threads_nor_kernels(rover, dtype):
         return plan.costs, found.controls, found.poses, found.steering
 
     first = run(1, sw.kernels()[-1])
-    for threads, kernel in [(2, sw.kernels()[-1]), (7, sw.kernels()[0]), *((1, name) for name in sw.kernels()[:-1])]:
+    for threads, kernel in [
+        (2, sw.kernels()[-1]),
+        (7, sw.kernels()[0]),
+        *((1, name) for name in sw.kernels()[:-1]),
+    ]:
         for ours, theirs in zip(run(threads, kernel), first, strict=True):
             np.testing.assert_array_equal(ours, theirs)
 

@@ -1,4 +1,4 @@
-"""A sampling planner's cycle (model predictive path integral): noise, rollouts within limits, costs, new mean.
+"""A sampling planner's cycle (model predictive path integral): noise, rollouts within limits, costs, mean.
 
 Rollouts are rows, steps a loop. `limits` is a mapping from the names of `six_wheel.Limits` to numbers.
 """
@@ -16,6 +16,7 @@ from six_wheel.reference.rover import Rover
 from six_wheel.reference.wheels import Wheel
 
 Words: TypeAlias = NDArray[np.uint64]
+Truths: TypeAlias = NDArray[np.bool_]
 
 REST = 1e-6  # a motion whose pivots are slower is none [m/s]
 TINY = 1e-280  # what a square is divided by at least
@@ -28,7 +29,12 @@ def philox(seed: int, counters: Words, rounds: int = 7) -> Words:
     keys = [seed & 0xFFFFFFFF, seed >> 32]
     for _ in range(rounds):
         a, b = x0 * np.uint64(0xD2511F53), x2 * np.uint64(0xCD9E8D57)
-        x0, x1, x2, x3 = (b >> half) ^ x1 ^ np.uint64(keys[0]), b & low, (a >> half) ^ x3 ^ np.uint64(keys[1]), a & low
+        x0, x1, x2, x3 = (
+            (b >> half) ^ x1 ^ np.uint64(keys[0]),
+            b & low,
+            (a >> half) ^ x3 ^ np.uint64(keys[1]),
+            a & low,
+        )
         keys = [(keys[0] + 0x9E3779B9) & 0xFFFFFFFF, (keys[1] + 0xBB67AE85) & 0xFFFFFFFF]
     return np.stack([x0, x1, x2, x3], axis=-1)
 
@@ -81,7 +87,7 @@ class Drive:
         banks = [row if row[1] >= 0 else -row for row, _ in self.rover._banks]
         if banks:
             a, b, c = banks[0]
-            self.body = np.array([[b, -a, 0.0], [a * c, -b * c, 1.0]])
+            self.body = np.array([[b, -a, 0.0], [-a * c, -b * c, 1.0]])
         else:
             self.body = np.eye(3)
         pivots = np.array([(wheel.x, wheel.y) for wheel in self.rover.wheels])
@@ -186,7 +192,7 @@ class Drive:
                     best = beyond, motion
         return best[1]
 
-    def _towards(self, motions: Floats, outside: Floats) -> Floats:
+    def _towards(self, motions: Floats, outside: Truths) -> Floats:
         if not self.narrow():
             return motions
         inside = self.inside()
@@ -240,14 +246,16 @@ def drive(
             new, held, busy = _steer(drive, now, wanted, new, held, busy, rests, loose)
         over = drive.over(new, "speed", "yaw_rate", "wheel_speed")
         twists = new @ drive.body
-        side = np.hypot(twists[:, 0], twists[:, 1]) * np.abs(twists[:, 2]) / drive.limit("lateral_acceleration")
+        side = (
+            np.hypot(twists[:, 0], twists[:, 1]) * np.abs(twists[:, 2]) / drive.limit("lateral_acceleration")
+        )
         new = new / np.sqrt(np.maximum(np.maximum(over, side), 1.0))[:, None]
         done[:, t] = now = new
     return done
 
 
 def _steer(
-    drive: Drive, now: Floats, wanted: Floats, new: Floats, held: Floats, busy: Floats, rests: Floats,
+    drive: Drive, now: Floats, wanted: Floats, new: Floats, held: Floats, busy: Floats, rests: Truths,
     loose: Floats | None,
 ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
     rate, dt = drive.limit("steering_rate"), drive.dt
@@ -263,7 +271,11 @@ def _steer(
         need = np.abs(ax * by - ay * bx) * cotangent - side * (ax * bx + ay * by)
         kept = np.maximum(kept, need / np.maximum(ax**2 + ay**2, TINY))
         with np.errstate(divide="ignore", invalid="ignore"):
-            old = np.arctan(ay / ax) if loose is None else np.where(busy < 0, loose[k] - joint.middle, np.arctan(ay / ax))
+            old = (
+                np.arctan(ay / ax)
+                if loose is None
+                else np.where(busy < 0, loose[k] - joint.middle, np.arctan(ay / ax))
+            )
             turns = np.fmax(turns, np.abs(np.arctan(by / bx) - old))
     same = (np.min(ahead, axis=0) > 0) | (np.max(ahead, axis=0) < 0) | rests
     # Backwards the joints are set the same.
@@ -332,7 +344,9 @@ def costs(
         slip = np.abs(motions @ drive.body @ np.array(rows).T).max(axis=-1)
         total += weights["scrub"] * dt * (slip**2).sum(axis=1)
     if value is not None:
-        total += weights["map"] * dt * value.sum(axis=1) + weights["collision"] * (value >= lethal).any(axis=1)
+        total += weights["map"] * dt * value.sum(axis=1) + weights["collision"] * (value >= lethal).any(
+            axis=1
+        )
     if goal is not None:
         away = np.hypot(way[:, 1:, 0] - goal[0], way[:, 1:, 1] - goal[1])
         total += weights["goal"] * dt * away.sum(axis=1) + weights["terminal"] * away[:, -1]

@@ -3,7 +3,9 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::planner::{Mppi as Core, Options, Outcome, Precision, Situation, State, Stuck, Weights};
+use six_wheel_core::planner::{
+    Mppi as Core, Options, Outcome, Precision, Situation, State, Stuck, Weights,
+};
 
 use crate::batch::any_workers;
 use crate::controller::limits::Limits;
@@ -112,11 +114,19 @@ impl Mppi {
             noise.check_finite("noise")?;
         }
         let footprint = match footprint {
-            Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
+            Some(points) => Rows::read_table("footprint", points, 2)?
+                .flat()
+                .as_chunks()
+                .0
+                .to_vec(),
             None => usual.footprint.clone(),
         };
         if footprint.len() > FOOTPRINT {
-            return Err(refuse("footprint", &format!("hold {FOOTPRINT} points at most"), &footprint.len().to_string()));
+            return Err(refuse(
+                "footprint",
+                &format!("hold {FOOTPRINT} points at most"),
+                &footprint.len().to_string(),
+            ));
         }
         let options = Options {
             horizon: size(count("horizon", horizon, usual.horizon as u64)?),
@@ -133,8 +143,14 @@ impl Mppi {
             footprint,
         };
         let limits = limits.unwrap_or(Limits(Default::default()));
-        let core = Core::new(&rover.get().core, limits.0, options.clone()).map_err(|error| raise(error, &[]))?;
-        Ok(Self { core: Shared::new(core), rover: rover.unbind(), limits, options })
+        let core = Core::new(&rover.get().core, limits.0, options.clone())
+            .map_err(|error| raise(error, &[]))?;
+        Ok(Self {
+            core: Shared::new(core),
+            rover: rover.unbind(),
+            limits,
+            options,
+        })
     }
 
     /// One cycle: the plan from here on.
@@ -199,7 +215,12 @@ impl Mppi {
         pose.check_leading("state.pose", &[])?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
-        let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
+        let steering = Rows::read_beside(
+            "state.steering",
+            steering.or(seen.steering.as_ref()),
+            joints,
+            &[],
+        )?;
         let path = path.map(|path| points("path", path)).transpose()?;
         let goal = goal.map(|goal| place("goal", goal)).transpose()?;
         let map = costmap.map(|map| &map.get().core);
@@ -218,7 +239,8 @@ impl Mppi {
         let rollouts = self.options.samples * self.options.horizon;
         let mut core = self.core.lock(py)?;
         let planner = &mut *core;
-        compute(py, rollouts, || planner.roll(situation, workers)).map_err(|error| raise(error, &[]))?;
+        compute(py, rollouts, || planner.roll(situation, workers))
+            .map_err(|error| raise(error, &[]))?;
         let mut extra = None;
         if let Some(function) = extra_cost {
             let rolls = core.rolls();
@@ -229,7 +251,11 @@ impl Mppi {
             extra = Some(Rows::read("extra_cost", &costs, self.options.samples)?);
             core = self.core.lock(py)?;
             if core.rolls() != rolls {
-                return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
+                return Err(refuse(
+                    "extra_cost",
+                    "not step the planner it judges for",
+                    "another cycle",
+                ));
             }
         }
         let costs = extra.as_ref().map(|rows| {
@@ -244,7 +270,12 @@ impl Mppi {
         steering.flat().copy_from_slice(&outcome.steering);
         speeds.flat().copy_from_slice(&outcome.speeds);
         let [steering, speeds] = outputs;
-        MppiPlan::of(py, &outcome, core.state(), [steering.finish()?, speeds.finish()?])
+        MppiPlan::of(
+            py,
+            &outcome,
+            core.state(),
+            [steering.finish()?, speeds.finish()?],
+        )
     }
 
     /// Back to where it was when it was made.
@@ -288,11 +319,15 @@ impl Mppi {
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
-            cycle: u32::try_from(cycle).map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
+            cycle: u32::try_from(cycle)
+                .map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
             steering: steering.flat().to_vec(),
             progress: number("progress", &item("progress")?)?,
         };
-        self.core.lock(py)?.set_state(state).map_err(|error| raise(error, &[]))
+        self.core
+            .lock(py)?
+            .set_state(state)
+            .map_err(|error| raise(error, &[]))
     }
 
     /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
@@ -361,7 +396,10 @@ impl Mppi {
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
+        for (name, value) in Weights::NAMES
+            .into_iter()
+            .zip(self.options.weights.values())
+        {
             dict.set_item(name, value)?;
         }
         Ok(dict)
@@ -369,16 +407,33 @@ impl Mppi {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let rover = self.rover.bind(py).repr()?;
-        let Options { horizon, dt, samples, seed, precision, .. } = &self.options;
-        let dtype = if *precision == Precision::Single { ", dtype='float32'" } else { "" };
+        let Options {
+            horizon,
+            dt,
+            samples,
+            seed,
+            precision,
+            ..
+        } = &self.options;
+        let dtype = if *precision == Precision::Single {
+            ", dtype='float32'"
+        } else {
+            ""
+        };
         let limits = self.limits.text();
-        Ok(format!("Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"))
+        Ok(format!(
+            "Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"
+        ))
     }
 }
 
 impl Mppi {
     /// Where steering angles and wheel speeds go.
-    fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
+    fn outputs<'py>(
+        &self,
+        py: Python<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
         let outs = match out {
             None => [None, None],
@@ -386,7 +441,11 @@ impl Mppi {
                 let pair = out.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
                 let Some(pair) = pair else {
                     let got = out.get_type().name()?.to_string();
-                    return Err(refuse("out", "be a tuple of two arrays, steering and speeds", &got));
+                    return Err(refuse(
+                        "out",
+                        "be a tuple of two arrays, steering and speeds",
+                        &got,
+                    ));
                 };
                 [Some(pair.get_item(0)?), Some(pair.get_item(1)?)]
             }
@@ -399,12 +458,17 @@ impl Mppi {
 
     /// Poses and motions of all rollouts.
     fn recorded<'py>(&self, py: Python<'py>, core: &mut Core) -> PyResult<[Array<'py>; 2]> {
-        let Options { horizon, samples, .. } = self.options;
+        let Options {
+            horizon, samples, ..
+        } = self.options;
         let mut poses = Output::fresh(py, &[samples, horizon + 1, 3])?;
         let mut twists = Output::fresh(py, &[samples, horizon, 3])?;
         let (mut way, mut motions) = (Vec::new(), Vec::new());
         let rows = poses.triples().chunks_exact_mut(horizon + 1);
-        for (k, (poses, twists)) in rows.zip(twists.triples().chunks_exact_mut(horizon)).enumerate() {
+        for (k, (poses, twists)) in rows
+            .zip(twists.triples().chunks_exact_mut(horizon))
+            .enumerate()
+        {
             core.recorded(k, &mut way, &mut motions);
             poses.copy_from_slice(&way);
             twists.copy_from_slice(&motions);
@@ -446,7 +510,12 @@ pub struct MppiPlan {
 }
 
 impl MppiPlan {
-    fn of(py: Python<'_>, outcome: &Outcome, state: &State, [steering, speeds]: [Array<'_>; 2]) -> PyResult<Self> {
+    fn of(
+        py: Python<'_>,
+        outcome: &Outcome,
+        state: &State,
+        [steering, speeds]: [Array<'_>; 2],
+    ) -> PyResult<Self> {
         Ok(Self {
             twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
             steering: steering.into_any().unbind(),
@@ -470,9 +539,15 @@ impl MppiPlan {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let twist: [f64; 3] = self.twist.bind(py).extract()?;
         let [vx, vy, omega] = twist;
-        let why = if self.reason.is_empty() { String::new() } else { format!(", reason={:?}", self.reason) };
+        let why = if self.reason.is_empty() {
+            String::new()
+        } else {
+            format!(", reason={:?}", self.reason)
+        };
         let (cost, effective) = (self.cost, self.effective_samples);
-        Ok(format!("MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"))
+        Ok(format!(
+            "MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"
+        ))
     }
 }
 
@@ -487,9 +562,15 @@ struct Seen<'py> {
 impl<'py> Seen<'py> {
     fn of(state: &Bound<'py, PyAny>) -> PyResult<Self> {
         let Some(pose) = state.getattr_opt("pose")? else {
-            return Ok(Self { pose: state.clone(), twist: None, steering: None, frame: None });
+            return Ok(Self {
+                pose: state.clone(),
+                twist: None,
+                steering: None,
+                frame: None,
+            });
         };
-        let given = |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
+        let given =
+            |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
         Ok(Self {
             pose,
             twist: given("twist")?,
@@ -500,11 +581,15 @@ impl<'py> Seen<'py> {
 }
 
 fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) -> PyResult<()> {
-    let (Some(map), Some(frame)) = (costmap, frame) else { return Ok(()) };
+    let (Some(map), Some(frame)) = (costmap, frame) else {
+        return Ok(());
+    };
     match &map.get().frame {
-        Some(own) if own != frame => {
-            Err(refuse("costmap", &format!("be in the frame of the state, {frame:?}"), &format!("{own:?}")))
-        }
+        Some(own) if own != frame => Err(refuse(
+            "costmap",
+            &format!("be in the frame of the state, {frame:?}"),
+            &format!("{own:?}"),
+        )),
         _ => Ok(()),
     }
 }
@@ -520,12 +605,18 @@ fn triples<'py>(py: Python<'py>, rows: &[[f64; 3]]) -> PyResult<Array<'py>> {
 fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     let py = value.py();
     let index = value.call_method0("__index__").map_err(|_| {
-        let got = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        let got = value
+            .repr()
+            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
         ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
     })?;
     let _ = py;
     index.extract::<u64>().map_err(|_| {
-        let rule = if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" };
+        let rule = if argument == "seed" {
+            "be 0 to 2^64 - 1"
+        } else {
+            "be a whole number from 0 on"
+        };
         refuse(argument, rule, &index.to_string())
     })
 }
@@ -535,19 +626,29 @@ fn size(count: u64) -> usize {
 }
 
 fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
-    let name = dtype.py().import("numpy")?.getattr("dtype")?.call1((dtype,));
+    let name = dtype
+        .py()
+        .import("numpy")?
+        .getattr("dtype")?
+        .call1((dtype,));
     let name = name.and_then(|dtype| dtype.getattr("name")?.extract::<String>());
     match name.as_deref() {
         Ok("float32") => Ok(Precision::Single),
         Ok("float64") => Ok(Precision::Double),
-        _ => Err(refuse("dtype", "be float32 or float64", &dtype.repr()?.to_string())),
+        _ => Err(refuse(
+            "dtype",
+            "be float32 or float64",
+            &dtype.repr()?.to_string(),
+        )),
     }
 }
 
 fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
     let mut values = Weights::default().values();
     for (key, value) in given.iter() {
-        let name: String = key.extract().map_err(|_| refuse("weights", "have names", "another key"))?;
+        let name: String = key
+            .extract()
+            .map_err(|_| refuse("weights", "have names", "another key"))?;
         let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
             let rule = format!("be of {}", Weights::NAMES.join(", "));
             return Err(refuse("weights", &rule, &format!("{name:?}")));
@@ -562,7 +663,9 @@ fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     match Rows::read_table(argument, value, 2) {
         Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
         Err(error) => {
-            let Ok(rows) = Rows::read_table(argument, value, 3) else { return Err(error) };
+            let Ok(rows) = Rows::read_table(argument, value, 3) else {
+                return Err(error);
+            };
             memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
         }
     }

@@ -1,11 +1,10 @@
 //! What a rollout's way costs: the map under the rover, the way to the goal, the path.
 
-use pulp::Simd;
-
 use super::BLOCK;
 use super::costmap::Costmap;
 use super::drive::TRACK;
 use super::registers::{Real, Reg};
+use crate::batch::machine::vector::Vector;
 
 /// Points of the path at most.
 const POINTS: usize = 4096;
@@ -20,15 +19,21 @@ pub(crate) struct Path {
 
 impl Path {
     /// Points at most half a metre and a thousandth of the way apart; those of zero length are left out.
-    pub fn new(&mut self, corners: &[[f64; 2]]) {
+    pub fn follow(&mut self, corners: &[[f64; 2]]) {
         self.points.clear();
         let span = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
         self.length = corners.windows(2).map(span).sum();
-        let least = corners.windows(2).map(span).filter(|span| *span > 0.0).fold(f64::INFINITY, f64::min);
+        let least = corners
+            .windows(2)
+            .map(span)
+            .filter(|span| *span > 0.0)
+            .fold(f64::INFINITY, f64::min);
         if self.length == 0.0 {
             return;
         }
-        let pieces = (self.length / least.min(0.5)).ceil().clamp(1.0, (POINTS - 1) as f64);
+        let pieces = (self.length / least.min(0.5))
+            .ceil()
+            .clamp(1.0, (POINTS - 1) as f64);
         self.spacing = self.length / pieces;
         let (mut at, mut k) = (0.0, 0);
         for piece in 0..=pieces as usize {
@@ -39,14 +44,34 @@ impl Path {
             }
             let (from, to) = (corners[k], corners[k + 1]);
             let length = span(&corners[k..k + 2]);
-            let share = if length > 0.0 { ((along - at) / length).min(1.0) } else { 0.0 };
-            self.points.push([from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]), 1.0, 0.0]);
+            let share = if length > 0.0 {
+                ((along - at) / length).min(1.0)
+            } else {
+                0.0
+            };
+            self.points.push([
+                from[0] + share * (to[0] - from[0]),
+                from[1] + share * (to[1] - from[1]),
+                1.0,
+                0.0,
+            ]);
         }
         for k in 0..self.points.len() {
-            let (a, b) = if k + 1 < self.points.len() { (k, k + 1) } else { (k - 1, k) };
-            let [dx, dy] = [self.points[b][0] - self.points[a][0], self.points[b][1] - self.points[a][1]];
+            let (a, b) = if k + 1 < self.points.len() {
+                (k, k + 1)
+            } else {
+                (k - 1, k)
+            };
+            let [dx, dy] = [
+                self.points[b][0] - self.points[a][0],
+                self.points[b][1] - self.points[a][1],
+            ];
             let length = dx.hypot(dy);
-            let (dx, dy) = if length > 0.0 { (dx / length, dy / length) } else { (1.0, 0.0) };
+            let (dx, dy) = if length > 0.0 {
+                (dx / length, dy / length)
+            } else {
+                (1.0, 0.0)
+            };
             (self.points[k][2], self.points[k][3]) = (dx, dy);
         }
     }
@@ -101,22 +126,69 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { map: 1.0, collision: 1000.0, goal: 1.0, terminal: 10.0, path: 5.0, progress: 10.0, effort: 0.0, scrub: 1.0 }
+        Self {
+            map: 1.0,
+            collision: 1000.0,
+            goal: 1.0,
+            terminal: 10.0,
+            path: 5.0,
+            progress: 10.0,
+            effort: 0.0,
+            scrub: 1.0,
+        }
     }
 }
 
 impl Weights {
     /// Names, in the order of the fields.
-    pub const NAMES: [&'static str; 8] = ["map", "collision", "goal", "terminal", "path", "progress", "effort", "scrub"];
+    pub const NAMES: [&'static str; 8] = [
+        "map",
+        "collision",
+        "goal",
+        "terminal",
+        "path",
+        "progress",
+        "effort",
+        "scrub",
+    ];
 
     /// The weights by name, in this order.
     pub fn values(&self) -> [f64; 8] {
-        [self.map, self.collision, self.goal, self.terminal, self.path, self.progress, self.effort, self.scrub]
+        [
+            self.map,
+            self.collision,
+            self.goal,
+            self.terminal,
+            self.path,
+            self.progress,
+            self.effort,
+            self.scrub,
+        ]
     }
 
     /// The reverse of [`Self::values`].
-    pub fn of([map, collision, goal, terminal, path, progress, effort, scrub]: [f64; 8]) -> Self {
-        Self { map, collision, goal, terminal, path, progress, effort, scrub }
+    pub fn of(
+        [
+            map,
+            collision,
+            goal,
+            terminal,
+            path,
+            progress,
+            effort,
+            scrub,
+        ]: [f64; 8],
+    ) -> Self {
+        Self {
+            map,
+            collision,
+            goal,
+            terminal,
+            path,
+            progress,
+            effort,
+            scrub,
+        }
     }
 }
 
@@ -139,7 +211,7 @@ pub(crate) struct Judge<'a, R> {
 impl<R: Real> Judge<'_, R> {
     /// Adds to the costs of a block what its way costs.
     #[inline(always)]
-    pub fn add<S: Simd>(&self, simd: S, track: &[R], costs: &mut [R]) {
+    pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R]) {
         let lanes = R::lanes::<S>();
         for at in (0..BLOCK).step_by(lanes) {
             let mut sum = Reg::<S, R>::load(simd, &costs[at..]);
@@ -157,13 +229,23 @@ impl<R: Real> Judge<'_, R> {
     }
 
     #[inline(always)]
-    fn to_goal<S: Simd>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+    fn to_goal<S: Vector>(
+        &self,
+        simd: S,
+        goal: [f64; 2],
+        track: &[R],
+        at: usize,
+        mut sum: Reg<S, R>,
+    ) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let [gx, gy] = [0, 1].map(|k| number(goal[k] - self.start[k]));
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (Reg::load(simd, &step[at..]) - gx, Reg::load(simd, &step[BLOCK + at..]) - gy);
+            let (x, y) = (
+                Reg::load(simd, &step[at..]) - gx,
+                Reg::load(simd, &step[BLOCK + at..]) - gy,
+            );
             distance = x.mul_add(x, y * y).sqrt();
             sum = distance.mul_add(weight, sum);
         }
@@ -171,7 +253,14 @@ impl<R: Real> Judge<'_, R> {
     }
 
     #[inline(always)]
-    fn under<S: Simd>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+    fn under<S: Vector>(
+        &self,
+        simd: S,
+        map: &Costmap,
+        track: &[R],
+        at: usize,
+        mut sum: Reg<S, R>,
+    ) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let weight = number(self.weights.map * self.dt);
@@ -179,7 +268,8 @@ impl<R: Real> Judge<'_, R> {
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let [x, y, c, s] = [0, 1, 2, 3].map(|k| Reg::<S, R>::load(simd, &step[k * BLOCK + at..]));
+            let [x, y, c, s] =
+                [0, 1, 2, 3].map(|k| Reg::<S, R>::load(simd, &step[k * BLOCK + at..]));
             for (k, point) in self.points.iter().enumerate() {
                 let (mut px, mut py) = (x, y);
                 if *point != [0.0; 2] {
@@ -188,7 +278,11 @@ impl<R: Real> Judge<'_, R> {
                     py = s.mul_add(ux, py) + c * uy;
                 }
                 let value = self.between(simd, map, px, py);
-                worst_of_all = if k == 0 { value } else { worst_of_all.max(value) };
+                worst_of_all = if k == 0 {
+                    value
+                } else {
+                    worst_of_all.max(value)
+                };
             }
             hit = hit | !worst_of_all.below(lethal);
             sum = worst_of_all.mul_add(weight, sum);
@@ -198,7 +292,7 @@ impl<R: Real> Judge<'_, R> {
 
     /// The map's cost at a place, linear between cells along each axis.
     #[inline(always)]
-    fn between<S: Simd>(&self, simd: S, map: &Costmap, x: Reg<S, R>, y: Reg<S, R>) -> Reg<S, R> {
+    fn between<S: Vector>(&self, simd: S, map: &Costmap, x: Reg<S, R>, y: Reg<S, R>) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let [rows, columns] = map.shape();
@@ -214,7 +308,8 @@ impl<R: Real> Judge<'_, R> {
             inside[1].floor().min(number((rows - 2) as f64)),
         ];
         let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
-        let [low, high] = corners(simd, map.values(), columns, whole);
+        // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
+        let [low, high] = unsafe { Reg::corners(simd, map.values(), columns, whole) };
         let [low, high] = [low, high].map(|[a, b]| tx.mul_add(b - a, a));
         let mut value = ty.mul_add(high - low, low);
         if let Some(outside) = map.outside() {
@@ -226,7 +321,7 @@ impl<R: Real> Judge<'_, R> {
 
     /// Follows the path beside the rollout: where it is along it is corrected at every step by what it is off.
     #[inline(always)]
-    fn along<S: Simd>(&self, simd: S, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
+    fn along<S: Vector>(&self, simd: S, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let lanes = R::lanes::<S>();
         let (zero, length, spacing) = (number(0.0), number(self.length), number(self.spacing));
@@ -236,7 +331,10 @@ impl<R: Real> Judge<'_, R> {
         let begin = number(self.progress);
         let mut place = begin;
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (Reg::<S, R>::load(simd, &step[at..]), Reg::<S, R>::load(simd, &step[BLOCK + at..]));
+            let (x, y) = (
+                Reg::<S, R>::load(simd, &step[at..]),
+                Reg::<S, R>::load(simd, &step[BLOCK + at..]),
+            );
             let whole = (place * per_spacing).floor().min(last);
             let mut index = [R::default(); BLOCK];
             whole.counted().store(&mut index);
@@ -252,39 +350,24 @@ impl<R: Real> Judge<'_, R> {
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
-            sum = aside.mul_add(aside, beyond * beyond).sqrt().mul_add(weight, sum);
+            sum = aside
+                .mul_add(aside, beyond * beyond)
+                .sqrt()
+                .mul_add(weight, sum);
         }
         (begin - place).mul_add(number(self.weights.progress), sum)
     }
 }
 
-/// The four cells around places: the two of the lower row, and of the upper one.
-#[inline(always)]
-fn corners<S: Simd, R: Real>(
-    simd: S,
-    values: &[f32],
-    columns: usize,
-    whole: [Reg<S, R>; 2],
-) -> [[Reg<S, R>; 2]; 2] {
-    let mut index = [[R::default(); BLOCK]; 2];
-    for (index, whole) in index.iter_mut().zip(whole) {
-        whole.counted().store(index);
-    }
-    let mut cells = [[R::default(); BLOCK]; 4];
-    for lane in 0..R::lanes::<S>() {
-        let first = index[1][lane].count() * columns + index[0][lane].count();
-        for (k, place) in [first, first + 1, first + columns, first + columns + 1].into_iter().enumerate() {
-            cells[k][lane] = R::single(values[place]);
-        }
-    }
-    let load = |k: usize| Reg::load(simd, &cells[k]);
-    [[load(0), load(1)], [load(2), load(3)]]
-}
 impl Path {
     /// The points in another kind of number, counted from a place.
     pub fn write<R: Real>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
         to.clear();
-        to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)));
+        to.extend(
+            self.points
+                .iter()
+                .map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)),
+        );
     }
 
     pub fn spacing(&self) -> f64 {

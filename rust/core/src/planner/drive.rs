@@ -26,10 +26,31 @@ struct Wheel<R, const M: usize> {
     across: [R; M],
 }
 
+impl<R: Real, const M: usize> Wheel<R, M> {
+    fn of(joint: &Joint) -> Self {
+        Self {
+            along: row(&joint.along),
+            across: row(&joint.across),
+        }
+    }
+}
+
+/// What is within a range, and how far the motion inside is from its ends.
+struct Range<R, const M: usize> {
+    wheel: Wheel<R, M>,
+    sin: R,
+    cos: R,
+    sense: R,
+    per_margin: R,
+}
+
+/// A gap as its ends, their shares and one over their lengths: see [`Gap`].
+type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
+
+/// The way out of what is impossible where no wheel is fixed.
 struct Toward<R, const M: usize> {
     inside: [R; M],
-    /// Of each range: rows, sine and cosine of its half, side and one over the margin of the motion inside.
-    ranges: Vec<([R; M], [R; M], R, R, R, R)>,
+    ranges: Vec<Range<R, M>>,
 }
 
 /// A rover for rollouts of one kind of number.
@@ -38,7 +59,7 @@ pub(crate) struct Model<R, const M: usize> {
     facts: Vec<Joint>,
     /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
     per_turn: Option<R>,
-    gaps: Vec<([[R; 2]; 2], [[R; 2]; 2], [R; 2])>,
+    gaps: Vec<Ends<R>>,
     toward: Option<Toward<R, M>>,
     metric: [R; 6],
     lengths: [R; M],
@@ -73,26 +94,42 @@ fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
 impl<R: Real, const M: usize> Model<R, M> {
     pub fn new(facts: &Facts, dt: f64) -> Self {
         let limits = &facts.limits;
-        let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
+        let forms =
+            |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
         let turn = limits.steering_rate * dt;
         let per_turn = (turn.is_finite() && !facts.joints.is_empty()).then(|| {
-            R::of(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 })
+            R::of(if turn < std::f64::consts::FRAC_PI_2 {
+                1.0 / turn.tan()
+            } else {
+                0.0
+            })
         });
         let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::of));
         let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::of));
         let toward = facts.inside.as_ref().map(|inside| Toward {
             inside: row(inside),
-            ranges: facts.joints.iter().map(|joint| {
-                let (sin, cos) = joint.half.sin_cos();
-                let along = super::facts::dot(&joint.along, inside);
-                let margin = along.abs() * sin - super::facts::dot(&joint.across, inside).abs() * cos;
-                (row(&joint.along), row(&joint.across), R::of(sin), R::of(cos), R::of(along.signum()), R::of(1.0 / margin))
-            }).collect(),
+            ranges: facts
+                .joints
+                .iter()
+                .map(|joint| {
+                    let (sin, cos) = joint.half.sin_cos();
+                    let along = super::facts::dot(&joint.along, inside);
+                    let margin =
+                        along.abs() * sin - super::facts::dot(&joint.across, inside).abs() * cos;
+                    Range {
+                        wheel: Wheel::of(joint),
+                        sin: R::of(sin),
+                        cos: R::of(cos),
+                        sense: R::of(along.signum()),
+                        per_margin: R::of(1.0 / margin),
+                    }
+                })
+                .collect(),
         });
         let same = facts.speeding == facts.slowing;
         Self {
-            joints: facts.joints.iter().map(|joint| Wheel { along: row(&joint.along), across: row(&joint.across) }).collect(),
+            joints: facts.joints.iter().map(Wheel::of).collect(),
             facts: facts.joints.clone(),
             per_turn,
             gaps: facts.gaps.iter().map(gap).collect(),
@@ -100,7 +137,10 @@ impl<R: Real, const M: usize> Model<R, M> {
             metric: form(&facts.metric, 1.0),
             lengths: row(&facts.lengths),
             scaling: forms(&facts.scaling, 1.0),
-            lateral: limits.lateral_acceleration.is_finite().then(|| R::of(1.0 / limits.lateral_acceleration)),
+            lateral: limits
+                .lateral_acceleration
+                .is_finite()
+                .then(|| R::of(1.0 / limits.lateral_acceleration)),
             speeding,
             slowing: (!same).then(|| forms(&facts.slowing, 1.0 / (dt * dt))),
             slips: forms(&facts.slips, 1.0),
@@ -114,7 +154,12 @@ impl<R: Real, const M: usize> Model<R, M> {
     /// How long the joints take from one setting to another [s].
     fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
         let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
-            let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.wide() * b.wide()).sum::<f64>();
+            let part = |row: &[R; M]| {
+                row.iter()
+                    .zip(motion)
+                    .map(|(a, b)| a.wide() * b.wide())
+                    .sum::<f64>()
+            };
             let (along, across) = (part(&joint.along), part(&joint.across));
             (across / along).atan()
         };
@@ -148,10 +193,11 @@ pub(crate) fn turning_time(turn: f64, rate: f64, acceleration: f64) -> f64 {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Begin {
     /// The motion, and what the joints are set for.
-    pub motion: Vec<f64>,
-    pub setting: Vec<f64>,
-    /// Where the joints are, if they are set for no motion [rad].
-    pub loose: Option<Vec<f64>>,
+    pub motion: [f64; 3],
+    pub setting: [f64; 3],
+    /// Whether the joints are set for no motion, and where they are then [rad].
+    pub loose: bool,
+    pub angles: Vec<f64>,
     /// Heading of the components' axes [rad].
     pub heading: f64,
     /// How often a step's turn is halved for the polynomials, and whether few terms do.
@@ -166,7 +212,11 @@ impl Begin {
     /// Chooses the polynomials for turns up to this yaw rate [rad/s].
     pub fn turns(&mut self, fastest: f64, dt: f64) {
         let half = fastest * dt / 2.0;
-        self.halvings = if half > SMALL { (half / SMALL).log2().ceil().min(60.0) as u32 } else { 0 };
+        self.halvings = if half > SMALL {
+            (half / SMALL).log2().ceil().min(60.0) as u32
+        } else {
+            0
+        };
         self.few = half <= SMALL / 8.0;
     }
 }
@@ -192,7 +242,11 @@ fn times<S: Simd, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>
 
 /// The value of a form.
 #[inline(always)]
-fn value<S: Simd, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+fn value<S: Simd, R: Real, const M: usize>(
+    simd: S,
+    form: &[R; 6],
+    z: &[Reg<S, R>; M],
+) -> Reg<S, R> {
     let mut k = 0;
     let mut sum = Reg::all(simd, 0.0);
     for i in 0..M {
@@ -209,7 +263,11 @@ fn value<S: Simd, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R
 
 /// The largest of some forms.
 #[inline(always)]
-fn largest<S: Simd, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+fn largest<S: Simd, R: Real, const M: usize>(
+    simd: S,
+    forms: &[[R; 6]],
+    z: &[Reg<S, R>; M],
+) -> Reg<S, R> {
     let mut worst = Reg::all(simd, 0.0);
     for form in forms {
         worst = worst.max(value(simd, form, z));
@@ -219,7 +277,11 @@ fn largest<S: Simd, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg
 
 /// The metric's product with a motion: its product with another one is half the mixed form.
 #[inline(always)]
-fn lowered<S: Simd, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> [Reg<S, R>; M] {
+fn lowered<S: Simd, R: Real, const M: usize>(
+    simd: S,
+    form: &[R; 6],
+    z: &[Reg<S, R>; M],
+) -> [Reg<S, R>; M] {
     let mut low = [Reg::all(simd, 0.0); M];
     let half = Reg::all(simd, 0.5);
     let mut k = 0;
@@ -270,7 +332,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             let mut states: [State<S, R, M>; GROUP] = std::array::from_fn(|_| State {
                 motion: std::array::from_fn(|k| number(begin.motion[k])),
                 setting: std::array::from_fn(|k| number(begin.setting[k])),
-                busy: number(if begin.loose.is_some() { -1.0 } else { 0.0 }),
+                busy: number(if begin.loose { -1.0 } else { 0.0 }),
                 place: [number(0.0); 2],
                 heading: [number(cos), number(sin)],
                 cost: number(0.0),
@@ -278,7 +340,9 @@ impl<R: Real, const M: usize> Model<R, M> {
             for t in 0..steps {
                 for (m, state) in states.iter_mut().enumerate() {
                     let at = first + m * lanes;
-                    let wish = std::array::from_fn(|k| Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..]));
+                    let wish = std::array::from_fn(|k| {
+                        Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..])
+                    });
                     self.step(simd, begin, state, wish);
                     self.move_on(simd, begin, state);
                     let [x, y] = state.place;
@@ -301,7 +365,13 @@ impl<R: Real, const M: usize> Model<R, M> {
 
     /// The motion of a step.
     #[inline(always)]
-    fn step<S: Simd>(&self, simd: S, begin: &Begin, state: &mut State<S, R, M>, wish: [Reg<S, R>; M]) {
+    fn step<S: Simd>(
+        &self,
+        simd: S,
+        begin: &Begin,
+        state: &mut State<S, R, M>,
+        wish: [Reg<S, R>; M],
+    ) {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let (zero, one) = (number(0.0), number(1.0));
         let before = state.motion;
@@ -310,16 +380,21 @@ impl<R: Real, const M: usize> Model<R, M> {
             let change: [Reg<S, R>; M] = std::array::from_fn(|k| wish[k] - before[k]);
             let mut worst = largest(simd, &self.speeding, &change);
             if let Some(slowing) = &self.slowing {
-                let [slow, now] = [value(simd, &self.metric, &wish), value(simd, &self.metric, &before)];
-                worst = slow.below(now).select(largest(simd, slowing, &change), worst);
+                let [slow, now] = [
+                    value(simd, &self.metric, &wish),
+                    value(simd, &self.metric, &before),
+                ];
+                worst = slow
+                    .below(now)
+                    .select(largest(simd, slowing, &change), worst);
             }
             let share = one.over(worst.max(one).sqrt());
             wanted = std::array::from_fn(|k| change[k].mul_add(share, before[k]));
         }
         wanted = self.possible(simd, wanted);
         let mut size = zero;
-        for k in 0..M {
-            size = wanted[k].abs().mul_add(Reg::splat(simd, self.lengths[k]), size);
+        for (part, length) in wanted.iter().zip(self.lengths) {
+            size = part.abs().mul_add(Reg::splat(simd, length), size);
         }
         let rests = size.below(number(REST));
         let mut motion: [Reg<S, R>; M] = wanted.map(|part| rests.select(zero, part));
@@ -329,7 +404,11 @@ impl<R: Real, const M: usize> Model<R, M> {
         let mut over = largest(simd, &self.scaling, &motion);
         if let Some(lateral) = self.lateral {
             let yaw = motion[M - 1];
-            let side = if M == 2 { yaw * Reg::splat(simd, self.sideways) } else { motion[1] };
+            let side = if M == 2 {
+                yaw * Reg::splat(simd, self.sideways)
+            } else {
+                motion[1]
+            };
             let square = motion[0].mul_add(motion[0], side * side);
             over = over.max((square * (yaw * yaw)).sqrt() * Reg::splat(simd, lateral));
         }
@@ -350,15 +429,17 @@ impl<R: Real, const M: usize> Model<R, M> {
     fn possible<S: Simd>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::all(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
-            let cross = |end: [R; 2]| {
-                (z[1] * Reg::splat(simd, end[0])) - z[0] * Reg::splat(simd, end[1])
-            };
+            let cross =
+                |end: [R; 2]| (z[1] * Reg::splat(simd, end[0])) - z[0] * Reg::splat(simd, end[1]);
             // Counted from the first end on, and up to the second one.
             let [from, to] = [cross(ends[0]), zero - cross(ends[1])];
             let within = zero.below(from * to);
             let [a, b] = [from, to].map(Reg::abs);
-            let first = (a * Reg::splat(simd, per_length[0])).below(b * Reg::splat(simd, per_length[1]));
-            let share = |row: [R; 2]| z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]));
+            let first =
+                (a * Reg::splat(simd, per_length[0])).below(b * Reg::splat(simd, per_length[1]));
+            let share = |row: [R; 2]| {
+                z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
+            };
             let part = first.select(share(shares[0]), share(shares[1]));
             for k in 0..2 {
                 let end = first.select(Reg::splat(simd, ends[0][k]), Reg::splat(simd, ends[1][k]));
@@ -371,13 +452,14 @@ impl<R: Real, const M: usize> Model<R, M> {
         let side = inner(&low, &agrees).sign();
         agrees = agrees.map(|part| part.flip(side));
         let (mut outside, mut need) = (zero.below(zero), zero);
-        for (along, across, sin, cos, sense, per_margin) in &toward.ranges {
+        for range in &toward.ranges {
+            let Wheel { along, across } = &range.wheel;
             let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());
-            let [sin, cos] = [*sin, *cos].map(|part| Reg::splat(simd, part));
+            let [sin, cos] = [range.sin, range.cos].map(|part| Reg::splat(simd, part));
             outside = outside | (along.abs() * sin).below(across * cos);
-            let ahead = along.flip(side) * Reg::splat(simd, *sense);
+            let ahead = along.flip(side) * Reg::splat(simd, range.sense);
             let short = (across * cos) - ahead * sin;
-            need = need.max(short * Reg::splat(simd, *per_margin));
+            need = need.max(short * Reg::splat(simd, range.per_margin));
         }
         let moved: [Reg<S, R>; M] = std::array::from_fn(|k| agrees[k].mul_add(need, z[k]));
         let square = value(simd, &self.metric, &moved).max(Reg::all(simd, R::TINY));
@@ -403,24 +485,37 @@ impl<R: Real, const M: usize> Model<R, M> {
         let (per_turn, tiny) = (Reg::splat(simd, per_turn), number(R::TINY));
         let before = state.setting;
         // Shares of the setting before, per share of the wanted one.
-        let mut kept = zero;
+        // As a fraction: one division for all joints.
+        let (mut need, mut part) = (zero, number(1.0));
         let (mut least, mut most) = (number(1.0), number(-1.0));
         let mut side = zero;
         for joint in &self.joints {
-            let (ax, ay) = (times(simd, &joint.along, &before), times(simd, &joint.across, &before));
-            let (bx, by) = (times(simd, &joint.along, &wanted), times(simd, &joint.across, &wanted));
+            let (ax, ay) = (
+                times(simd, &joint.along, &before),
+                times(simd, &joint.across, &before),
+            );
+            let (bx, by) = (
+                times(simd, &joint.along, &wanted),
+                times(simd, &joint.across, &wanted),
+            );
             let ahead = ax * bx;
             (least, most) = (least.min(ahead), most.max(ahead));
             side = ahead.sign();
             let along = ay.mul_add(by, ahead).flip(side);
             let across = (ax * by - ay * bx).abs();
             let square = ay.mul_add(ay, ax * ax).max(tiny);
-            kept = kept.max(across.mul_add(per_turn, zero - along).over(square));
+            let more = across.mul_add(per_turn, zero - along);
+            let worse = (need * square).below(more * part);
+            (need, part) = (worse.select(more, need), worse.select(square, part));
         }
+        let kept = need.over(part);
         let same = zero.below(least) | most.below(zero) | rests;
-        let turned: [Reg<S, R>; M] = std::array::from_fn(|k| before[k].flip(side).mul_add(kept, wanted[k]));
+        let turned: [Reg<S, R>; M] =
+            std::array::from_fn(|k| before[k].flip(side).mul_add(kept, wanted[k]));
         let low = lowered(simd, &self.metric, &turned);
-        let share = inner(&low, &wanted).max(zero).over(inner(&low, &turned).max(tiny));
+        let share = inner(&low, &wanted)
+            .max(zero)
+            .over(inner(&low, &turned).max(tiny));
         let late = zero.below(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
@@ -430,7 +525,15 @@ impl<R: Real, const M: usize> Model<R, M> {
         let loose = state.busy.below(zero);
         let apart = !same | busy | loose;
         if apart.any() {
-            return self.swing(simd, begin, state, before, wanted, motion, [rests, same, busy, loose]);
+            return self.swing(
+                simd,
+                begin,
+                state,
+                before,
+                wanted,
+                motion,
+                [rests, same, busy, loose],
+            );
         }
         motion
     }
@@ -459,7 +562,11 @@ impl<R: Real, const M: usize> Model<R, M> {
         let brakes = !same & moves & !busy & !loose;
         let forms = self.slowing.as_ref().unwrap_or(&self.speeding);
         let worst = largest(simd, forms, &state.motion);
-        let left = if forms.is_empty() { zero } else { one - one.over(worst.max(one).sqrt()) };
+        let left = if forms.is_empty() {
+            zero
+        } else {
+            one - one.over(worst.max(one).sqrt())
+        };
         // Turning times, joint by joint.
         let lanes = R::lanes::<S>();
         let mut times = [R::default(); BLOCK];
@@ -467,7 +574,9 @@ impl<R: Real, const M: usize> Model<R, M> {
             let mut columns = [[[R::default(); BLOCK]; M]; 2];
             let mut which = [R::default(); BLOCK];
             // Those that are set for no motion yet are where the angles say.
-            begins.select(loose.select(number(-1.0), one), zero).store(&mut which);
+            begins
+                .select(loose.select(number(-1.0), one), zero)
+                .store(&mut which);
             for k in 0..M {
                 before[k].store(&mut columns[0][k]);
                 wanted[k].store(&mut columns[1][k]);
@@ -476,7 +585,7 @@ impl<R: Real, const M: usize> Model<R, M> {
                 let kind = which[lane].wide();
                 if kind != 0.0 {
                     let at = |j: usize| std::array::from_fn(|k| columns[j][k][lane]);
-                    let angles = begin.loose.as_deref().filter(|_| kind < 0.0);
+                    let angles = (kind < 0.0).then_some(&begin.angles[..]);
                     times[lane] = R::of(self.time(at(0), angles, at(1)));
                 }
             }
@@ -534,7 +643,11 @@ impl<R: Real, const M: usize> Model<R, M> {
 
 /// Sine, cosine and sine over angle of a small angle.
 #[inline(always)]
-fn half_turn<S: Simd, R: Real>(simd: S, half: Reg<S, R>, few: bool) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
+fn half_turn<S: Simd, R: Real>(
+    simd: S,
+    half: Reg<S, R>,
+    few: bool,
+) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
     let square = half * half;
     let series = |coefficients: &[f64]| {
         let mut sum = Reg::<S, R>::all(simd, coefficients[coefficients.len() - 1]);
@@ -544,12 +657,28 @@ fn half_turn<S: Simd, R: Real>(simd: S, half: Reg<S, R>, few: bool) -> (Reg<S, R
         sum
     };
     const SINC: [f64; 7] = [
-        1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0,
+        1.0,
+        -1.0 / 6.0,
+        1.0 / 120.0,
+        -1.0 / 5040.0,
+        1.0 / 362_880.0,
+        -1.0 / 39_916_800.0,
+        1.0 / 6_227_020_800.0,
     ];
     const COS: [f64; 8] = [
-        1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0,
+        1.0,
+        -0.5,
+        1.0 / 24.0,
+        -1.0 / 720.0,
+        1.0 / 40_320.0,
+        -1.0 / 3_628_800.0,
+        1.0 / 479_001_600.0,
         -1.0 / 87_178_291_200.0,
     ];
-    let (sinc, cos) = if few { (series(&SINC[..4]), series(&COS[..5])) } else { (series(&SINC), series(&COS)) };
+    let (sinc, cos) = if few {
+        (series(&SINC[..4]), series(&COS[..5]))
+    } else {
+        (series(&SINC), series(&COS))
+    };
     (half * sinc, cos, sinc)
 }

@@ -55,15 +55,42 @@ pub(crate) struct Settings {
 /// A cycle in either kind of number.
 pub(crate) trait Engine: Send + Sync {
     /// Drives all rollouts and adds up their costs.
-    fn roll(&mut self, job: &Job, map: Option<&Costmap>, path: &Path, settings: &Settings, workers: Workers) -> Result<(), Error>;
+    fn roll(
+        &mut self,
+        job: &Job,
+        map: Option<&Costmap>,
+        path: &Path,
+        settings: &Settings,
+        workers: Workers,
+    ) -> Result<(), Error>;
     /// The cost of every rollout.
     fn costs(&self, to: &mut Vec<f64>);
     /// The mean of the wishes with these weights.
-    fn mean(&mut self, weights: &[f64], settings: &Settings, workers: Workers, to: &mut [f64]) -> Result<(), Error>;
+    fn mean(
+        &mut self,
+        weights: &[f64],
+        settings: &Settings,
+        workers: Workers,
+        to: &mut [f64],
+    ) -> Result<(), Error>;
     /// Drives one rollout by these wishes; its motions `[step][component]` and places `[step][x, y]`.
-    fn nominal(&mut self, job: &Job, wishes: &[f64], settings: &Settings, level: Level, motions: &mut [f64], places: &mut [f64]);
+    fn nominal(
+        &mut self,
+        job: &Job,
+        wishes: &[f64],
+        settings: &Settings,
+        level: Level,
+        motions: &mut [f64],
+        places: &mut [f64],
+    );
     /// Motions and places of one of the rollouts that were recorded.
-    fn recorded(&self, rollout: usize, settings: &Settings, motions: &mut [f64], places: &mut [f64]);
+    fn recorded(
+        &self,
+        rollout: usize,
+        settings: &Settings,
+        motions: &mut [f64],
+        places: &mut [f64],
+    );
     /// The wishes of one rollout.
     fn wishes(&self, rollout: usize, settings: &Settings, to: &mut [f64]);
 }
@@ -124,17 +151,25 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let row = self.steps * M * BLOCK;
-        let blocks = self.wishes.chunks_exact_mut(row).zip(self.costs.chunks_exact_mut(BLOCK));
+        let blocks = self
+            .wishes
+            .chunks_exact_mut(row)
+            .zip(self.costs.chunks_exact_mut(BLOCK));
         let mut motions = self.motions.chunks_exact_mut(row);
         let mut tracks = self.tracks.chunks_exact_mut(self.steps * TRACK * BLOCK);
         for (b, (wishes, costs)) in blocks.enumerate() {
             let first = self.first + b * BLOCK;
-            let counter = Counter { seed: self.job.seed, cycle: self.job.cycle, first: first as u32 };
+            let counter = Counter {
+                seed: self.job.seed,
+                cycle: self.job.cycle,
+                first: first as u32,
+            };
             noise::fill(simd, counter, M, self.steps, &mut self.room.noise);
             wish::<S, R, M>(simd, self.job, &self.room.noise, wishes, first);
             let record = motions.next();
             let track = tracks.next().unwrap_or(&mut self.room.track);
-            self.model.drive(simd, &self.job.begin, wishes, track, costs, record);
+            self.model
+                .drive(simd, &self.job.begin, wishes, track, costs, record);
             self.judge.add(simd, track, costs);
         }
     }
@@ -142,11 +177,23 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
 
 /// Noise to wishes.
 #[inline(always)]
-fn wish<S: Vector, R: Real, const M: usize>(simd: S, job: &Job, noise: &[f32], wishes: &mut [R], first: usize) {
+fn wish<S: Vector, R: Real, const M: usize>(
+    simd: S,
+    job: &Job,
+    noise: &[f32],
+    wishes: &mut [R],
+    first: usize,
+) {
     let number = |value: f64| Reg::<S, R>::all(simd, value);
     let lanes = R::lanes::<S>();
-    let rows = wishes.chunks_exact_mut(BLOCK).zip(noise.chunks_exact(BLOCK)).enumerate();
-    let (memory, fresh) = (number(job.memory), number((1.0 - job.memory * job.memory).sqrt()));
+    let rows = wishes
+        .chunks_exact_mut(BLOCK)
+        .zip(noise.chunks_exact(BLOCK))
+        .enumerate();
+    let (memory, fresh) = (
+        number(job.memory),
+        number((1.0 - job.memory * job.memory).sqrt()),
+    );
     let mut last = [[R::default(); BLOCK]; M];
     let mut wide = [R::default(); BLOCK];
     for (row, (wishes, noise)) in rows {
@@ -162,7 +209,10 @@ fn wish<S: Vector, R: Real, const M: usize>(simd: S, job: &Job, noise: &[f32], w
             let old = Reg::load(simd, &last[k][at..]) * memory;
             let new = Reg::load(simd, &wide[at..]).mul_add(fresh, old);
             new.store(&mut last[k][at..]);
-            new.mul_add(sigma, mean).max(low).min(high).store(&mut wishes[at..]);
+            new.mul_add(sigma, mean)
+                .max(low)
+                .min(high)
+                .store(&mut wishes[at..]);
         }
         if first > 0 {
             continue;
@@ -190,13 +240,21 @@ impl<R: Real> Kernel for Add<'_, R> {
     fn run<S: Vector>(self, simd: S) {
         self.sums.fill(R::default());
         let lanes = R::lanes::<S>();
-        let blocks = self.wishes.chunks_exact(self.sums.len()).zip(self.shares.chunks_exact(BLOCK));
+        let blocks = self
+            .wishes
+            .chunks_exact(self.sums.len())
+            .zip(self.shares.chunks_exact(BLOCK));
         for (wishes, shares) in blocks {
-            for (wishes, sums) in wishes.chunks_exact(BLOCK).zip(self.sums.chunks_exact_mut(BLOCK)) {
+            for (wishes, sums) in wishes
+                .chunks_exact(BLOCK)
+                .zip(self.sums.chunks_exact_mut(BLOCK))
+            {
                 for at in (0..BLOCK).step_by(lanes) {
                     let share = Reg::<S, R>::load(simd, &shares[at..]);
                     let sum = Reg::load(simd, &sums[at..]);
-                    Reg::load(simd, &wishes[at..]).mul_add(share, sum).store(&mut sums[at..]);
+                    Reg::load(simd, &wishes[at..])
+                        .mul_add(share, sum)
+                        .store(&mut sums[at..]);
                 }
             }
         }
@@ -218,12 +276,26 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let mut costs = [R::default(); BLOCK];
-        self.model.drive(simd, self.begin, self.wishes, self.track, &mut costs, Some(self.motions));
+        self.model.drive(
+            simd,
+            self.begin,
+            self.wishes,
+            self.track,
+            &mut costs,
+            Some(self.motions),
+        );
     }
 }
 
 impl<R: Real, const M: usize> Engine for Machine<R, M> {
-    fn roll(&mut self, job: &Job, map: Option<&Costmap>, path: &Path, settings: &Settings, workers: Workers) -> Result<(), Error> {
+    fn roll(
+        &mut self,
+        job: &Job,
+        map: Option<&Costmap>,
+        path: &Path,
+        settings: &Settings,
+        workers: Workers,
+    ) -> Result<(), Error> {
         let steps = settings.steps;
         let row = steps * M * BLOCK;
         let blocks = self.costs.len() / BLOCK;
@@ -246,18 +318,27 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         };
         let kept = if job.record { blocks } else { 0 };
         self.motions.resize(kept * row, R::default());
-        self.tracks.resize(kept * steps * TRACK * BLOCK, R::default());
+        self.tracks
+            .resize(kept * steps * TRACK * BLOCK, R::default());
         let share = blocks.div_ceil(workers.threads.clamp(1, blocks));
         let hands = blocks.div_ceil(share);
         while self.rooms.len() < hands {
-            let room = Room { noise: vec![0.0; row], track: vec![R::default(); steps * TRACK * BLOCK] };
+            let room = Room {
+                noise: vec![0.0; row],
+                track: vec![R::default(); steps * TRACK * BLOCK],
+            };
             self.rooms.push(room);
         }
         self.costs.fill(R::default());
-        let parts = self.wishes.chunks_mut(share * row).zip(self.costs.chunks_mut(share * BLOCK));
+        let parts = self
+            .wishes
+            .chunks_mut(share * row)
+            .zip(self.costs.chunks_mut(share * BLOCK));
         let parts = parts.zip(self.rooms.iter_mut());
         let mut motions = self.motions.chunks_mut((share * row).max(1));
-        let mut tracks = self.tracks.chunks_mut((share * steps * TRACK * BLOCK).max(1));
+        let mut tracks = self
+            .tracks
+            .chunks_mut((share * steps * TRACK * BLOCK).max(1));
         let model = &self.model;
         let jobs = parts.enumerate().map(|(k, ((wishes, costs), room))| Roll {
             model,
@@ -282,7 +363,13 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         to.extend(self.costs.iter().map(|cost| cost.wide()));
     }
 
-    fn mean(&mut self, weights: &[f64], settings: &Settings, workers: Workers, to: &mut [f64]) -> Result<(), Error> {
+    fn mean(
+        &mut self,
+        weights: &[f64],
+        settings: &Settings,
+        workers: Workers,
+        to: &mut [f64],
+    ) -> Result<(), Error> {
         let row = settings.steps * M * BLOCK;
         for (share, weight) in self.shares.iter_mut().zip(weights) {
             *share = R::of(*weight);
@@ -290,8 +377,17 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         let blocks = self.costs.len() / BLOCK;
         let part = blocks.div_ceil(STRIPES);
         self.sums.fill(R::default());
-        let parts = self.wishes.chunks(part * row).zip(self.shares.chunks(part * BLOCK));
-        let jobs = parts.zip(self.sums.chunks_exact_mut(row)).map(|((wishes, shares), sums)| Add { wishes, shares, sums });
+        let parts = self
+            .wishes
+            .chunks(part * row)
+            .zip(self.shares.chunks(part * BLOCK));
+        let jobs = parts
+            .zip(self.sums.chunks_exact_mut(row))
+            .map(|((wishes, shares), sums)| Add {
+                wishes,
+                shares,
+                sums,
+            });
         let work = |add: Add<'_, R>| {
             workers.level.run_any(add);
             Ok(())
@@ -303,21 +399,40 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
             jobs.try_for_each(work)?;
         }
         for (k, to) in to.iter_mut().enumerate() {
-            let rows = self.sums.chunks_exact(row).map(|sums| &sums[k * BLOCK..(k + 1) * BLOCK]);
+            let rows = self
+                .sums
+                .chunks_exact(row)
+                .map(|sums| &sums[k * BLOCK..(k + 1) * BLOCK]);
             *to = rows.flatten().map(|part| part.wide()).sum();
         }
         Ok(())
     }
 
-    fn nominal(&mut self, job: &Job, wishes: &[f64], settings: &Settings, level: Level, motions: &mut [f64], places: &mut [f64]) {
+    fn nominal(
+        &mut self,
+        job: &Job,
+        wishes: &[f64],
+        settings: &Settings,
+        level: Level,
+        motions: &mut [f64],
+        places: &mut [f64],
+    ) {
         let row = settings.steps * M * BLOCK;
         // The room of the sums is as large as a block's wishes.
         let (all, rest) = self.sums.split_at_mut(row);
         for (all, wish) in all.chunks_exact_mut(BLOCK).zip(wishes) {
             all.fill(R::of(*wish));
         }
-        let Some(room) = self.rooms.first_mut() else { return };
-        let alone = Alone { model: &self.model, begin: &job.begin, wishes: all, track: &mut room.track, motions: &mut rest[..row] };
+        let Some(room) = self.rooms.first_mut() else {
+            return;
+        };
+        let alone = Alone {
+            model: &self.model,
+            begin: &job.begin,
+            wishes: all,
+            track: &mut room.track,
+            motions: &mut rest[..row],
+        };
         level.run_any(alone);
         for (to, from) in motions.iter_mut().zip(rest.chunks_exact(BLOCK)) {
             *to = from[0].wide();
@@ -325,19 +440,35 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         read(&room.track, 0, places);
     }
 
-    fn recorded(&self, rollout: usize, settings: &Settings, motions: &mut [f64], places: &mut [f64]) {
+    fn recorded(
+        &self,
+        rollout: usize,
+        settings: &Settings,
+        motions: &mut [f64],
+        places: &mut [f64],
+    ) {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
-        for (to, from) in motions.iter_mut().zip(self.motions[block * row..].chunks_exact(BLOCK)) {
+        for (to, from) in motions
+            .iter_mut()
+            .zip(self.motions[block * row..].chunks_exact(BLOCK))
+        {
             *to = from[lane].wide();
         }
-        read(&self.tracks[block * settings.steps * TRACK * BLOCK..], lane, places);
+        read(
+            &self.tracks[block * settings.steps * TRACK * BLOCK..],
+            lane,
+            places,
+        );
     }
 
     fn wishes(&self, rollout: usize, settings: &Settings, to: &mut [f64]) {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
-        for (to, from) in to.iter_mut().zip(self.wishes[block * row..].chunks_exact(BLOCK)) {
+        for (to, from) in to
+            .iter_mut()
+            .zip(self.wishes[block * row..].chunks_exact(BLOCK))
+        {
             *to = from[lane].wide();
         }
     }
@@ -345,7 +476,10 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
 
 /// Places of one rollout of a track.
 fn read<R: Real>(track: &[R], lane: usize, places: &mut [f64]) {
-    for (place, step) in places.chunks_exact_mut(2).zip(track.chunks_exact(TRACK * BLOCK)) {
+    for (place, step) in places
+        .chunks_exact_mut(2)
+        .zip(track.chunks_exact(TRACK * BLOCK))
+    {
         (place[0], place[1]) = (step[lane].wide(), step[BLOCK + lane].wide());
     }
 }

@@ -22,13 +22,13 @@ use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
 
+use cost::Path;
 pub use cost::Weights;
 pub use costmap::Costmap;
-use cost::Path;
 use drive::turning_time;
 use engine::{Engine, Job, Machine, Settings};
-pub use facts::Stuck;
 use facts::Facts;
+pub use facts::Stuck;
 
 /// Rollouts of a block: as many as fill two of the widest registers.
 pub(crate) const BLOCK: usize = 32;
@@ -173,26 +173,42 @@ fn positive(argument: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(Error::value(argument, "be finite and positive", number(value)))
+    Err(Error::value(
+        argument,
+        "be finite and positive",
+        number(value),
+    ))
 }
 
 fn not_negative(argument: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(Error::value(argument, "be finite and not negative", number(value)))
+    Err(Error::value(
+        argument,
+        "be finite and not negative",
+        number(value),
+    ))
 }
 
 impl Options {
     fn check(&self) -> Result<(), Error> {
         for (name, count) in [("horizon", self.horizon), ("samples", self.samples)] {
             if count == 0 || count > MOST {
-                return Err(Error::value(name, format!("be 1 to {MOST}"), count.to_string()));
+                return Err(Error::value(
+                    name,
+                    format!("be 1 to {MOST}"),
+                    count.to_string(),
+                ));
             }
         }
         if self.horizon.saturating_mul(self.samples) > MOST << 4 {
             let rule = format!("make {} rollout steps at most", MOST << 4);
-            return Err(Error::value("horizon * samples", rule, (self.horizon as u128 * self.samples as u128).to_string()));
+            return Err(Error::value(
+                "horizon * samples",
+                rule,
+                (self.horizon as u128 * self.samples as u128).to_string(),
+            ));
         }
         positive("dt", self.dt)?;
         positive("temperature", self.temperature)?;
@@ -222,13 +238,30 @@ impl Mppi {
     pub fn new(rover: &Rover, limits: Limits, options: Options) -> Result<Self, Error> {
         options.check()?;
         let facts = Facts::new(rover, limits)?;
-        let half = |limit: f64, usual: f64| if limit.is_finite() { limit / 2.0 } else { usual };
+        let half = |limit: f64, usual: f64| {
+            if limit.is_finite() {
+                limit / 2.0
+            } else {
+                usual
+            }
+        };
         let speed = half(limits.speed, 0.4);
-        let noise = options.noise.unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
+        let noise = options
+            .noise
+            .unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
         let (sin, cos) = facts.heading.sin_cos();
         // In the components' axes.
-        let points = options.footprint.iter().map(|[x, y]| [cos * x + sin * y, cos * y - sin * x]).collect();
-        let settings = Settings { steps: options.horizon, dt: options.dt, weights: options.weights, points };
+        let points = options
+            .footprint
+            .iter()
+            .map(|[x, y]| [cos * x + sin * y, cos * y - sin * x])
+            .collect();
+        let settings = Settings {
+            steps: options.horizon,
+            dt: options.dt,
+            weights: options.weights,
+            points,
+        };
         let samples = options.samples;
         let engine: Box<dyn Engine> = match (options.precision, facts.free) {
             (Precision::Double, 2) => Box::new(Machine::<f64, 2>::new(&facts, &settings, samples)),
@@ -239,7 +272,12 @@ impl Mppi {
         let count = options.horizon * facts.free;
         let mut planner = Self {
             rover: rover.clone(),
-            state: State { controls: Vec::new(), cycle: 0, steering: Vec::new(), progress: 0.0 },
+            state: State {
+                controls: Vec::new(),
+                cycle: 0,
+                steering: Vec::new(),
+                progress: 0.0,
+            },
             facts,
             settings,
             noise,
@@ -262,7 +300,9 @@ impl Mppi {
 
     /// Back to where it was when it was made.
     pub fn reset(&mut self) {
-        let angle = |joint: &facts::Joint| 0.0_f64.clamp(joint.middle - joint.half, joint.middle + joint.half);
+        let angle = |joint: &facts::Joint| {
+            0.0_f64.clamp(joint.middle - joint.half, joint.middle + joint.half)
+        };
         self.state = State {
             controls: vec![[0.0; 3]; self.options.horizon],
             cycle: 0,
@@ -281,11 +321,19 @@ impl Mppi {
     pub fn set_state(&mut self, state: State) -> Result<(), Error> {
         if state.controls.len() != self.options.horizon {
             let rule = format!("have {} rows", self.options.horizon);
-            return Err(Error::value("controls", rule, state.controls.len().to_string()));
+            return Err(Error::value(
+                "controls",
+                rule,
+                state.controls.len().to_string(),
+            ));
         }
         if state.steering.len() != self.rover.steered().len() {
             let rule = format!("have {} angles", self.rover.steered().len());
-            return Err(Error::value("steering", rule, state.steering.len().to_string()));
+            return Err(Error::value(
+                "steering",
+                rule,
+                state.steering.len().to_string(),
+            ));
         }
         finite("controls", state.controls.as_flattened())?;
         finite("steering", &state.steering)?;
@@ -348,7 +396,13 @@ impl Mppi {
         }
         self.follow(situation.path, situation.pose);
         self.prepare(&situation);
-        self.engine.roll(&self.job, situation.costmap, &self.path, &self.settings, workers)?;
+        self.engine.roll(
+            &self.job,
+            situation.costmap,
+            &self.path,
+            &self.settings,
+            workers,
+        )?;
         self.engine.costs(&mut self.costs);
         Ok(())
     }
@@ -365,7 +419,7 @@ impl Mppi {
         if !same {
             self.corners.clear();
             self.corners.extend_from_slice(path);
-            self.path.new(path);
+            self.path.follow(path);
         }
         self.job.has_path = !self.path.is_empty();
         // Along the same path no further than a horizon's way, so that it may cross itself.
@@ -395,14 +449,16 @@ impl Mppi {
         job.mean.clear();
         for t in 0..options.horizon {
             let from = (t + shift).min(options.horizon - 1);
-            job.mean.extend(facts.motion(self.state.controls[from]));
+            job.mean
+                .extend_from_slice(&facts.motion(self.state.controls[from])[..free]);
         }
         job.cap.clear();
         job.sigma.clear();
         let [sx, sy, sw] = self.noise;
         for k in 0..free {
             let turns = k + 1 == free;
-            job.cap.push(if turns { limits.yaw_rate } else { limits.speed });
+            job.cap
+                .push(if turns { limits.yaw_rate } else { limits.speed });
             job.sigma.push(match (turns, free, k) {
                 (true, ..) => sw,
                 (_, 3, 1) => sy,
@@ -410,7 +466,11 @@ impl Mppi {
                 _ => (facts.heading.cos() * sx).hypot(facts.heading.sin() * sy),
             });
         }
-        job.memory = if options.correlation > 0.0 { (-options.dt / options.correlation).exp() } else { 0.0 };
+        job.memory = if options.correlation > 0.0 {
+            (-options.dt / options.correlation).exp()
+        } else {
+            0.0
+        };
         job.fixed = options.fixed();
         job.seed = options.seed;
         job.cycle = self.state.cycle;
@@ -425,11 +485,12 @@ impl Mppi {
         for k in [free - 1, 0] {
             for side in [1.0, -1.0] {
                 let size = (2.0 * job.sigma[k]).min(job.cap[k]);
-                job.constant.extend((0..free).map(|j| if j == k { side * size } else { 0.0 }));
+                job.constant
+                    .extend((0..free).map(|j| if j == k { side * size } else { 0.0 }));
             }
         }
         let motion = facts.motion(situation.twist);
-        setting::begin(facts, &motion, &self.situation.1, &mut job.begin);
+        setting::begin(facts, motion, &self.situation.1, &mut job.begin);
         job.begin.heading = situation.pose[2] + facts.heading;
         job.begin.effort = options.weights.effort * options.dt;
         job.begin.scrub = options.weights.scrub * options.dt;
@@ -446,7 +507,10 @@ impl Mppi {
                 let rule = format!("return {samples} costs, one per rollout");
                 return Err(Error::value("extra_cost", rule, extra.len().to_string()));
             }
-            if let Some(worst) = extra.iter().position(|cost| cost.is_nan() || *cost == f64::NEG_INFINITY) {
+            if let Some(worst) = extra
+                .iter()
+                .position(|cost| cost.is_nan() || *cost == f64::NEG_INFINITY)
+            {
                 let rule = "return numbers";
                 return Err(Error::value("extra_cost", rule, number(extra[worst])).at_row(worst));
             }
@@ -462,19 +526,30 @@ impl Mppi {
         let least = self.costs.iter().copied().fold(f64::INFINITY, f64::min);
         if least == f64::INFINITY {
             let rule = "leave one rollout possible";
-            return Err(Error::value("extra_cost", rule, "infinity for all".to_owned()));
+            return Err(Error::value(
+                "extra_cost",
+                rule,
+                "infinity for all".to_owned(),
+            ));
         }
         // Weights take the place of costs in the room of the mean's shares.
         let mut weights = std::mem::take(&mut self.motions);
         weights.clear();
-        weights.extend(self.costs.iter().map(|cost| ((least - cost) / self.options.temperature).exp()));
+        weights.extend(
+            self.costs
+                .iter()
+                .map(|cost| ((least - cost) / self.options.temperature).exp()),
+        );
         let sum: f64 = weights.iter().sum();
         let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         weights.resize(samples.div_ceil(BLOCK) * BLOCK, 0.0);
-        let done = self.engine.mean(&weights, &self.settings, workers, &mut self.mean);
+        let done = self
+            .engine
+            .mean(&weights, &self.settings, workers, &mut self.mean);
         self.motions = weights;
-        self.motions.resize(self.options.horizon * self.facts.free, 0.0);
+        self.motions
+            .resize(self.options.horizon * self.facts.free, 0.0);
         done?;
         if self.options.smoothing {
             smooth(&mut self.mean, self.facts.free, self.job.fixed);
@@ -508,13 +583,33 @@ impl Mppi {
     /// Where the new mean leads, and what to command first.
     fn conclude(&mut self, workers: Workers) {
         let free = self.facts.free;
-        self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);
-        for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {
+        self.engine.nominal(
+            &self.job,
+            &self.mean,
+            &self.settings,
+            workers.level,
+            &mut self.motions,
+            &mut self.places,
+        );
+        for (control, mean) in self
+            .state
+            .controls
+            .iter_mut()
+            .zip(self.mean.chunks_exact(free))
+        {
             *control = self.facts.twist(mean);
         }
         let outcome = &mut self.outcome;
         let dt = self.options.dt;
-        ways(&self.facts, &self.motions, &self.places, self.situation.0, dt, &mut outcome.twists, &mut outcome.poses);
+        ways(
+            &self.facts,
+            &self.motions,
+            &self.places,
+            self.situation.0,
+            dt,
+            &mut outcome.twists,
+            &mut outcome.poses,
+        );
         let first = self.job.fixed;
         outcome.twist = outcome.twists[first];
         outcome.steering.clone_from(&self.situation.1);
@@ -525,16 +620,30 @@ impl Mppi {
             let mut angles = [0.0; MAX_WHEELS];
             let mut speeds = [0.0; MAX_WHEELS];
             let joints = outcome.steering.len();
-            let inputs = Inputs { previous: Some(&self.situation.1), ..Inputs::default() };
+            let inputs = Inputs {
+                previous: Some(&self.situation.1),
+                ..Inputs::default()
+            };
             let goes = Twist::from(*next);
-            self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
+            self.rover.solve(
+                goes,
+                inputs,
+                &mut angles[..joints],
+                &mut speeds[..outcome.speeds.len()],
+            );
             let stands = outcome.twist.iter().all(|part| *part == 0.0);
-            let most = if stands { self.facts.limits.steering_rate * dt } else { f64::INFINITY };
+            let most = if stands {
+                self.facts.limits.steering_rate * dt
+            } else {
+                f64::INFINITY
+            };
             for (to, angle) in outcome.steering.iter_mut().zip(angles) {
                 *to += (angle - *to).clamp(-most, most);
             }
             if !stands {
-                outcome.speeds.copy_from_slice(&speeds[..self.rover.wheels().len()]);
+                outcome
+                    .speeds
+                    .copy_from_slice(&speeds[..self.rover.wheels().len()]);
             }
         }
         self.state.steering.clone_from(&outcome.steering);
@@ -543,16 +652,35 @@ impl Mppi {
     }
 
     /// Poses and motions of a rollout that was recorded: `horizon + 1` and `horizon` rows.
-    pub fn recorded(&mut self, rollout: usize, poses: &mut Vec<[f64; 3]>, twists: &mut Vec<[f64; 3]>) {
-        self.engine.recorded(rollout, &self.settings, &mut self.motions, &mut self.places);
-        ways(&self.facts, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
+    pub fn recorded(
+        &mut self,
+        rollout: usize,
+        poses: &mut Vec<[f64; 3]>,
+        twists: &mut Vec<[f64; 3]>,
+    ) {
+        self.engine
+            .recorded(rollout, &self.settings, &mut self.motions, &mut self.places);
+        ways(
+            &self.facts,
+            &self.motions,
+            &self.places,
+            self.situation.0,
+            self.options.dt,
+            twists,
+            poses,
+        );
     }
 
     /// The wishes of one rollout of the last cycle, in body axes.
     pub fn wishes(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
-        self.engine.wishes(rollout, &self.settings, &mut self.motions);
+        self.engine
+            .wishes(rollout, &self.settings, &mut self.motions);
         to.clear();
-        to.extend(self.motions.chunks_exact(self.facts.free).map(|wish| self.facts.twist(wish)));
+        to.extend(
+            self.motions
+                .chunks_exact(self.facts.free)
+                .map(|wish| self.facts.twist(wish)),
+        );
     }
 }
 
@@ -567,7 +695,11 @@ fn ways(
     poses: &mut Vec<[f64; 3]>,
 ) {
     twists.clear();
-    twists.extend(motions.chunks_exact(facts.free).map(|motion| facts.twist(motion)));
+    twists.extend(
+        motions
+            .chunks_exact(facts.free)
+            .map(|motion| facts.twist(motion)),
+    );
     poses.clear();
     poses.push(start);
     let mut yaw = start[2];
@@ -584,8 +716,13 @@ fn fastest_turn(facts: &Facts, job: &Job, motion: &[f64]) -> f64 {
     }
     let free = facts.free;
     let mut square = 0.0;
-    for k in 0..free {
-        let wished = job.mean.iter().skip(k).step_by(free).fold(motion[k].abs(), |a, b| a.max(b.abs()));
+    for (k, now) in motion.iter().enumerate().take(free) {
+        let wished = job
+            .mean
+            .iter()
+            .skip(k)
+            .step_by(free)
+            .fold(now.abs(), |a, b| a.max(b.abs()));
         let part = (wished + 6.0 * job.sigma[k]).min(job.cap[k]) * facts.lengths[k];
         square += part * part;
     }
@@ -597,7 +734,13 @@ fn fastest_turn(facts: &Facts, job: &Job, motion: &[f64]) -> f64 {
 ///
 /// Source: A. Savitzky & M. Golay, Analytical Chemistry 36(8), 1964.
 fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
-    const TAPS: [f64; 5] = [-3.0 / 35.0, 12.0 / 35.0, 17.0 / 35.0, 12.0 / 35.0, -3.0 / 35.0];
+    const TAPS: [f64; 5] = [
+        -3.0 / 35.0,
+        12.0 / 35.0,
+        17.0 / 35.0,
+        12.0 / 35.0,
+        -3.0 / 35.0,
+    ];
     let steps = mean.len() / free;
     for k in 0..free {
         let at = |t: usize| t.min(steps - 1) * free + k;
@@ -606,7 +749,11 @@ fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
         for t in fixed..steps {
             let now = mean[at(t)];
             let window = [before[0], before[1], now, mean[at(t + 1)], mean[at(t + 2)]];
-            let smoothed = window.iter().zip(TAPS).map(|(value, tap)| value * tap).sum();
+            let smoothed = window
+                .iter()
+                .zip(TAPS)
+                .map(|(value, tap)| value * tap)
+                .sum();
             before = [before[1], now];
             mean[at(t)] = smoothed;
         }

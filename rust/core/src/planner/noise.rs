@@ -27,13 +27,7 @@ const LN: [f32; 9] = [
     0.085_333_13,
 ];
 /// `sin x / x` and `cos x` up to an eighth of a turn, in powers of the square.
-const SIN: [f32; 5] = [
-    1.0,
-    -1.0 / 6.0,
-    1.0 / 120.0,
-    -1.0 / 5040.0,
-    1.0 / 362_880.0,
-];
+const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
 const COS: [f32; 6] = [
     1.0,
     -0.5,
@@ -163,7 +157,13 @@ fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
 
 /// Numbers of mean 0 and variance 1 for a block of rollouts: `[step][component][rollout]`.
 #[inline(always)]
-pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps: usize, to: &mut [f32]) {
+pub(crate) fn fill<S: Simd>(
+    simd: S,
+    counter: Counter,
+    components: usize,
+    steps: usize,
+    to: &mut [f32],
+) {
     let lanes = S::F32_LANES;
     let mut who = [0_u32; BLOCK];
     for (k, who) in who.iter_mut().enumerate() {

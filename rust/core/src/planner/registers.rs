@@ -6,6 +6,8 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
 use pulp::Simd;
 
+use crate::batch::machine::vector::Vector;
+
 /// A number of a planner's cycle.
 pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     /// As many of them as a level computes with at once.
@@ -48,6 +50,17 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     fn either<S: Simd>(s: S, a: Self::Truths<S>, b: Self::Truths<S>) -> Self::Truths<S>;
     fn not<S: Simd>(s: S, a: Self::Truths<S>) -> Self::Truths<S>;
     fn any<S: Simd>(s: S, a: Self::Truths<S>) -> bool;
+    /// [`Vector::corners`].
+    ///
+    /// # Safety
+    ///
+    /// As there.
+    unsafe fn corners<S: Vector>(
+        s: S,
+        values: &[f32],
+        columns: usize,
+        cell: [Self::Register<S>; 2],
+    ) -> [[Self::Register<S>; 2]; 2];
     fn select<S: Simd>(
         s: S,
         mask: Self::Truths<S>,
@@ -60,7 +73,7 @@ macro_rules! real {
     ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
      $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, $xor:ident, $and:ident, $abs:ident, $sqrt:ident, $fused:ident, $below:ident,
-     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident) => {
+     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident) => {
         impl Real for $real {
             type Register<S: Simd> = S::$register;
             type Truths<S: Simd> = S::$truths;
@@ -175,6 +188,16 @@ macro_rules! real {
                 s.$first(a) < S::$lanes
             }
             #[inline(always)]
+            unsafe fn corners<S: Vector>(
+                s: S,
+                values: &[f32],
+                columns: usize,
+                cell: [S::$register; 2],
+            ) -> [[S::$register; 2]; 2] {
+                // SAFETY: the caller's.
+                unsafe { s.$corners(values, columns, cell) }
+            }
+            #[inline(always)]
             fn select<S: Simd>(
                 s: S,
                 mask: S::$truths,
@@ -188,14 +211,64 @@ macro_rules! real {
 }
 
 real!(
-    f64, 1e-280, 4_503_599_627_370_496.0, 0xFFFF_FFFF, f64s, m64s, F64_LANES, as_simd_f64s, as_mut_simd_f64s, splat_f64s, add_f64s,
-    sub_f64s, mul_f64s, div_f64s, min_f64s, max_f64s, xor_f64s, and_f64s, abs_f64s, sqrt_f64s,
-    mul_add_f64s, less_than_f64s, and_m64s, or_m64s, not_m64s, first_true_m64s, select_f64s
+    f64,
+    1e-280,
+    4_503_599_627_370_496.0,
+    0xFFFF_FFFF,
+    f64s,
+    m64s,
+    F64_LANES,
+    as_simd_f64s,
+    as_mut_simd_f64s,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    min_f64s,
+    max_f64s,
+    xor_f64s,
+    and_f64s,
+    abs_f64s,
+    sqrt_f64s,
+    mul_add_f64s,
+    less_than_f64s,
+    and_m64s,
+    or_m64s,
+    not_m64s,
+    first_true_m64s,
+    select_f64s,
+    corners
 );
 real!(
-    f32, 1e-30, 8_388_608.0, 0x7F_FFFF, f32s, m32s, F32_LANES, as_simd_f32s, as_mut_simd_f32s, splat_f32s, add_f32s,
-    sub_f32s, mul_f32s, div_f32s, min_f32s, max_f32s, xor_f32s, and_f32s, abs_f32s, sqrt_f32s,
-    mul_add_f32s, less_than_f32s, and_m32s, or_m32s, not_m32s, first_true_m32s, select_f32s
+    f32,
+    1e-30,
+    8_388_608.0,
+    0x7F_FFFF,
+    f32s,
+    m32s,
+    F32_LANES,
+    as_simd_f32s,
+    as_mut_simd_f32s,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    min_f32s,
+    max_f32s,
+    xor_f32s,
+    and_f32s,
+    abs_f32s,
+    sqrt_f32s,
+    mul_add_f32s,
+    less_than_f32s,
+    and_m32s,
+    or_m32s,
+    not_m32s,
+    first_true_m32s,
+    select_f32s,
+    corners_single
 );
 
 /// A register with the operators of a number.
@@ -342,6 +415,25 @@ impl<S: Simd> Reg<S, f32> {
     #[inline(always)]
     pub fn bits(self) -> S::u32s {
         self.simd.transmute_u32s_f32s(self.value)
+    }
+}
+
+impl<S: Vector, R: Real> Reg<S, R> {
+    /// The four cells around places, `[x, y]` of the first of them: the two of its row, and of the next one.
+    ///
+    /// # Safety
+    ///
+    /// As [`Vector::corners`].
+    #[inline(always)]
+    pub unsafe fn corners(
+        simd: S,
+        values: &[f32],
+        columns: usize,
+        [x, y]: [Self; 2],
+    ) -> [[Self; 2]; 2] {
+        // SAFETY: the caller's.
+        let cells = unsafe { R::corners(simd, values, columns, [x.value, y.value]) };
+        cells.map(|row| row.map(|value| Self { simd, value }))
     }
 }
 

@@ -1,77 +1,71 @@
 //! What the steered wheels are set for where a cycle begins.
 
-use nalgebra::DMatrix;
+use nalgebra::{Matrix3, Vector3};
 
 use super::drive::{Begin, REST};
 use super::facts::{Facts, dot, square};
 
 /// Angles by which joints may miss a motion and still be set for it [rad].
 const ALIGNED: f64 = 0.02;
+/// Share of the largest slip below which a motion has none.
+const NONE: f64 = 1e-12;
 
 /// Motion, setting and loose joints of a cycle: the motion there is; what the angles are set for, if they are for any
 /// motion at all; where they are, if the rover stands and they are not.
-pub(crate) fn begin(facts: &Facts, motion: &[f64], steering: &[f64], to: &mut Begin) {
-    to.motion.clear();
-    to.motion.extend_from_slice(motion);
-    to.setting.clear();
-    to.setting.extend_from_slice(motion);
-    to.loose = None;
+pub(crate) fn begin(facts: &Facts, motion: [f64; 3], steering: &[f64], to: &mut Begin) {
+    (to.motion, to.setting, to.loose) = (motion, motion, false);
     if facts.joints.is_empty() || facts.limits.steering_rate.is_infinite() {
         return;
     }
-    let speed = square(&facts.metric, motion).max(0.0).sqrt();
+    let speed = square(&facts.metric, &motion[..facts.free]).max(0.0).sqrt();
     if let Some(setting) = set_for(facts, motion, steering) {
-        to.setting.clone_from(&setting);
+        to.setting = setting;
     } else if speed < REST {
-        to.loose = Some(steering.to_vec());
+        to.loose = true;
+        to.angles.clear();
+        to.angles.extend_from_slice(steering);
         // Any will do: it is not looked at.
         to.setting[0] = 1.0;
     }
 }
 
 /// The motion all joints are set for, that next to the present one if there are several.
-fn set_for(facts: &Facts, motion: &[f64], steering: &[f64]) -> Option<Vec<f64>> {
+fn set_for(facts: &Facts, motion: [f64; 3], steering: &[f64]) -> Option<[f64; 3]> {
     let free = facts.free;
-    let mut slips = DMatrix::zeros(free, free);
+    // In lengths, so that all components count alike.
+    let lengths = Vector3::from_fn(|k, _| facts.lengths.get(k).copied().unwrap_or(1.0));
+    let mut slips = Matrix3::zeros();
     for (joint, angle) in facts.joints.iter().zip(steering) {
         let (sin, cos) = (angle - joint.middle).sin_cos();
-        // In lengths, so that all components count alike.
-        let row: Vec<f64> =
-            (0..free).map(|k| (cos * joint.across[k] - sin * joint.along[k]) / facts.lengths[k]).collect();
-        for i in 0..free {
-            for j in 0..free {
-                slips[(i, j)] += row[i] * row[j];
-            }
-        }
+        let slip = |k: usize| cos * joint.across[k] - sin * joint.along[k];
+        let row = Vector3::from_fn(|k, _| if k < free { slip(k) / lengths[k] } else { 0.0 });
+        slips += row * row.transpose();
+    }
+    let most = slips.trace();
+    if free == 2 {
+        // What there is not of a motion is the worst of all.
+        slips[(2, 2)] = 2.0 * most + 1.0;
     }
     let parts = slips.symmetric_eigen();
-    let most = parts.eigenvalues.max();
-    let mut least = 0;
-    for k in 0..free {
-        if parts.eigenvalues[k] < parts.eigenvalues[least] {
-            least = k;
+    let least = parts.eigenvalues.imin();
+    let scaled = Vector3::from(motion).component_mul(&lengths);
+    let mut found = Vector3::zeros();
+    for (k, direction) in parts.eigenvectors.column_iter().enumerate() {
+        if k == least || parts.eigenvalues[k] <= NONE * most {
+            found += direction * direction.dot(&scaled);
         }
     }
-    let scaled: Vec<f64> = (0..free).map(|k| motion[k] * facts.lengths[k]).collect();
-    let mut found = vec![0.0; free];
-    for k in (0..free).filter(|&k| k == least || parts.eigenvalues[k] <= 1e-12 * most) {
-        let direction: Vec<f64> = parts.eigenvectors.column(k).iter().copied().collect();
-        let share = dot(&direction, &scaled);
-        for (sum, part) in found.iter_mut().zip(&direction) {
-            *sum += share * part;
-        }
+    if found.amax() < REST {
+        found = parts.eigenvectors.column(least).into_owned();
     }
-    if found.iter().map(|part| part.abs()).fold(0.0, f64::max) < REST {
-        found = parts.eigenvectors.column(least).iter().copied().collect();
-    }
-    for (part, length) in found.iter_mut().zip(&facts.lengths) {
-        *part /= length;
-    }
-    let size = square(&facts.metric, &found).max(0.0).sqrt();
+    let found: [f64; 3] = found.component_div(&lengths).into();
+    let moved = &found[..free];
+    let size = square(&facts.metric, moved).max(0.0).sqrt();
     let fits = facts.joints.iter().zip(steering).all(|(joint, angle)| {
-        let (along, across) = (dot(&joint.along, &found), dot(&joint.across, &found));
+        let (along, across) = (dot(&joint.along, moved), dot(&joint.across, moved));
         // A pivot that rests points anywhere.
-        along.hypot(across) < REST * size || ((across / along).atan() - (angle - joint.middle)).abs() <= ALIGNED
+        let rests = along.hypot(across) < REST * size;
+        rests || ((across / along).atan() - (angle - joint.middle)).abs() <= ALIGNED
     });
     fits.then_some(found)
 }

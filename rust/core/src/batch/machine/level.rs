@@ -2,11 +2,11 @@
 
 use std::str::FromStr;
 
-use pulp::{NullaryFnOnce, Scalar};
 #[cfg(target_arch = "aarch64")]
 use pulp::aarch64::Neon;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
+use pulp::{NullaryFnOnce, Scalar};
 
 use super::vector::Vector;
 use crate::error::Error;
