@@ -1449,6 +1449,11 @@ def rollout(
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
     out: _Floats | None = None,
+    rover: Rover | None = None,
+    limits: Limits | None = None,
+    twist: ArrayLike | None = None,
+    steering: ArrayLike | None = None,
+    delay: float = 0.0,
     threads: int | None = None,
     kernel: _Kernel | None = None,
 ) -> _Floats: ...

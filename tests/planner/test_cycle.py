@@ -10,6 +10,7 @@ from tests.planner.layouts import LIMITS, ROVERS, components, twin
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 DT, START = 0.05, (2.0, 1.5, 0.4)
 HILLS = np.random.default_rng(3).random((40, 50)).astype(np.float32)
+PATH = np.array([(1.0, 1.0), (2.1, 1.4), (3.0, 2.2), (3.2, 3.0)])
 GROUND = {"spacing": 0.1, "origin": (0.3, -0.2)}
 
 
@@ -40,13 +41,16 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     drive = twin(rover, LIMITS, DT)
     twist, steering, setting, loose = begun(rover, drive, how)
     costmap = sw.Costmap(HILLS, lethal=0.97, outside=0.9, **GROUND)
-    found = plan.step(START, twist=twist, steering=steering, costmap=costmap, goal=(4.0, 3.0), kernel=kernel)
+    found = plan.step(
+        START, twist=twist, steering=steering, costmap=costmap, path=PATH, goal=(4.0, 3.0), kernel=kernel
+    )
 
     wishes = components(drive, plan.wishes)
     motions = plain.drive(drive, wishes, components(drive, twist), setting, loose)
     way = plain.poses(drive, motions, START)
     value = plain.map_value(HILLS.astype(float), 0.1, (0.3, -0.2), way[:, 1:, :2], outside=0.9)
     total = plain.costs(drive, motions, way, plan.weights, np.array([4.0, 3.0]), value, lethal=0.97)
+    total += plain.path_costs(drive, way, PATH, plan.state["progress"], plan.weights)
     # Who wants to turn on the spot and cannot is as far from a turn to the left as from one to the right:
     # rounding decides. So do two of the samples that are no noise, and one that brakes to exactly zero speed.
     apart = np.abs(plan.costs / total - 1) > 1e-12
@@ -170,3 +174,42 @@ def test_a_state_goes_on_in_another_planner():
     one.reset()
     again = sw.Mppi(rover, sw.Limits(**LIMITS), samples=100, seed=4)
     np.testing.assert_array_equal(one.step((0, 0, 0)).controls, again.step((0, 0, 0)).controls)
+
+
+@ALL_ROVERS
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_rollouts_apart_are_those_of_a_planner(rover, kernel):
+    seen = []
+    plan = sw.Mppi(rover, sw.Limits(**LIMITS), horizon=30, dt=DT, samples=70, seed=9)
+    twist = rover.project((0.3, 0.0, 0.1))
+    steering = rover.inverse(twist)[0]
+    plan.step(
+        START, twist=twist, steering=steering, extra_cost=lambda poses, _: seen.append(poses) or np.zeros(70)
+    )
+    found = sw.rollout(
+        plan.wishes,
+        DT,
+        START,
+        rover=rover,
+        limits=sw.Limits(**LIMITS),
+        twist=twist,
+        steering=steering,
+        kernel=kernel,
+    )
+    np.testing.assert_allclose(found, seen[0], rtol=0, atol=1e-12)
+
+
+def test_rollouts_apart_wait_for_the_dead_time_and_start_where_they_are_told():
+    rover, limits = ROVERS["six wheels"], sw.Limits(acceleration=1.0, speed=1.0)
+    controls = np.tile((1.0, 0.0, 0.0), (2, 10, 1))
+    starts = [(0, 0, 0), (1, 2, np.pi / 2)]
+    poses = sw.rollout(controls, 0.1, starts, rover=rover, limits=limits, delay=0.3)
+    way = np.cumsum(np.concatenate([np.zeros(4), np.arange(1, 8) * 0.01]))
+    np.testing.assert_allclose(poses[0, :, 0], way, atol=1e-12)
+    np.testing.assert_allclose(poses[1, :, :2], np.stack([np.ones(11), 2 + way], axis=1), atol=1e-12)
+    stuck = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(0.5, 1.0))
+    assert (sw.rollout(controls, 0.1, starts, rover=stuck) == np.array(starts)[:, None]).all()
+    with pytest.raises(ValueError, match="limits must come with a rover, got none"):
+        sw.rollout(controls, 0.1, limits=limits)
+    with pytest.raises(ValueError, match="delay must be finite and not negative, got nan"):
+        sw.rollout(controls, 0.1, rover=rover, delay=np.nan)

@@ -224,8 +224,8 @@ def drive(
 ) -> Floats:
     """Motions (rollouts, steps, components) that wishes of that shape lead to.
 
-    `motion` and `setting` (components,): how the rover moves, and which motion its joints are set for; `loose`
-    (joints,) [rad]: where they are if they are set for none.
+    `motion` and `setting` (components,): how the rover moves, and which motion its joints are set for;
+    `loose` (joints,) [rad]: where they are if they are set for none.
     """
     count, steps, _ = wishes.shape
     now, held = np.tile(motion, (count, 1)), np.tile(setting, (count, 1))
@@ -330,6 +330,42 @@ def map_value(
     high = values[j + 1, i] * (1 - tx) + values[j + 1, i + 1] * tx
     value = low * (1 - ty) + high * ty
     return value if outside is None else np.where((fx != x) | (fy != y), outside, value)
+
+
+def resampled(corners: Floats) -> tuple[Floats, float]:
+    """Points of a path at equal distances, rows ``[x, y, dx, dy]`` with the direction to the next one, and
+    that distance [m]."""
+    spans = np.hypot(*np.diff(corners, axis=0).T)
+    ends = np.concatenate([[0.0], np.cumsum(spans)])
+    pieces = math.ceil(ends[-1] / min(spans[spans > 0].min(), 0.5))
+    spacing = ends[-1] / pieces
+    along = np.arange(pieces + 1) * spacing
+    points = np.stack([np.interp(along, ends, corners[:, k]) for k in (0, 1)], axis=1)
+    ways = np.diff(points, axis=0)
+    ways = np.vstack([ways, ways[-1:]]) / np.hypot(*np.vstack([ways, ways[-1:]]).T)[:, None]
+    return np.hstack([points, ways]), spacing
+
+
+def path_costs(
+    drive: Drive, way: Floats, corners: Floats, progress: float, weights: Mapping[str, float]
+) -> Floats:
+    """Costs (rollouts,) of following a path, from `progress` [m] along it.
+
+    Where a rollout is along the path is corrected at every step by what it is ahead of that place.
+    """
+    points, spacing = resampled(corners)
+    length = spacing * (len(points) - 1)
+    place, total = np.full(len(way), progress), np.zeros(len(way))
+    turn = math.atan2(drive.body[0, 1], drive.body[0, 0])
+    for t in range(1, way.shape[1]):
+        whole = np.minimum(np.floor(place / spacing), len(points) - 1).astype(int)
+        px, py, dx, dy = points[whole].T
+        x, y, yaw = way[:, t, 0] - px, way[:, t, 1] - py, way[:, t, 2] + turn
+        wanted = x * dx + y * dy + whole * spacing
+        place = np.clip(wanted, 0.0, length)
+        total += weights["path"] * drive.dt * np.hypot(x * dy - y * dx, wanted - place)
+        total += weights["heading"] * drive.dt * (np.cos(yaw) * dy - np.sin(yaw) * dx) ** 2
+    return np.asarray(total - weights["progress"] * (place - progress))
 
 
 def costs(

@@ -54,7 +54,8 @@ const FOOTPRINT: usize = 64;
 /// weights : dict, optional
 ///     What counts how much, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
 ///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
-///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``effort`` 0 (mean square
+///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
+///     sine between heading and path, per second), ``effort`` 0 (mean square
 ///     speed of the wheels' pivots, per second), ``scrub`` 1 (square of the speed at which fixed wheels slide, per
 ///     second).
 /// smoothing : bool

@@ -118,6 +118,8 @@ pub struct Weights {
     pub path: f64,
     /// Way made along the path, a gain [1/m].
     pub progress: f64,
+    /// Square of the sine between the rover's heading and the path [1/s].
+    pub heading: f64,
     /// Mean square speed of the wheels' pivots [1/(m²/s)].
     pub effort: f64,
     /// Square of the speed at which fixed wheels slide [1/(m²/s)].
@@ -133,6 +135,7 @@ impl Default for Weights {
             terminal: 10.0,
             path: 5.0,
             progress: 10.0,
+            heading: 1.0,
             effort: 0.0,
             scrub: 1.0,
         }
@@ -141,19 +144,20 @@ impl Default for Weights {
 
 impl Weights {
     /// Names, in the order of the fields.
-    pub const NAMES: [&'static str; 8] = [
+    pub const NAMES: [&'static str; 9] = [
         "map",
         "collision",
         "goal",
         "terminal",
         "path",
         "progress",
+        "heading",
         "effort",
         "scrub",
     ];
 
     /// The weights by name, in this order.
-    pub fn values(&self) -> [f64; 8] {
+    pub fn values(&self) -> [f64; 9] {
         [
             self.map,
             self.collision,
@@ -161,6 +165,7 @@ impl Weights {
             self.terminal,
             self.path,
             self.progress,
+            self.heading,
             self.effort,
             self.scrub,
         ]
@@ -175,9 +180,10 @@ impl Weights {
             terminal,
             path,
             progress,
+            heading,
             effort,
             scrub,
-        ]: [f64; 8],
+        ]: [f64; 9],
     ) -> Self {
         Self {
             map,
@@ -186,6 +192,7 @@ impl Weights {
             terminal,
             path,
             progress,
+            heading,
             effort,
             scrub,
         }
@@ -328,6 +335,7 @@ impl<R: Real> Judge<'_, R> {
         let per_spacing = number(1.0 / self.spacing);
         let last = number((self.path.len() - 1) as f64);
         let weight = number(self.weights.path * self.dt);
+        let askew = number(self.weights.heading * self.dt);
         let begin = number(self.progress);
         let mut place = begin;
         for step in track.chunks_exact(TRACK * BLOCK) {
@@ -349,6 +357,12 @@ impl<R: Real> Judge<'_, R> {
             let (dx, dy) = (x - px, y - py);
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);
+            let (c, s) = (
+                Reg::<S, R>::load(simd, &step[2 * BLOCK + at..]),
+                Reg::<S, R>::load(simd, &step[3 * BLOCK + at..]),
+            );
+            let across = c * ty - s * tx;
+            sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
             sum = aside
                 .mul_add(aside, beyond * beyond)

@@ -178,7 +178,7 @@ impl<R: Real, const M: usize> Model<R, M> {
 }
 
 /// Time of a turn from rest to rest [s].
-pub(crate) fn turning_time(turn: f64, rate: f64, acceleration: f64) -> f64 {
+fn turning_time(turn: f64, rate: f64, acceleration: f64) -> f64 {
     if acceleration.is_infinite() {
         return turn / rate;
     }

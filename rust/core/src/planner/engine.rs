@@ -262,12 +262,12 @@ impl<R: Real> Kernel for Add<'_, R> {
 }
 
 /// One block by given wishes.
-struct Alone<'a, R, const M: usize> {
-    model: &'a Model<R, M>,
-    begin: &'a Begin,
-    wishes: &'a [R],
-    track: &'a mut [R],
-    motions: &'a mut [R],
+pub(crate) struct Alone<'a, R, const M: usize> {
+    pub model: &'a Model<R, M>,
+    pub begin: &'a Begin,
+    pub wishes: &'a [R],
+    pub track: &'a mut [R],
+    pub motions: &'a mut [R],
 }
 
 impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {

@@ -30,6 +30,13 @@ pub(crate) struct Joint {
     pub half: f64,
 }
 
+impl Joint {
+    /// Straight ahead, or as near as its range lets it [rad].
+    pub fn straight(&self) -> f64 {
+        0.0_f64.clamp(self.middle - self.half, self.middle + self.half)
+    }
+}
+
 /// A square as a function of a motion: coefficients of the products of components, `00 01 02 11 12 22`.
 pub(crate) type Form = Vec<f64>;
 
@@ -458,6 +465,19 @@ impl Facts {
         }
         let (sin, cos) = self.heading.sin_cos();
         [cos * twist[0] + sin * twist[1], twist[2], 0.0]
+    }
+
+    /// A bound of the speed of the pivots of a twist [m/s].
+    pub fn size_of(&self, twist: &[f64; 3]) -> f64 {
+        let parts = self.motion(*twist).into_iter().zip(&self.lengths);
+        parts.map(|(part, length)| part.abs() * length).sum()
+    }
+
+    /// A bound of the yaw rate of what motions of that size become [rad/s].
+    pub fn turns_at_most(&self, size: f64) -> f64 {
+        // As if all of it were turning about the centre.
+        let fastest = 2.0 * size / self.lengths[self.free - 1];
+        fastest.min(self.limits.yaw_rate)
     }
 
     /// The body twist of components.

@@ -14,6 +14,7 @@ mod engine;
 mod facts;
 mod noise;
 mod registers;
+mod rollout;
 mod setting;
 
 use crate::batch::Workers;
@@ -25,13 +26,16 @@ use crate::rover::{Inputs, MAX_WHEELS, Rover};
 use cost::Path;
 pub use cost::Weights;
 pub use costmap::Costmap;
-use drive::turning_time;
 use engine::{Engine, Job, Machine, Settings};
 use facts::Facts;
 pub use facts::Stuck;
+pub use rollout::{Present, rollout};
 
 /// Rollouts of a block: as many as fill two of the widest registers.
 pub(crate) const BLOCK: usize = 32;
+
+/// More standard deviations than any noise has: its uniform numbers have 24 bits.
+const FARTHEST: f64 = 6.0;
 
 /// Sizes beyond which a planner would not fit anywhere.
 const MOST: usize = 1 << 24;
@@ -300,13 +304,15 @@ impl Mppi {
 
     /// Back to where it was when it was made.
     pub fn reset(&mut self) {
-        let angle = |joint: &facts::Joint| {
-            0.0_f64.clamp(joint.middle - joint.half, joint.middle + joint.half)
-        };
         self.state = State {
             controls: vec![[0.0; 3]; self.options.horizon],
             cycle: 0,
-            steering: self.facts.joints.iter().map(angle).collect(),
+            steering: self
+                .facts
+                .joints
+                .iter()
+                .map(|joint| joint.straight())
+                .collect(),
             progress: 0.0,
         };
         self.state.steering.resize(self.rover.steered().len(), 0.0);
@@ -436,7 +442,7 @@ impl Mppi {
     fn fastest(&self) -> f64 {
         let [vx, vy, _] = self.noise;
         let controls = self.state.controls.iter().map(|[x, y, _]| x.hypot(*y));
-        let free = controls.fold(0.0, f64::max) + 6.0 * vx.hypot(vy);
+        let free = controls.fold(0.0, f64::max) + FARTHEST * vx.hypot(vy);
         self.facts.limits.speed.min(free).max(0.1)
     }
 
@@ -710,24 +716,15 @@ fn ways(
 }
 
 /// A bound of the yaw rate of all rollouts [rad/s].
-fn fastest_turn(facts: &Facts, job: &Job, motion: &[f64]) -> f64 {
-    if facts.limits.yaw_rate.is_finite() {
-        return facts.limits.yaw_rate;
-    }
+fn fastest_turn(facts: &Facts, job: &Job, motion: &[f64; 3]) -> f64 {
     let free = facts.free;
-    let mut square = 0.0;
+    let mut size = 0.0;
     for (k, now) in motion.iter().enumerate().take(free) {
-        let wished = job
-            .mean
-            .iter()
-            .skip(k)
-            .step_by(free)
-            .fold(now.abs(), |a, b| a.max(b.abs()));
-        let part = (wished + 6.0 * job.sigma[k]).min(job.cap[k]) * facts.lengths[k];
-        square += part * part;
+        let means = job.mean.iter().skip(k).step_by(free);
+        let wished = means.fold(now.abs(), |a, b| a.max(b.abs()));
+        size += (wished + FARTHEST * job.sigma[k]).min(job.cap[k]) * facts.lengths[k];
     }
-    // As if all of it were turning about the centre.
-    2.0 * square.sqrt() / facts.lengths[free - 1]
+    facts.turns_at_most(size)
 }
 
 /// Replaces every value by that of the quadratic through it and two neighbours on either side.
@@ -758,9 +755,4 @@ fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
             mean[at(t)] = smoothed;
         }
     }
-}
-
-/// How long the joints of a rover take to turn by so much, from rest to rest [s].
-pub fn time_of_turn(turn: f64, limits: &Limits) -> f64 {
-    turning_time(turn, limits.steering_rate, limits.steering_acceleration)
 }
