@@ -29,6 +29,7 @@ __all__ = [
     "Controller",
     "ControllerOutput",
     "ControllerRun",
+    "Costmap",
     "Encoder",
     "Feasible",
     "Fit",
@@ -41,6 +42,8 @@ __all__ = [
     "Link",
     "Mobility",
     "ModuleTransition",
+    "Mppi",
+    "MppiPlan",
     "Noise",
     "Odometry",
     "OdometryState",
@@ -1370,7 +1373,7 @@ class Mppi:
         smoothing: bool = True,
         delay: float = 0.0,
         dtype: DTypeLike = "float64",
-        footprint: ArrayLike = ((0.0, 0.0),),
+        footprint: ArrayLike | None = None,
     ) -> Mppi: ...
     def step(
         self,

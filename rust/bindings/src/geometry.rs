@@ -138,7 +138,7 @@ pub fn rollout<'py>(
     let dt = number("dt", dt)?;
     let twist = Rows::read_beside("twist", twist, 3, &[])?;
     let steering = Rows::read_beside("steering", steering, rover.get().joints(), &[])?;
-    let mut buffer = Vec::new();
+    let mut buffer;
     let flat = match course.twists.table() {
         Table::Flat(values) => values,
         Table::Read(source) => {

@@ -64,8 +64,8 @@ const FOOTPRINT: usize = 64;
 ///     Dead time of the rover [s]: what is wished that far ahead is on its way already, and stays.
 /// dtype : {'float64', 'float32'}
 ///     What rollouts are computed in.
-/// footprint : array_like, shape (n, 2)
-///     Points of the body where the map is read, of which the worst counts [m].
+/// footprint : array_like, shape (n, 2), optional
+///     Points of the body where the map is read, of which the worst counts [m]; default its origin.
 ///
 /// Raises
 /// ------
@@ -87,7 +87,7 @@ impl Mppi {
     #[new]
     #[pyo3(
         signature = (rover, limits=None, *, horizon=None, dt=None, samples=None, seed=None, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=true, delay=0.0, dtype=None, footprint=None),
-        text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=((0.0, 0.0),))"
+        text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
