@@ -77,7 +77,7 @@ def drive(world: World, seed: int = 0, cycles: int = 600) -> Driven:
     """Follow the plan until the end of the path is reached."""
     planner = sw.Mppi(
         rover, limits, horizon=40, dt=DT, samples=1000, seed=seed, footprint=footprint, temperature=0.3,
-        dtype="float32", weights={"map": 20.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "terminal": 0.0, "goal": 0.2},
+        dtype="float32", weights={"map": 5.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "terminal": 0.0, "goal": 0.2},
     )  # fmt: skip
     costmap = world.costmap()
     pose, twist, steering = np.array(world.start), np.zeros(3), np.zeros(4)
@@ -98,7 +98,7 @@ def drive(world: World, seed: int = 0, cycles: int = 600) -> Driven:
 if __name__ == "__main__":
     for name, world in WORLDS.items():
         run = drive(world)
-        spun = (np.abs(run.twists[:, 0]) < 0.05) & (np.abs(run.twists[:, 2]) > 0.1)
+        spun = np.abs(run.twists[:, 0]) < rover.spin_radius * np.abs(run.twists[:, 2])
         print(
             f"{name}: {'arrived' if run.arrived else 'not there'} after {DT * (len(run.poses) - 1):.1f} s, "
             f"{DT * spun.sum():.1f} s of it turning on the spot, {DT * (run.twists[:, 0] < -0.05).sum():.1f} s "

@@ -638,11 +638,8 @@ impl Mppi {
                 &mut speeds[..outcome.speeds.len()],
             );
             let stands = outcome.twist.iter().all(|part| *part == 0.0);
-            let most = if stands {
-                self.facts.limits.steering_rate * dt
-            } else {
-                f64::INFINITY
-            };
+            // Where they were a little off, they come back no faster than they may.
+            let most = self.facts.limits.steering_rate * dt;
             for (to, angle) in outcome.steering.iter_mut().zip(angles) {
                 *to += (angle - *to).clamp(-most, most);
             }
