@@ -1,4 +1,4 @@
-"""Drive through narrow places with a sampling planner: a slalom, a gate behind a turn on the spot, a dead end.
+"""Drive narrow places with a sampling planner: a slalom, a gate behind a turn on the spot, a dead end.
 
 Every cycle rolls 1000 samples out within the rover's limits; the rover does what the plan says, and the next
 cycle starts from there.
@@ -40,7 +40,9 @@ class World(NamedTuple):
         x, y = np.meshgrid(*(np.arange(a, b, CELL) for a, b in zip(low, high, strict=True)))
         distance = np.full(x.shape, np.inf)
         for x0, y0, x1, y1 in self.walls:
-            away = np.hypot(np.maximum(np.maximum(x0 - x, x - x1), 0), np.maximum(np.maximum(y0 - y, y - y1), 0))
+            away = np.hypot(
+                np.maximum(np.maximum(x0 - x, x - x1), 0), np.maximum(np.maximum(y0 - y, y - y1), 0)
+            )
             distance = np.minimum(distance, away)
         return sw.Costmap(np.clip(1 - distance / MARGIN, 0, 1), CELL, low, lethal=0.99)
 
@@ -77,7 +79,8 @@ def drive(world: World, seed: int = 0, cycles: int = 600) -> Driven:
     """Follow the plan until the end of the path is reached."""
     planner = sw.Mppi(
         rover, limits, horizon=40, dt=DT, samples=1000, seed=seed, footprint=footprint, temperature=0.3,
-        dtype="float32", weights={"map": 5.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "terminal": 0.0, "goal": 0.2},
+        dtype="float32",
+        weights={"map": 5.0, "path": 4.0, "heading": 2.0, "progress": 6.0, "goal": 0.2, "terminal": 0},
     )  # fmt: skip
     costmap = world.costmap()
     pose, twist, steering = np.array(world.start), np.zeros(3), np.zeros(4)
@@ -99,8 +102,9 @@ if __name__ == "__main__":
     for name, world in WORLDS.items():
         run = drive(world)
         spun = np.abs(run.twists[:, 0]) < rover.spin_radius * np.abs(run.twists[:, 2])
+        backwards = run.twists[:, 0] < -0.05
         print(
             f"{name}: {'arrived' if run.arrived else 'not there'} after {DT * (len(run.poses) - 1):.1f} s, "
-            f"{DT * spun.sum():.1f} s of it turning on the spot, {DT * (run.twists[:, 0] < -0.05).sum():.1f} s "
-            f"backwards; a cycle of 1000 x 40 took {1e3 * run.seconds:.2f} ms"
+            f"{DT * spun.sum():.1f} s of it turning on the spot, {DT * backwards.sum():.1f} s backwards; "
+            f"a cycle of 1000 x 40 took {1e3 * run.seconds:.2f} ms"
         )

@@ -55,3 +55,11 @@ def test_the_same_seed_drives_the_same_way():
     one, other = (EXAMPLE["drive"](WORLDS["slalom"], seed=3, cycles=10) for _ in range(2))
     np.testing.assert_array_equal(one.poses, other.poses)
     assert isinstance(WORLDS["slalom"].costmap(), sw.Costmap)
+
+
+def test_a_drive_is_a_picture(driven):
+    plot = pytest.importorskip("six_wheel.plot")
+    name, run = driven
+    world = WORLDS[name]
+    figure = plot.plan_figure(ROVER, world.costmap(), run.poses, run.steering, path=world.path, title=name)
+    assert len(figure.axes[0].images) == 2
