@@ -203,6 +203,8 @@ pub(crate) struct Begin {
     /// How often a step's turn is halved for the polynomials, and whether few terms do.
     pub halvings: u32,
     pub few: bool,
+    /// What a yaw rate is to be multiplied by for the smallest of these turns [s].
+    pub smallest: f64,
     /// Weights of effort [1/(m²/s²) 1/s] and of sliding, over a step.
     pub effort: f64,
     pub scrub: f64,
@@ -218,6 +220,7 @@ impl Begin {
             0
         };
         self.few = half <= SMALL / 8.0;
+        self.smallest = 0.5 * dt / f64::from(self.halvings).exp2();
     }
 }
 
@@ -613,7 +616,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let one = number(1.0);
         let yaw = state.motion[M - 1];
-        let half = yaw * number(0.5 * self.dt / f64::from(begin.halvings).exp2());
+        let half = yaw * number(begin.smallest);
         let (sin, mut cos, sinc) = half_turn(simd, half, begin.few);
         let (mut sin, mut sinc) = (sin, sinc);
         for _ in 0..begin.halvings {
