@@ -1,4 +1,4 @@
-"""What a step of a rollout costs in a planner's whole cycle: noise, limits, steering, way, map, goal, weights, mean."""
+"""What a step of a rollout costs in a planner's cycle: noise, limits, steering, map, goal, weights, mean."""
 
 import numpy as np
 
