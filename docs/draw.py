@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
+from viewers import foxglove_figure
 
 from six_wheel import (
     FourAxle,
@@ -159,6 +160,7 @@ def main() -> None:
     figures["drive"] = driven()
     figures["limits"] = limits()
     figures |= over_ground()
+    figures["foxglove"] = foxglove_figure()
     for name, figure in figures.items():
         png = io.BytesIO()
         figure.savefig(png, dpi=DPI)
