@@ -32,7 +32,7 @@ def table(path: Path, rows: int = 5000, bad: str = "nan") -> Path:
 
 @pytest.mark.parametrize("bad", ["nan", "much"])
 def test_nothing_holds_what_was_read(tmp_path: Path, bad: str) -> None:
-    """Not even in the moment after a failure: a thread that did would let go of it when there is no interpreter."""
+    """Not even just after a failure: a thread that did would let go of it when there is no interpreter."""
     with CommandTable(table(tmp_path / "commands.csv", bad=bad)) as opened:
         for _ in range(200):
             (lines,) = opened._blocks(1 << 20)

@@ -190,7 +190,7 @@ class Table:
         types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
         convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
         parse = pa.csv.ParseOptions(delimiter=self._delimiter)
-        # One block is parsed by one thread anyway; without others none can be left at work when the process ends.
+        # One block is parsed by one thread anyway; without others none is left at work when the process ends.
         read = pa.csv.ReadOptions(use_threads=False, column_names=names, block_size=len(lines) + 1)
         batches: list[pa.RecordBatch] = pa.csv.read_csv(
             pa.BufferReader(lines), read, parse, convert
