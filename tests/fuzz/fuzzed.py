@@ -1,6 +1,7 @@
-"""Coverage-guided fuzzing of the readers by atheris: ``python -m tests.fuzz.fuzzed yaml corpus -max_total_time=60``.
+"""Coverage-guided fuzzing of the readers by atheris.
 
-The corpus folder gets the files to begin with; see `readers`.
+``python -m tests.fuzz.fuzzed yaml CORPUS -max_total_time=60``. The corpus folder gets the files to begin
+with; see `readers`.
 """
 
 import hashlib

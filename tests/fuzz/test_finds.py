@@ -23,7 +23,9 @@ def test_files_to_begin_with_and_damaged_ones(target: str, tmp_path: Path) -> No
             for _ in range(generator.randint(1, 4)):
                 place = generator.randrange(len(damaged) + 1)
                 end = min(place + generator.choice((0, 0, 1, 4, 40)), len(damaged))
-                damaged[place:end] = generator.choice((b"", b"\0", b"\xff\xfe", b"-", b"1e999", b"\n", damaged[:50]))
+                damaged[place:end] = generator.choice(
+                    (b"", b"\0", b"\xff\xfe", b"-", b"1e999", b"\n", damaged[:50])
+                )
             read(target, bytes(damaged), tmp_path)
 
 
