@@ -22,7 +22,6 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
-    from six_wheel.simulation.ground import GroundSimulation
 
 
 def simulate(
@@ -167,6 +166,7 @@ def _over_ground(
     speeds: Path | None,
 ) -> list[tuple[str, object]]:
     from six_wheel._core import Terrain
+    from six_wheel.report.ground import ground_facts
     from six_wheel.simulation.ground import GroundSimulation
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.running import simulate as run
@@ -184,7 +184,7 @@ def _over_ground(
             save(ground_figure(done, arm, land, title=title), plot)
         if speeds is not None:
             save(speeds_figure(done, arm, title=title), speeds)
-    return _summary(done)
+    return [*ground_facts(done)]
 
 
 def _middle(land: "Terrain") -> tuple[float, float]:
@@ -193,32 +193,6 @@ def _middle(land: "Terrain") -> tuple[float, float]:
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
     cos, sin = math.cos(land.orientation), math.sin(land.orientation)
     return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside
-
-
-def _summary(run: "GroundSimulation") -> list[tuple[str, object]]:
-    """What a drive came to, as rows for `grid`."""
-    import numpy as np
-
-    stand, speeds, flat, slip = run.stand, run.speeds, run.flat_speeds, run.slip
-    assert stand is not None
-    assert speeds is not None
-    assert flat is not None
-    assert slip is not None
-    statuses = np.asarray(stand.status).astype(str).tolist()
-    tilt = np.degrees(np.arccos(np.cos(stand.roll) * np.cos(stand.pitch)))
-    driving = np.abs(flat) > 1e-9
-    off = np.abs(speeds - flat)[driving] / np.abs(flat)[driving]
-    counted = ", ".join(f"{status} {statuses.count(status):,}" for status in dict.fromkeys(statuses))
-    return [
-        ("samples", f"{len(run.stamps):,}, {counted}"),
-        ("duration", f"{run.stamps[-1] - run.stamps[0]:.6g} s"),
-        ("largest tilt", f"{np.nanmax(tilt):.3g} deg"),
-        ("largest joint angle", f"{np.degrees(np.nanmax(np.abs(stand.joints))):.3g} deg"),
-        ("largest slip angle", f"{np.degrees(np.nanmax(np.abs(slip.angle))):.3g} deg"),
-        ("wheel speeds", f"off those on level ground by {np.median(off):.1%}, at most {off.max():.1%}")
-        if off.size
-        else ("wheel speeds", "all 0"),
-    ]
 
 
 def _start(text: str) -> tuple[float, float, float]:
