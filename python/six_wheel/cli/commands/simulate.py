@@ -28,7 +28,7 @@ def simulate(
     rover: Annotated[
         str,
         typer.Argument(
-            metavar="ROVER", help="Parameter file, URDF or preset; over a map a preset with a suspension."
+            metavar="ROVER", help="Parameter file, URDF or preset; over a map one with a suspension."
         ),
     ],
     commands: Annotated[
@@ -66,8 +66,9 @@ def simulate(
 ) -> None:
     if ground is None and speeds is not None:
         raise ValueError(f"--speeds must come with --ground: level ground is all there is, got {speeds}")
-    chosen = choose(rover, Reading(node, as_, wheel_radius)) if ground is None else None
-    arm = choose_suspension(rover) if ground is not None else None
+    reading = Reading(node, as_, wheel_radius)
+    chosen = choose(rover, reading) if ground is None else None
+    suspended = choose_suspension(rover, reading) if ground is not None else None
     if plot is not None or speeds is not None:
         from six_wheel.plot.saving import picture_path
 
@@ -84,9 +85,9 @@ def simulate(
     if chosen is not None:
         rows = _on_a_plane(chosen, way, pose, rate, seed, output, plot)
     else:
-        assert arm is not None
+        assert suspended is not None
         assert ground is not None
-        rows = _over_ground(arm, rover, ground, way, pose, rate, seed, output, plot, speeds)
+        rows = _over_ground(*suspended, ground, way, pose, rate, seed, output, plot, speeds)
     new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
 
 
