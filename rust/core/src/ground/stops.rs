@@ -37,7 +37,7 @@ pub(crate) type Stops = [i8; MAX_FREE];
 enum Hanging {
     /// Those that a joint at its stop would lower.
     Lowered,
-    /// All.
+    /// All, where there are several of those.
     Any,
 }
 
@@ -117,8 +117,7 @@ impl<'a> Settler<'a> {
                 }
                 tried.push(stops);
                 let best = self.best_of(pose, steering, near, stops, whose, &mut waiting);
-                let best =
-                    best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
+                let best = best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
                 if let Some(best) = best {
                     if best.stands() {
                         return Some(best);
@@ -152,9 +151,10 @@ impl<'a> Settler<'a> {
             };
         }
         let lowered = self.lowered(pose, steering, near, &stops);
+        let open = lowered.count_ones() as usize > in_air;
         let mut best: Option<Standing<'a>> = None;
         for hanging in 0..1_u32 << wheels {
-            let may = whose == Hanging::Any || hanging & !lowered == 0;
+            let may = hanging & !lowered == 0 || whose == Hanging::Any && open;
             let fits = hanging.count_ones() as usize == in_air && may;
             if !fits {
                 continue;
@@ -180,7 +180,7 @@ impl<'a> Settler<'a> {
                 stops,
                 load,
                 moment,
-                open: lowered.count_ones() as usize > in_air,
+                open,
             };
             if standing.is_better_than(best.as_ref()) {
                 best = Some(standing);
