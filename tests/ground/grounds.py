@@ -123,9 +123,9 @@ def dense_gaps(rover, heights, spacing, pose, numbers, steering=None, samples=40
 
 
 def balance(rover, stand, k, pose, centre, wheel_share=0.01, step=1e-6):
-    """Loads of the wheels that touch and moments of the stops, of the weight, by differences of written out matrices.
+    """Loads of the wheels that touch and moments of the stops, of the weight, by differences.
 
-    Loads push straight up; a share of the weight acts in every wheel.
+    Loads push straight up; a share of the weight acts in every wheel. Matrices are written out.
     """
     numbers, angles, radius = numbers_of(stand)[k], stand.contact_angles[k], rover.dimensions["wheel_radius"]
 

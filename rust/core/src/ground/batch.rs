@@ -5,19 +5,16 @@
 //! so near that the way from there could have closed it. Whatever is not as plain as that (unknown ground, the end
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
-use super::plan::{Placing, Plan, Rows, Turned, Vectors, solve};
-use super::rims::{FAR, Found, Rims, Stretch, TIE, cells, floor, search};
+use super::look::{Extent, Here, Look, MARGIN, MOST, spread};
+use super::plan::{Placing, Plan, Rows, solve};
+use super::rims::{FAR, TIE, cells, floor};
 use super::settle::{Settler, Status};
 use super::stand::{Contact, Stand};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::vector::Vector;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, State};
-use crate::terrain::Terrain;
 use crate::wheels::Direction;
-
-/// Lanes of the widest level.
-const MOST: usize = 8;
 
 /// Poses that are worked on together: their numbers stay in the second-level cache.
 const CHUNK: usize = 512;
@@ -35,9 +32,8 @@ const NEARLY: f64 = 2e-6;
 /// Turn of a step above which they are [rad].
 const FAR_AWAY: f64 = 0.06;
 
-/// What else a look at whole rims finds is so far off [m] that no way shorter than a tenth of it closes it, on
-/// slopes up to 9.
-const MARGIN: f64 = 1e-4;
+/// A way shorter than this share of [`MARGIN`] brings nothing else to the ground, on slopes up to 9.
+const SHORT: f64 = 0.1;
 
 /// Shorter arms than this have the points of a rim [m]: from a turn to a way.
 const ARM: f64 = 3.0;
@@ -144,7 +140,8 @@ impl Kernel for Job<'_, '_> {
             while !(whole.is_empty() && short.is_empty()) {
                 std::mem::swap(&mut whole, &mut now);
                 std::mem::swap(&mut short, &mut next);
-                (whole.clear(), short.clear());
+                whole.clear();
+                short.clear();
                 for rows in now.chunks(S::F64_LANES) {
                     self.round(simd, &mut chunk, first, rows, true);
                 }
@@ -181,13 +178,6 @@ fn gather<S: Vector>(simd: S, column: &[f64; CHUNK], rows: &[u16]) -> Lanes<S> {
 }
 
 #[inline(always)]
-fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
-    let mut values = [0.0; MOST];
-    lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
-    values
-}
-
-#[inline(always)]
 fn truths<S: Vector>(simd: S, mask: Mask<S>) -> [f64; MOST] {
     spread(mask.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0)))
 }
@@ -207,25 +197,6 @@ fn put<S: Vector>(
             column[row as usize % CHUNK] = values[lane];
         }
     }
-}
-
-/// Where poses and their state are, in lanes.
-struct Here<S: Vector> {
-    origin: [Lanes<S>; 2],
-    yaw: Turned<S>,
-    state: [Lanes<S>; MAX_STATE],
-    steering: [Turned<S>; MAX_WHEELS],
-}
-
-/// What a look at the rims has found.
-struct Look<S: Vector> {
-    rows: Rows<S>,
-    found: [Found<S>; MAX_WHEELS],
-    worst: Lanes<S>,
-    /// How much higher anything else along the rims is, up to [`MARGIN`] [m]; below 0 where that is not known.
-    clear: Lanes<S>,
-    /// Whether every rim has a contact there.
-    touches: Mask<S>,
 }
 
 impl Job<'_, '_> {
@@ -281,7 +252,14 @@ impl Job<'_, '_> {
             ),
             state: [zero; MAX_STATE],
             steering: [(zero, zero); MAX_WHEELS],
+            contacts: [[zero; 2]; MAX_WHEELS],
         };
+        for (k, contact) in here.contacts.iter_mut().enumerate() {
+            *contact = [
+                gather(simd, &columns[column::CONTACT + 2 * k], rows),
+                gather(simd, &columns[column::CONTACT + 2 * k + 1], rows),
+            ];
+        }
         for (k, number) in here.state.iter_mut().enumerate() {
             *number = gather(simd, &columns[column::STATE + k], rows);
         }
@@ -307,13 +285,13 @@ impl Job<'_, '_> {
             let placing = Placing::new(simd, plan, here.yaw, &here.state, &here.steering);
             let mut system: Rows<S> = [([zero; MAX_STATE], zero); MAX_WHEELS];
             let mut mean = zero;
-            for wheel in 0..plan.wheels() {
+            for (wheel, row) in system.iter_mut().enumerate().take(plan.wheels()) {
                 let centre = placing.wheels[wheel].centre;
                 let u = (here.origin[0] + centre[0]) * Lanes::splat(simd, 1.0 / spacing[0]);
                 let v = (here.origin[1] + centre[1]) * Lanes::splat(simd, 1.0 / spacing[1]);
-                let (column, row) = (floor(simd, u), floor(simd, v));
-                let cell = cells(simd, ground, column, row);
-                let (a, b) = (u - column, v - row);
+                let corner = [floor(simd, u), floor(simd, v)];
+                let cell = cells(simd, ground, corner[0], corner[1]);
+                let (a, b) = (u - corner[0], v - corner[1]);
                 let height = cell.h00
                     + cell.along * a
                     + (cell.across + cell.twist * a) * b
@@ -321,7 +299,7 @@ impl Job<'_, '_> {
                 let missing = height - (here.state[0] + centre[2]);
                 mean = mean + missing;
                 if round > 0 {
-                    system[wheel] = (placing.slopes(simd, wheel, centre, [zero; 2]), missing);
+                    *row = (placing.slopes(simd, wheel, centre, [zero; 2]), missing);
                 }
             }
             if round == 0 {
@@ -332,9 +310,9 @@ impl Job<'_, '_> {
             }
             let step = solve(simd, plan, &mut system);
             here.state[0] = here.state[0] + step[0];
-            for k in 1..MAX_STATE {
+            for (k, step) in step.into_iter().enumerate().skip(1) {
                 let (most, limit) = (Lanes::splat(simd, 0.4), Lanes::splat(simd, 0.8));
-                let angle = here.state[k] + step[k].min(most).max(-most);
+                let angle = here.state[k] + step.min(most).max(-most);
                 here.state[k] = angle.min(limit).max(-limit);
             }
         }
@@ -361,7 +339,12 @@ impl Job<'_, '_> {
         whole: bool,
     ) {
         let here = self.here(simd, chunk, rows);
-        let mut look = self.look(simd, chunk, rows, &here, whole);
+        let extent = if whole {
+            Extent::Whole
+        } else {
+            Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows))
+        };
+        let mut look = here.look(simd, self.plan, self.settler.ground, &extent);
         let step = solve(simd, self.plan, &mut look.rows);
         let zero = Lanes::splat(simd, 0.0);
         let mut turn = step[1].abs();
@@ -394,7 +377,7 @@ impl Job<'_, '_> {
         let clear = spread(look.clear);
         // Also false where a number is not.
         let moves = truths(simd, zero.at_most(way) & way.below(Lanes::splat(simd, FAR)));
-        let near = truths(simd, way.below(Lanes::splat(simd, 0.1 * MARGIN)));
+        let near = truths(simd, way.below(Lanes::splat(simd, SHORT * MARGIN)));
         let (worst, turn, share) = (spread(look.worst), spread(turn), spread(share));
         let (mut goes_on, mut settles) = ([false; MOST], false);
         for (lane, &row) in rows.iter().enumerate() {
@@ -451,82 +434,6 @@ impl Job<'_, '_> {
         }
     }
 
-    /// Looks at all rims, whole or near their last contacts.
-    #[inline(always)]
-    fn look<S: Vector>(
-        &self,
-        simd: S,
-        chunk: &Chunk,
-        rows: &[u16],
-        here: &Here<S>,
-        whole: bool,
-    ) -> Look<S> {
-        let (plan, ground) = (self.plan, self.settler.ground);
-        let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let spacing = ground.spacing();
-        let per_metre = [
-            Lanes::splat(simd, 1.0 / spacing[0]),
-            Lanes::splat(simd, 1.0 / spacing[1]),
-        ];
-        let placing = Placing::new(simd, plan, here.yaw, &here.state, &here.steering);
-        let nothing = Found {
-            gap: zero,
-            at: [zero, unit],
-            slope: [zero; 2],
-            others: zero,
-        };
-        let mut look = Look {
-            rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
-            found: [nothing; MAX_WHEELS],
-            worst: zero,
-            clear: Lanes::splat(simd, FAR),
-            touches: zero.below(unit),
-        };
-        let reach = gather(simd, &chunk.columns[column::LOOK], rows);
-        let (sin, cos) = crate::batch::machine::polynomials::direction(simd, reach);
-        for wheel in 0..plan.wheels() {
-            let at = &placing.wheels[wheel];
-            let radius = Lanes::splat(simd, plan.radius(wheel));
-            let scale = [radius * per_metre[0], radius * per_metre[1], radius];
-            let mut rims = Rims {
-                centre: [
-                    (here.origin[0] + at.centre[0]) * per_metre[0],
-                    (here.origin[1] + at.centre[1]) * per_metre[1],
-                    here.state[0] + at.centre[2],
-                ],
-                forward: at.forward,
-                up: at.up,
-            };
-            for k in 0..3 {
-                rims.forward[k] = at.forward[k] * scale[k];
-                rims.up[k] = at.up[k] * scale[k];
-            }
-            let last = [
-                gather(simd, &chunk.columns[column::CONTACT + 2 * wheel], rows),
-                gather(simd, &chunk.columns[column::CONTACT + 2 * wheel + 1], rows),
-            ];
-            let (stretch, covers) = if whole {
-                whole_rims(simd, ground, &rims, last)
-            } else {
-                (short_look(simd, last, (sin, cos)), unit.below(zero))
-            };
-            let found = search(simd, ground, &rims, &stretch);
-            let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
-            let mut spoke: Vectors<S> = [zero; 3];
-            for k in 0..3 {
-                spoke[k] = (at.forward[k] * found.at[0] - at.up[k] * found.at[1]) * radius;
-            }
-            let point = placing.rim(wheel, spoke);
-            look.rows[wheel] = (placing.slopes(simd, wheel, point, gradient), -found.gap);
-            look.worst = look.worst.max(found.gap.abs());
-            let clear = covers.select(found.others - found.gap, -unit);
-            look.clear = look.clear.min(clear);
-            look.touches = look.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
-            look.found[wheel] = found;
-        }
-        look
-    }
-
     /// Writes lanes that have just settled; those with a joint past its stop, and those that are not sure, are left.
     #[inline(always)]
     fn settled<S: Vector>(
@@ -576,102 +483,4 @@ impl Job<'_, '_> {
             }
         }
     }
-}
-
-/// What is near the last contact.
-#[inline(always)]
-fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Stretch<S> {
-    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let (low, high) = (
-        [s * cos - c * sin, c * cos + s * sin],
-        [s * cos + c * sin, c * cos - s * sin],
-    );
-    let (starts, ends) = (zero.below(low[1]), zero.below(high[1]));
-    Stretch {
-        start: [starts.select(low[0], -unit), starts.select(low[1], zero)],
-        end: [ends.select(high[0], unit), ends.select(high[1], zero)],
-        margin: Lanes::splat(simd, MARGIN),
-    }
-}
-
-/// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
-/// halves: a point that is higher above the highest ground around is not.
-#[inline(always)]
-fn whole_rims<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    rims: &Rims<S>,
-    last: [Lanes<S>; 2],
-) -> (Stretch<S>, Mask<S>) {
-    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let margin = Lanes::splat(simd, MARGIN);
-    let contact = rims.point(last[0], last[1]);
-    let (u, v) = (
-        rims.centre[0] + contact.spoke[0],
-        rims.centre[1] + contact.spoke[1],
-    );
-    let (column, row) = (floor(simd, u), floor(simd, v));
-    let cell = cells(simd, ground, column, row);
-    let (a, b) = (u - column, v - row);
-    let height = cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b;
-    let gap = (rims.centre[2] + contact.spoke[2]) - height;
-    let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
-    let inverse = unit.quotient(size);
-    // The lowest point of the rim.
-    let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
-    let [rear, front] = tops(simd, ground, rims);
-    let mut stretch = Stretch {
-        start: [-unit, zero],
-        end: [unit, zero],
-        margin,
-    };
-    let mut covers = zero.below(unit);
-    // So far from the lowest point its height is what counts: cosine and sine of the angle.
-    let near = ((rims.centre[2] - front - gap - margin - margin) * inverse).min(unit);
-    let far = (unit - near * near).max(zero).sqrt();
-    let end = [sin * near + cos * far, cos * near - sin * far];
-    let cuts = zero.below(near) & zero.below(end[1]);
-    stretch.end = [cuts.select(end[0], unit), cuts.select(end[1], zero)];
-    covers = covers & cuts;
-    let near = ((rims.centre[2] - rear - gap - margin - margin) * inverse).min(unit);
-    let far = (unit - near * near).max(zero).sqrt();
-    let start = [sin * near - cos * far, cos * near + sin * far];
-    let cuts = zero.below(near) & zero.below(start[1]);
-    stretch.start = [cuts.select(start[0], -unit), cuts.select(start[1], zero)];
-    (stretch, covers & cuts)
-}
-
-/// The highest ground beside the rear and the front halves of the rims; infinity where it is not known.
-#[inline(always)]
-fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
-    let zero = Lanes::splat(simd, 0.0);
-    let [rows, columns] = ground.shape();
-    let last = [columns as f64 - 2.0, rows as f64 - 2.0];
-    let mut tops = [[f64::INFINITY; MOST]; 2];
-    let mut boxes = [[[[0.0; MOST]; 2]; 2]; 2];
-    for k in 0..2 {
-        let (h, u) = (rims.forward[k], rims.up[k].abs());
-        // Of P(t) = h sin t - u cos t, with the cosine of either sign.
-        let (low, high) = (h.min(zero) - u, h.max(zero) + u);
-        boxes[0][0][k] = spread(floor(simd, rims.centre[k] - high));
-        boxes[0][1][k] = spread(floor(simd, rims.centre[k] - low));
-        boxes[1][0][k] = spread(floor(simd, rims.centre[k] + low));
-        boxes[1][1][k] = spread(floor(simd, rims.centre[k] + high));
-    }
-    for (top, [low, high]) in tops.iter_mut().zip(&boxes) {
-        for lane in 0..S::F64_LANES {
-            let inside = (0..2).all(|k| low[k][lane] >= 0.0 && high[k][lane] <= last[k]);
-            if inside {
-                let ends = [low, high].map(|ends| [ends[0][lane] as usize, ends[1][lane] as usize]);
-                top[lane] = match ground.known_pyramid() {
-                    Some(pyramid) => pyramid.highest(ends[0], ends[1]),
-                    None => ground.highest(ends[0], ends[1]),
-                };
-            }
-        }
-    }
-    [
-        Lanes::load(simd, S::as_simd_f64s(&tops[0]).0, 0),
-        Lanes::load(simd, S::as_simd_f64s(&tops[1]).0, 0),
-    ]
 }
