@@ -19,7 +19,7 @@ from six_wheel._core import Rover
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.noise import MeasuredNoise
@@ -133,7 +133,12 @@ def calibrate(
     sets = all_candidates(catalogue) if asked is None else [asked]
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
-        folds = drives if len(drives) > 1 else ready(pieces(records[0]))
+        folds = drives
+        if len(drives) == 1:
+            parts = pieces(records[0])
+            folds = ready(
+                [part for part, moves in zip(parts, moving(rover, parts, margin), strict=True) if moves]
+            )
         checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
