@@ -30,7 +30,8 @@ OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-ros test-versions fuzz compare soak sanitize bench bench-suites instructions profiling lint format wheel clean
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz compare soak holding sanitize bench bench-suites \
+	instructions profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -80,6 +81,11 @@ test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with
 soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many cases; prints the worst ones
 	SOAK=$(SOAK) $(BIN)/python -m pytest $(SOAKED) -s -q
 	SOAK=$$((2 * $(SOAK))) cargo test --release --locked --package six-wheel-core --test controller
+
+# Some hours of one core; HOLDING="1e6 --seconds 600" for a look.
+HOLDING ?= 1e8
+holding: $(VENV)/installed ## settled poses against their bounds, so many; ends with the first that is outside
+	$(BIN)/python -m tests.ground.holding $(HOLDING)
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \

@@ -14,13 +14,14 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import contenders  # noqa: E402
 import every_call  # noqa: E402
+import ground  # noqa: E402
 import latency  # noqa: E402
 import memory  # noqa: E402
 import planner  # noqa: E402
 
 from six_wheel.benchmark import Grid, machine, nanoseconds, round_robin  # noqa: E402
 
-PARTS = ("calls", "batches", "every", "planner", "growth", "latency", "memory")
+PARTS = ("calls", "batches", "every", "ground", "planner", "growth", "latency", "memory")
 CALLS = ("core", "numba", "plain Python", "wpimath, bare", "wpimath", "NumPy", "reference")
 BATCHES = ("numba, blocked", "numba", "NumPy, tuned", "NumPy", "reference")
 
@@ -174,6 +175,7 @@ def main():
         "calls": lambda tell: one_call(options.rounds, tell),
         "batches": lambda tell: whole_batches(options.rounds, tell),
         "every": lambda tell: every_call.measured(rounds=options.rounds, progress=tell),
+        "ground": lambda tell: ground.measured(max(options.rounds // 3, 1), tell),
         "planner": lambda tell: planner.measured(options.rounds, tell),
         "growth": lambda tell: growing(options.most, max(options.rounds // 3, 1), tell),
         "latency": lambda tell: worst_cases(options.ticks),
@@ -184,7 +186,7 @@ def main():
         **machine(),
         **contenders.versions(),
         "date": time.strftime("%Y-%m-%d"),
-        "least of": f"{options.rounds} timings (growth: a third)",
+        "least of": f"{options.rounds} timings (ground and growth: a third)",
     }
     heading = "; ".join(f"{name}: {value}" for name, value in facts.items())
     print(heading, flush=True) if options.markdown else console.print(heading)

@@ -36,6 +36,17 @@ def scaled(rover, size=1.0):
     return size * rover.dimensions["wheel_radius"] / 0.26288
 
 
+def holes(size=20.0, spacing=0.1, number=60, seed=5):
+    """Hills with pits whose walls are one cell wide."""
+    generator = np.random.default_rng(seed)
+    heights = hills(size, spacing)
+    for _ in range(number):
+        i, j = generator.integers(0, len(heights) - 12, 2)
+        rows, columns = generator.integers(4, 12, 2)
+        heights[i : i + rows, j : j + columns] -= generator.uniform(0.1, 1.2)
+    return heights
+
+
 def random_poses(count, size, margin, seed):
     generator = np.random.default_rng(seed)
     return np.column_stack(
@@ -109,6 +120,33 @@ def dense_gaps(rover, heights, spacing, pose, numbers, steering=None, samples=40
             before, after = np.where(left, before, a), np.where(left, b, after)
         found.append(distance(0.5 * (before + after)).min())
     return np.array(found)
+
+
+def balance(rover, stand, k, pose, centre, wheel_share=0.01, step=1e-6):
+    """Loads of the wheels that touch and moments of the stops, of the weight, by differences.
+
+    Loads push straight up; a share of the weight acts in every wheel. Matrices are written out.
+    """
+    numbers, angles, radius = numbers_of(stand)[k], stand.contact_angles[k], rover.dimensions["wheel_radius"]
+
+    def heights(numbers):
+        wheels = rims(rover, pose, numbers)
+        points = [
+            centre + radius * (forward * math.sin(t) - up * math.cos(t))
+            for (centre, forward, up), t in zip(wheels, angles, strict=True)
+        ]
+        body = turn("z", pose[2]) @ turn("y", numbers[2]) @ turn("x", numbers[1]) @ centre
+        weight = (1 - 6 * wheel_share) * (numbers[0] + body[2])
+        weight += wheel_share * sum(wheel[0][2] for wheel in wheels)
+        return np.array([*(point[2] for point in points), weight])
+
+    slopes = np.array([heights(numbers + d) - heights(numbers - d) for d in step * np.eye(6)]) / (2 * step)
+    touching, stopped = stand.gap[k] < 1e-9, np.nonzero(stand.stops[k])[0]
+    pushes = np.zeros((6, len(stopped)))
+    for column, joint in enumerate(stopped):
+        pushes[3 + joint, column] = -stand.stops[k, joint]
+    found = np.linalg.solve(np.hstack([slopes[:, :6][:, touching], pushes]), slopes[:, 6])
+    return np.split(found, [touching.sum()])
 
 
 def numbers_of(stand):

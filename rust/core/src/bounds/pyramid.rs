@@ -129,12 +129,22 @@ impl Pyramid {
         let size = 1_usize << level;
         let table = &self.levels[level as usize];
         let end = [last[0] + 1 - size, last[1] + 1 - size];
+        let window = |column: usize, row: usize| {
+            let window = table.get(row * self.cells[0] + column);
+            window.copied().unwrap_or(UNKNOWN)
+        };
+        // Four loads at once, without a branch to guess between them, are what most boxes take.
+        if width.max(height) <= 2 * size {
+            let low = least(window(first[0], first[1]), window(end[0], first[1]));
+            let high = least(window(first[0], end[1]), window(end[0], end[1]));
+            *span = least(*span, least(low, high));
+            return;
+        }
         let mut row = first[1];
         loop {
             let mut column = first[0];
             loop {
-                let window = table.get(row * self.cells[0] + column);
-                *span = least(*span, window.copied().unwrap_or(UNKNOWN));
+                *span = least(*span, window(column, row));
                 if column == end[0] {
                     break;
                 }
@@ -145,6 +155,16 @@ impl Pyramid {
             }
             row = (row + size).min(end[1]);
         }
+    }
+}
+
+impl Pyramid {
+    /// Highest height over a box of cells on the map, both ends included [m]; infinity where one is not known.
+    #[inline(always)]
+    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
+        let mut span = NOTHING;
+        self.span(Cells { first, last }, &mut span);
+        Span::from(span).highest
     }
 }
 

@@ -10,20 +10,20 @@ use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::ROUND;
 use crate::batch::machine::vector::Vector;
-use crate::terrain::Terrain;
+use crate::terrain::{Heights, Terrain};
 use crate::wheels::Direction;
 
 /// Circles that are walked together.
 pub(crate) const RIMS: usize = 8;
 
 /// Minima nearer to each other than this are for the plain walk to tell apart [m].
-const TIE: f64 = 2e-7;
+pub(super) const TIE: f64 = 2e-7;
 
 /// Arcs shorter than this are points [rad].
 const POINT: f64 = 1e-14;
 
 /// Larger than any gap [m].
-const FAR: f64 = 1e30;
+pub(super) const FAR: f64 = 1e30;
 
 /// Steps of a walk at most: more cells lie under no wheel that this is worth it for.
 const STEPS: usize = 96;
@@ -105,7 +105,7 @@ fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
 
 /// Largest whole numbers not above these, up to 2^50.
 #[inline(always)]
-fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
+pub(super) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let round = Lanes::splat(simd, ROUND);
     let near = (x + round) - round;
     x.below(near).select(near - Lanes::splat(simd, 1.0), near)
@@ -113,57 +113,123 @@ fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
 
 /// Cells of the lanes.
 #[derive(Clone, Copy)]
-struct Cells<S: Vector> {
-    h00: Lanes<S>,
-    along: Lanes<S>,
-    across: Lanes<S>,
-    twist: Lanes<S>,
+pub(super) struct Cells<S: Vector> {
+    pub h00: Lanes<S>,
+    pub along: Lanes<S>,
+    pub across: Lanes<S>,
+    pub twist: Lanes<S>,
 }
 
 /// The cells with these lowest columns and rows; NaN off the map.
 #[inline(always)]
-fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row: Lanes<S>) -> Cells<S> {
+pub(super) fn cells<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    column: Lanes<S>,
+    row: Lanes<S>,
+) -> Cells<S> {
     let [rows, columns] = ground.shape();
-    let (columns_at, rows_at) = (spread(column), spread(row));
-    let mut corners = [[f64::NAN; RIMS]; 4];
-    for lane in 0..S::F64_LANES {
-        let (i, j) = (columns_at[lane], rows_at[lane]);
-        let inside = i >= 0.0 && j >= 0.0 && i < (columns - 1) as f64 && j < (rows - 1) as f64;
-        if inside {
-            let cell = ground.corners(i as usize, j as usize);
-            for (corner, height) in corners.iter_mut().zip(cell) {
-                corner[lane] = height;
-            }
+    let zero = Lanes::splat(simd, 0.0);
+    let last = [
+        Lanes::splat(simd, columns as f64 - 2.0),
+        Lanes::splat(simd, rows as f64 - 2.0),
+    ];
+    let inside =
+        zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
+    let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
+    let [h00, h10, h01, h11] = match ground.heights() {
+        Heights::Double(heights) => {
+            let (here, next) = (&heights[..], &heights[columns..]);
+            [
+                place.gather(here),
+                place.gather(&here[1..]),
+                place.gather(next),
+                place.gather(&next[1..]),
+            ]
         }
-    }
-    let h00 = Lanes::load(simd, S::as_simd_f64s(&corners[0]).0, 0);
-    let h10 = Lanes::load(simd, S::as_simd_f64s(&corners[1]).0, 0);
-    let h01 = Lanes::load(simd, S::as_simd_f64s(&corners[2]).0, 0);
-    let h11 = Lanes::load(simd, S::as_simd_f64s(&corners[3]).0, 0);
+        Heights::Single(_) => singles(simd, ground, place),
+    };
     let (along, across) = (h10 - h00, h01 - h00);
+    let twist = (h11 - h10) - across;
     Cells {
         h00,
         along,
         across,
-        twist: (h11 - h10) - across,
+        twist: inside.select(twist, Lanes::splat(simd, f64::NAN)),
     }
+}
+
+/// Corners of the cells that begin at these places, as near to them as there are any.
+#[inline(always)]
+fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 4] {
+    let [rows, columns] = ground.shape();
+    let (places, mut corners) = (spread(place), [[0.0; RIMS]; 4]);
+    for lane in 0..S::F64_LANES {
+        let place = (places[lane] as usize).min((rows - 1) * columns - 2); // NaN is 0
+        for (corner, offset) in corners.iter_mut().zip([0, 1, columns, columns + 1]) {
+            corner[lane] = ground.heights().at(place + offset);
+        }
+    }
+    [
+        Lanes::load(simd, S::as_simd_f64s(&corners[0]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[1]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[2]).0, 0),
+        Lanes::load(simd, S::as_simd_f64s(&corners[3]).0, 0),
+    ]
 }
 
 /// The circles of the lanes.
 #[derive(Clone, Copy)]
-struct Rims<S: Vector> {
-    centre: [Lanes<S>; 3],
-    forward: [Lanes<S>; 3],
-    up: [Lanes<S>; 3],
+pub(super) struct Rims<S: Vector> {
+    pub centre: [Lanes<S>; 3],
+    pub forward: [Lanes<S>; 3],
+    pub up: [Lanes<S>; 3],
+}
+
+/// A part of the lower halves, and how sure the answer has to be.
+#[derive(Clone, Copy)]
+pub(super) struct Stretch<S: Vector> {
+    /// Sine and cosine of the contact angle where it begins.
+    pub start: [Lanes<S>; 2],
+    /// The same where it ends.
+    pub end: [Lanes<S>; 2],
+    /// How far above the least gap others are of interest [m].
+    pub margin: Lanes<S>,
+}
+
+impl<S: Vector> Stretch<S> {
+    /// The lower halves.
+    #[inline(always)]
+    fn lower(simd: S) -> Self {
+        let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        Self {
+            start: [-unit, zero],
+            end: [unit, zero],
+            margin: Lanes::splat(simd, TIE),
+        }
+    }
+}
+
+/// The least gap of every rim along a stretch.
+#[derive(Clone, Copy)]
+pub(super) struct Found<S: Vector> {
+    /// The gap [m]; [`FAR`] where there is no minimum in the stretch.
+    pub gap: Lanes<S>,
+    /// Sine and cosine of its contact angle.
+    pub at: [Lanes<S>; 2],
+    /// Derivatives of the ground's height by columns and rows [m].
+    pub slope: [Lanes<S>; 2],
+    /// No other minimum is lower than this, as far as it is up to the margin above the gap [m].
+    pub others: Lanes<S>,
 }
 
 /// A point of every rim: where it is and how it moves along the rim.
 #[derive(Clone, Copy)]
-struct Point<S: Vector> {
+pub(super) struct Point<S: Vector> {
     sin: Lanes<S>,
     cos: Lanes<S>,
     /// From the centre.
-    spoke: [Lanes<S>; 3],
+    pub spoke: [Lanes<S>; 3],
     /// Derivative by the contact angle.
     tangent: [Lanes<S>; 3],
 }
@@ -179,7 +245,7 @@ struct Jet<S: Vector> {
 
 impl<S: Vector> Rims<S> {
     #[inline(always)]
-    fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
+    pub(super) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
         let [mut spoke, mut tangent] = [self.centre; 2];
         for k in 0..3 {
             spoke[k] = self.forward[k] * sin - self.up[k] * cos;
@@ -270,21 +336,51 @@ fn one<S: Vector>(
     first: usize,
     found: &mut [Option<Minimum>; RIMS],
 ) {
-    let (zero, unit, far) = (
-        Lanes::splat(simd, 0.0),
-        Lanes::splat(simd, 1.0),
-        Lanes::splat(simd, FAR),
-    );
+    let zero = Lanes::splat(simd, 0.0);
     let mut rims = Rims {
         centre: [zero; 3],
         forward: [zero; 3],
         up: [zero; 3],
     };
-    let mut size = [zero; 3];
-    for (k, size) in size.iter_mut().enumerate() {
+    for k in 0..3 {
         rims.centre[k] = column(simd, circles, first, |circle| circle.centre[k]);
         rims.forward[k] = column(simd, circles, first, |circle| circle.forward[k]);
         rims.up[k] = column(simd, circles, first, |circle| circle.up[k]);
+    }
+    let least = search(simd, ground, &rims, &Stretch::lower(simd));
+    let sure = (least.gap + Lanes::splat(simd, TIE)).below(least.others);
+    let sure = spread(sure.select(Lanes::splat(simd, 1.0), zero));
+    let (gap, [sin, cos]) = (spread(least.gap), both!(k, spread(least.at[k])));
+    let slope = both!(k, spread(least.slope[k]));
+    for lane in 0..S::F64_LANES.min(RIMS - first) {
+        if sure[lane] > 0.0 {
+            found[first + lane] = Some(Minimum {
+                gap: gap[lane],
+                at: Direction {
+                    sin: sin[lane],
+                    cos: cos[lane],
+                },
+                slope: [slope[0][lane], slope[1][lane]],
+            });
+        }
+    }
+}
+
+/// Walks along a stretch of every rim.
+#[inline(always)]
+pub(super) fn search<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &Rims<S>,
+    stretch: &Stretch<S>,
+) -> Found<S> {
+    let (zero, unit, far) = (
+        Lanes::splat(simd, 0.0),
+        Lanes::splat(simd, 1.0),
+        Lanes::splat(simd, FAR),
+    );
+    let mut size = [zero; 3];
+    for (k, size) in size.iter_mut().enumerate() {
         let (h, u) = (rims.forward[k], rims.up[k]);
         *size = (h * h + u * u).sqrt();
     }
@@ -294,7 +390,7 @@ fn one<S: Vector>(
         let inverse = across.select(unit.quotient(across.select(size[k], unit)), zero);
         [inverse, rims.forward[k] * inverse, rims.up[k] * inverse]
     });
-    let mut start = rims.point(-unit, zero);
+    let mut start = rims.point(stretch.start[0], stretch.start[1]);
     let mut cell_at = both!(k, floor(simd, rims.centre[k] + start.spoke[k]));
     // Where it turns just there, the way it then takes.
     let mut sign = both!(k, {
@@ -342,8 +438,11 @@ fn one<S: Vector>(
         );
         let splits = on_sin.below(sin) & zero.below(on_cos);
         (sin, cos) = (splits.select(on_sin, sin), splits.select(on_cos, cos));
-        let last = unit.at_most(sin);
-        (sin, cos) = (last.select(unit, sin), last.select(zero, cos));
+        let last = stretch.end[0].at_most(sin);
+        (sin, cos) = (
+            last.select(stretch.end[0], sin),
+            last.select(stretch.end[1], cos),
+        );
         let end = rims.point(sin, cos);
 
         let from = both!(k, rims.centre[k] - cell_at[k]);
@@ -372,7 +471,7 @@ fn one<S: Vector>(
         let least = left.curvature.min(right.curvature) - slack;
         let most = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most.max(zero) * eighth;
-        let low = real & zero.below(most) & bound.at_most(best + Lanes::splat(simd, TIE));
+        let low = real & zero.below(most) & bound.at_most(best + stretch.margin);
         let convex = zero.at_most(least);
         doubt = (low & !convex).select(doubt.min(bound), doubt);
         let dips = left.rise.below(zero) & zero.below(right.rise);
@@ -445,11 +544,11 @@ fn one<S: Vector>(
     }
     doubt = active.select(-far, doubt);
     for slot in &slots {
-        let wanted = slot.bound.at_most(best + Lanes::splat(simd, TIE));
+        let wanted = slot.bound.at_most(best + stretch.margin);
         if !wanted.any() {
             continue;
         }
-        let (at, jet, sure) = bottom(simd, ground, &rims, slot);
+        let (at, jet, sure) = bottom(simd, ground, rims, slot);
         doubt = (wanted & !sure).select(-far, doubt);
         let better = wanted & jet.gap.below(best);
         second = better.select(best, wanted.select(second.min(jet.gap), second));
@@ -458,24 +557,11 @@ fn one<S: Vector>(
         best_cos = better.select(at.cos, best_cos);
         best_slope = both!(k, better.select(jet.slope[k], best_slope[k]));
     }
-    let sure = spread(
-        (best + Lanes::splat(simd, TIE))
-            .below(doubt.min(second))
-            .select(unit, zero),
-    );
-    let (gap, sin, cos) = (spread(best), spread(best_sin), spread(best_cos));
-    let slope = both!(k, spread(best_slope[k]));
-    for lane in 0..S::F64_LANES.min(RIMS - first) {
-        if sure[lane] > 0.0 {
-            found[first + lane] = Some(Minimum {
-                gap: gap[lane],
-                at: Direction {
-                    sin: sin[lane],
-                    cos: cos[lane],
-                },
-                slope: [slope[0][lane], slope[1][lane]],
-            });
-        }
+    Found {
+        gap: best,
+        at: [best_sin, best_cos],
+        slope: best_slope,
+        others: doubt.min(second),
     }
 }
 

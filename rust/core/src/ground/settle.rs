@@ -102,12 +102,27 @@ impl<'a> Settler<'a> {
 
     /// The same for numbers known to be finite.
     pub fn settle_finite(&self, pose: PlanPose, steering: &[f64]) -> Settled<'a> {
+        self.settle_near(pose, steering, None)
+    }
+
+    /// The same, from a state that may be the answer.
+    pub(super) fn settle_near(
+        &self,
+        pose: PlanPose,
+        steering: &[f64],
+        near: Option<State>,
+    ) -> Settled<'a> {
         if self.chain.wheels().len() > self.chain.state_count() {
             // More wheels than can touch: which ones do is a question like that of stops.
             let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
             return self.standing(pose, steering, &start.unwrap_or_default(), [0; MAX_FREE]);
         }
-        match self.free(pose, steering) {
+        let near = near.and_then(|near| self.close(pose, steering, near, &Hold::NONE));
+        let attempt = match near.filter(|attempt| attempt.closed) {
+            Some(attempt) => Ok(attempt),
+            None => self.free(pose, steering),
+        };
+        match attempt {
             Ok(attempt) => {
                 let past = self.past(&attempt.state);
                 if past == [0; MAX_FREE] {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::batch;
 use super::rim::Minimum;
 use super::settle::{Settled, Settler, Status};
 use crate::batch::machine::workers::each;
@@ -130,6 +131,12 @@ pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;
 
+/// Poses from which it is worth to settle them in lanes.
+const WORTH_LANES: usize = 8;
+
+/// Nodes of a map for every pose up to which it is worth to know its highest places beforehand.
+const WORTH_A_PYRAMID: usize = 64;
+
 /// Settles every pose. Steering angles are one row for all poses or one per pose, none if all are 0. Fails, with
 /// nothing written, where a number is not finite.
 pub fn settle(
@@ -154,9 +161,27 @@ pub fn settle(
             steering
         }
     };
+    let [rows, columns] = settler.ground.shape();
+    if poses.len() >= WORTH_LANES && poses.len() * WORTH_A_PYRAMID > rows * columns {
+        settler.ground.pyramid();
+    }
     let work = |first: usize, poses: &[[f64; 3]], stands: &mut [Stand]| {
-        for (k, (pose, stand)) in poses.iter().zip(stands).enumerate() {
-            *stand = Stand::of(&settler.settle_finite((*pose).into(), angles(first + k)));
+        let mut left = Vec::new();
+        let lanes = (poses.len() >= WORTH_LANES).then(|| {
+            let angles = |k: usize| {
+                let angles = angles(first + k).iter().copied().map(Some);
+                let mut angles = angles.chain(std::iter::repeat(None));
+                std::array::from_fn(|_| angles.next().flatten().unwrap_or(0.0))
+            };
+            let steered = !steering.is_empty();
+            batch::settle(settler, poses, &angles, steered, stands, &mut left)
+        });
+        if lanes.flatten().is_none() {
+            left = (0..poses.len()).map(|k| (k, None)).collect();
+        }
+        for (k, near) in left {
+            let settled = settler.settle_near(poses[k].into(), angles(first + k), near);
+            stands[k] = Stand::of(&settled);
         }
     };
     let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);

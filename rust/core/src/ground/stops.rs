@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use super::newton::{Attempt, Hold, System, loose};
 use super::settle::Settler;
 use super::touch::Touches;
-use crate::suspension::{MAX_FREE, MAX_STATE, PlanPose, State};
+use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 
 #[allow(unused_imports)] // for the documentation
 use crate::suspension::Chain;
@@ -23,11 +23,23 @@ const WHEEL_WEIGHT: f64 = 0.01;
 /// Gap of a hanging wheel below which it is in the ground [m].
 const IN_THE_GROUND: f64 = -1e-9;
 
+/// Loads and moments this far below 0 are 0, of the weight.
+const ROUNDING: f64 = 1e-9;
+
 /// A joint this far past its stop is at it [rad].
 pub(crate) const AT_STOP: f64 = 1e-12;
 
 /// Which stop each joint is at: -1 the lower, 1 the upper, 0 none.
 pub(crate) type Stops = [i8; MAX_FREE];
+
+/// Which wheels are looked at for some to hang.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Hanging {
+    /// Those that a joint at its stop would lower.
+    Lowered,
+    /// All, where there are several of those.
+    Any,
+}
 
 /// A way to stand with joints at stops or wheels in the air.
 pub(crate) struct Standing<'a> {
@@ -36,6 +48,29 @@ pub(crate) struct Standing<'a> {
     pub stops: Stops,
     /// Smallest load of a wheel that touches, of the weight.
     pub load: f64,
+    /// Smallest moment with which a stop holds its joint back, of the weight [m]; a negative one would have to pull.
+    pub moment: f64,
+    /// Whether other wheels might hang at these stops, so that loads have to decide.
+    pub open: bool,
+}
+
+impl Standing<'_> {
+    /// Whether no stop has to pull.
+    fn holds(&self) -> bool {
+        self.moment >= -ROUNDING
+    }
+
+    /// Whether no wheel has to be pulled down either.
+    fn stands(&self) -> bool {
+        self.holds() && self.load >= -ROUNDING
+    }
+
+    fn is_better_than(&self, other: Option<&Self>) -> bool {
+        let worth = |standing: &Self| (standing.stands(), standing.holds());
+        other.is_none_or(|other| {
+            worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load
+        })
+    }
 }
 
 impl<'a> Settler<'a> {
@@ -63,29 +98,38 @@ impl<'a> Settler<'a> {
         near: &State,
         first: Stops,
     ) -> Option<Standing<'a>> {
-        let mut tried = Vec::with_capacity(27); // three to the power of three
-        let mut waiting = vec![first];
-        let mut fallback: Option<Standing<'a>> = None;
-        let mut rest = self.all_stops().into_iter();
-        while let Some(stops) = waiting.pop().or_else(|| rest.next()) {
-            if tried.contains(&stops) {
-                continue;
+        let mut found: Option<Standing<'a>> = None;
+        // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
+        // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
+        for (starts, whose) in [
+            (parts(first), Hanging::Lowered),
+            (self.all_stops(), Hanging::Lowered),
+            (self.all_stops(), Hanging::Any),
+        ] {
+            if found.as_ref().is_some_and(|found| !found.open) {
+                break;
             }
-            tried.push(stops);
-            let best = self.best_of(pose, steering, near, stops, &mut waiting);
-            if let Some(best) = best {
-                if best.load >= -1e-9 {
-                    return Some(best);
+            let mut tried = Vec::with_capacity(27); // three to the power of three
+            let mut waiting = starts;
+            while let Some(stops) = waiting.pop() {
+                if tried.contains(&stops) {
+                    continue;
                 }
-                if fallback.as_ref().is_none_or(|other| other.load < best.load) {
-                    fallback = Some(best);
+                tried.push(stops);
+                let best = self.best_of(pose, steering, near, stops, whose, &mut waiting);
+                let best = best.filter(|best| best.holds() && best.is_better_than(found.as_ref()));
+                if let Some(best) = best {
+                    if best.stands() {
+                        return Some(best);
+                    }
+                    found = Some(best);
                 }
             }
         }
-        fallback
+        found
     }
 
-    /// The way with these stops whose least load is largest. Stops that its candidates go past are put on the
+    /// The way with these stops that stands, and whose least load is largest. Stops that its candidates go past are put on the
     /// list of those to try.
     fn best_of(
         &self,
@@ -93,11 +137,11 @@ impl<'a> Settler<'a> {
         steering: &[f64],
         near: &State,
         stops: Stops,
+        whose: Hanging,
         waiting: &mut Vec<Stops>,
     ) -> Option<Standing<'a>> {
         let wheels = self.chain.wheels().len();
-        let held = stops.iter().filter(|&&stop| stop != 0).count();
-        let in_air = (wheels + held).checked_sub(self.chain.state_count())?;
+        let in_air = (wheels + held(&stops)).checked_sub(self.chain.state_count())?;
         let mut hold = Hold::NONE;
         for (k, joint) in self.chain.joints().iter().enumerate() {
             hold.joints[k] = match stops[k] {
@@ -107,9 +151,11 @@ impl<'a> Settler<'a> {
             };
         }
         let lowered = self.lowered(pose, steering, near, &stops);
+        let open = lowered.count_ones() as usize > in_air;
         let mut best: Option<Standing<'a>> = None;
         for hanging in 0..1_u32 << wheels {
-            let fits = hanging.count_ones() as usize == in_air && hanging & !lowered == 0;
+            let may = hanging & !lowered == 0 || whose == Hanging::Any && open;
+            let fits = hanging.count_ones() as usize == in_air && may;
             if !fits {
                 continue;
             }
@@ -127,14 +173,17 @@ impl<'a> Settler<'a> {
             if (0..wheels).any(|wheel| !hold.touches(wheel) && gap(wheel) < IN_THE_GROUND) {
                 continue;
             }
-            let load = self.least_load(&attempt, &hold);
-            if best.as_ref().is_none_or(|best| load > best.load) {
-                best = Some(Standing {
-                    attempt,
-                    hold,
-                    stops,
-                    load,
-                });
+            let [load, moment] = self.least_loads(&attempt, &hold, &stops);
+            let standing = Standing {
+                attempt,
+                hold,
+                stops,
+                load,
+                moment,
+                open,
+            };
+            if standing.is_better_than(best.as_ref()) {
+                best = Some(standing);
             }
         }
         best
@@ -179,36 +228,44 @@ impl<'a> Settler<'a> {
         lowered
     }
 
-    /// The smallest load of a wheel that touches, of the weight; minus infinity where statics does not say.
-    fn least_load(&self, attempt: &Attempt<'a>, hold: &Hold) -> f64 {
-        let Some(loads) = self.loads(&attempt.touches, hold) else {
-            return f64::NEG_INFINITY;
-        };
-        loads.into_iter().fold(f64::INFINITY, f64::min)
-    }
-
-    /// Vertical loads of the wheels that touch, in their order, of the weight.
-    fn loads(&self, touches: &Touches<'_>, hold: &Hold) -> Option<Vec<f64>> {
+    /// The smallest load of a wheel that touches, of the weight, and the smallest moment of a stop [m]; minus
+    /// infinity where statics does not say.
+    fn least_loads(&self, attempt: &Attempt<'a>, hold: &Hold, stops: &Stops) -> [f64; 2] {
         let (count, wheels) = (self.chain.state_count(), self.chain.wheels().len());
+        let touches = &attempt.touches;
         let placed = &touches.placed;
-        let touching: Vec<usize> = (0..wheels).filter(|&wheel| hold.touches(wheel)).collect();
         // The work of the loads on every way to move is that of the weight.
-        let lifts: Vec<_> = touching
-            .iter()
-            .map(|&wheel| placed.point_slopes(wheel, touches.wheels[wheel].point))
-            .collect();
         let body = placed.origin + placed.rotation * self.balance;
         let weight = self.weight(placed.body_slopes(body), touches);
+        let mut lifts = [[0.0; MAX_STATE]; MAX_WHEELS];
+        let mut touching = 0;
+        for wheel in (0..wheels).filter(|&wheel| hold.touches(wheel)) {
+            let slopes = placed.point_slopes(wheel, touches.wheels[wheel].point);
+            lifts[touching] = std::array::from_fn(|k| slopes[3 + k].z);
+            touching += 1;
+        }
         let mut system = System::<1>::empty();
         for k in loose(count, hold) {
             let mut row = [0.0; MAX_STATE];
-            for (target, lift) in row.iter_mut().zip(&lifts) {
-                *target = lift[3 + k].z;
+            for (target, lift) in row.iter_mut().zip(&lifts[..touching]) {
+                *target = lift[k];
             }
             system.push(row, [weight[k]]);
         }
-        let loads = system.solve()?;
-        Some(loads[..touching.len()].iter().map(|load| load[0]).collect())
+        let Some(loads) = system.solve() else {
+            return [f64::NEG_INFINITY; 2];
+        };
+        let loads = || loads[..touching].iter().map(|load| load[0]);
+        let moment = |(joint, &stop): (usize, &i8)| {
+            let k = 3 + joint;
+            let pushed: f64 = loads().zip(&lifts).map(|(load, lift)| load * lift[k]).sum();
+            f64::from(stop) * (pushed - weight[k])
+        };
+        let held = stops.iter().enumerate().filter(|(_, stop)| **stop != 0);
+        [
+            loads().fold(f64::INFINITY, f64::min),
+            held.map(moment).fold(f64::INFINITY, f64::min),
+        ]
     }
 
     /// How far the weight rises with every number of the state.
@@ -228,7 +285,7 @@ impl<'a> Settler<'a> {
         weight
     }
 
-    /// Every combination of stops there is, those with few first.
+    /// Every combination of stops there is, those with few last.
     fn all_stops(&self) -> Vec<Stops> {
         let joints = self.chain.joints();
         let mut all: Vec<Stops> = (0..27)
@@ -247,7 +304,22 @@ impl<'a> Settler<'a> {
                     })
             })
             .collect();
-        all.sort_by_key(|stops| stops.iter().filter(|&&stop| stop != 0).count());
+        all.sort_by_key(|stops| std::cmp::Reverse(held(stops)));
         all
     }
+}
+
+/// Stops and what is left of them without some, those with few last; without all of them only if there are none.
+fn parts(stops: Stops) -> Vec<Stops> {
+    let mut parts: Vec<Stops> = (0..1_u32 << MAX_FREE)
+        .map(|kept| std::array::from_fn(|k| if kept >> k & 1 == 1 { stops[k] } else { 0 }))
+        .filter(|part| held(part) > 0 || held(&stops) == 0)
+        .collect();
+    parts.sort_by_key(|part| std::cmp::Reverse(held(part)));
+    parts
+}
+
+/// Number of joints at a stop.
+fn held(stops: &Stops) -> usize {
+    stops.iter().filter(|&&stop| stop != 0).count()
 }

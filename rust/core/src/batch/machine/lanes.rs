@@ -175,6 +175,12 @@ impl<S: Vector> Lanes<S> {
         }
     }
 
+    /// [`Vector::gather`] at these places.
+    #[inline(always)]
+    pub fn gather(self, table: &[f64]) -> Self {
+        self.with(self.simd.gather(table, self.values))
+    }
+
     /// The last lane.
     #[inline(always)]
     pub fn last(self, simd: S) -> f64 {

@@ -42,6 +42,9 @@ pub(crate) trait Vector: Simd {
     /// Waits until what [`Self::stream`] wrote is there for all to see.
     fn fence(self);
 
+    /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
+    fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
+
     /// Asks for the line of an address, which need not be one.
     fn fetch(self, address: *const f64);
 
@@ -157,6 +160,15 @@ impl Vector for Scalar {
 
     #[inline(always)]
     fn fence(self) {}
+
+    #[inline(always)]
+    fn gather(self, table: &[f64], place: f64) -> f64 {
+        let last = table.len().saturating_sub(1);
+        table
+            .get((place as usize).min(last))
+            .copied()
+            .unwrap_or(f64::NAN)
+    }
 
     #[inline(always)]
     fn fetch(self, _: *const f64) {}
@@ -278,6 +290,21 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn gather(self, table: &[f64], places: f64x8) -> f64x8 {
+            let Some(last) = table.len().checked_sub(1) else {
+                return self.splat_f64x8(f64::NAN);
+            };
+            let (simd, offset) = (self.avx512f, self.splat_f64x8(WHOLE));
+            // The second operand where the first is NaN.
+            let low = simd._mm512_max_pd(cast(places), cast(self.splat_f64x8(0.0)));
+            let near = simd._mm512_min_pd(low, cast(self.splat_f64x8(last as f64)));
+            let whole = simd._mm512_add_pd(near, cast(offset));
+            let places = simd._mm512_xor_si512(cast(whole), cast(offset));
+            // SAFETY: every place is one of the table's, by the two comparisons.
+            cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr()) })
+        }
+
+        #[inline(always)]
         fn fetch(self, address: *const f64) {
             self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
         }
@@ -339,6 +366,9 @@ mod x86 {
             }
         }
     }
+
+    /// Whole numbers below 2^52 added to this are in its last bits.
+    const WHOLE: f64 = 4_503_599_627_370_496.0; // 2^52
 
     /// The columns of four registers of four pairs each.
     #[inline(always)]
@@ -477,6 +507,21 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn gather(self, table: &[f64], places: f64x4) -> f64x4 {
+            let Some(last) = table.len().checked_sub(1) else {
+                return self.splat_f64x4(f64::NAN);
+            };
+            let (simd, offset) = (self.avx, self.splat_f64x4(WHOLE));
+            // The second operand where the first is NaN.
+            let low = simd._mm256_max_pd(cast(places), cast(self.splat_f64x4(0.0)));
+            let near = simd._mm256_min_pd(low, cast(self.splat_f64x4(last as f64)));
+            let whole = simd._mm256_add_pd(near, cast(offset));
+            let places = self.avx2._mm256_xor_si256(cast(whole), cast(offset));
+            // SAFETY: every place is one of the table's, by the two comparisons.
+            cast(unsafe { self.avx2._mm256_i64gather_pd::<8>(table.as_ptr(), places) })
+        }
+
+        #[inline(always)]
         fn fetch(self, address: *const f64) {
             self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
         }
@@ -575,6 +620,15 @@ mod aarch64 {
 
         #[inline(always)]
         fn fence(self) {}
+
+        #[inline(always)]
+        fn gather(self, table: &[f64], places: f64x2) -> f64x2 {
+            let Some(last) = table.len().checked_sub(1) else {
+                return f64x2(f64::NAN, f64::NAN);
+            };
+            let at = |place: f64| table[(place as usize).min(last)]; // NaN is 0
+            f64x2(at(places.0), at(places.1))
+        }
 
         #[inline(always)]
         fn fetch(self, _: *const f64) {}
