@@ -28,9 +28,9 @@ OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites instructions profiling lint format wheel clean
 
-demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
+demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
 
 test: test-rust test-python test-ros ## every test
@@ -57,8 +57,10 @@ fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ se
 		&& $(BIN)/python tests/core/door/fuzzed.py -max_total_time=$(FUZZ) -artifact_prefix=target/fuzz/boundary- \
 			target/fuzz/boundary
 
+# All that pyenv has, if it is there.
+test-versions: export PYENV_VERSION = $(shell pyenv versions --bare 2>/dev/null | paste -sd:)
 test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with every Python there is
-	for python in $(PYTHONS); do command -v $$python > /dev/null || { echo "$$python: not on this machine, skipped"; continue; }; \
+	for python in $(PYTHONS); do $$python --version > /dev/null 2>&1 || { echo "$$python: not on this machine, skipped"; continue; }; \
 		for numpy in "$(OLDEST)" numpy; do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
 		test -x $$home/bin/python || $$python -m venv $$home; \
 		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest hypothesis \
@@ -87,6 +89,9 @@ bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios an
 bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
+
+instructions: ## callgrind's count of a dozen calls beside benches/instructions.csv: 3 % more fails; COUNT=--write makes it anew
+	$(PYTHON) benches/instructions.py $(COUNT)
 
 profiling: $(VENV)/installed ## the installed module with names and lines for perf and valgrind; the next build takes them away
 	cargo build --profile profiling --locked --package six-wheel-py

@@ -19,6 +19,7 @@ from six_wheel.calibration.files import calibrate_files, interval
 from six_wheel.logs.opening import LogOptions, example_run
 from six_wheel.logs.optiodom import example
 from six_wheel.parameters import read_parameters
+from tests.calibration.drives import drive as wandering
 from tests.cli_runs import Run
 from tests.odometry_logs import drive
 
@@ -50,6 +51,13 @@ def drives(run: Run) -> None:
     Path("cart.yaml").write_text(NOMINAL)
     for seed in (1, 2, 3):
         write(f"run{seed}.csv", seed=seed)
+
+
+def write_still(path: str, rows: int = 100) -> None:
+    """A log in which the rover of `write` stands where it is."""
+    stamps = 0.05 * np.arange(rows)
+    columns = np.column_stack([stamps, np.zeros((rows, 5))])
+    np.savetxt(path, columns, delimiter=",", header="time,left [rad],right [rad],x,y,yaw", comments="")
 
 
 def row(out: str, name: str) -> list[str]:
@@ -172,6 +180,37 @@ def test_factors_of_readings_go_into_the_file_and_are_applied(run: Run, drives: 
     assert again == pytest.approx(1.02, abs=2e-4)
 
 
+def test_where_the_sensor_sits_and_its_clock_go_into_the_file_and_are_used(run: Run, drives: None) -> None:
+    """The truth follows a point 8 cm ahead, its clock 0.1 s ahead; twice found is found once."""
+    for seed in (1, 2, 3):
+        log = wandering(TRUE, seed, noise=1e-5, resolution=1e-6, sensor=(0.08, 0.02, 0.01), offset=0.1)
+        rows = np.column_stack((log.stamps, log.wheel_angles))
+        header = "time,left [rad],right [rad]"
+        np.savetxt(f"bare{seed}.csv", rows, delimiter=",", header=header, comments="", fmt="%.9f")
+        rows = np.column_stack((log.truth.stamps, log.truth.poses))
+        np.savetxt(f"truth{seed}.csv", rows, delimiter=",", header="time,x,y,yaw", comments="", fmt="%.9f")
+    logs = [f"bare{seed}.csv" for seed in (1, 2, 3)]
+    truths = [part for seed in (1, 2, 3) for part in ("--truth", f"truth{seed}.csv")]
+    find = ("--parameters", "wheel_radius,track_width,sensor,time_offset", "--no-cross-validation")
+    for source, target in (("cart.yaml", "once.yaml"), ("once.yaml", "twice.yaml")):
+        code, _, err = run("calibrate", source, *logs, *truths, *find, "-o", target)
+        assert (code, err) == (0, "")
+        found = read_parameters(target)
+        assert found.truth == pytest.approx({"x": 0.08, "y": 0.02, "yaw": 0.01, "time_offset": 0.1}, abs=1e-3)
+        assert found.rover.wheels[0].y == pytest.approx(0.204, abs=1e-4)
+    names = found.calibration["parameters"]
+    assert names[:2] == ["wheel_radius", "track_width"]
+    assert np.shape(found.calibration["covariance"]) == (len(names), len(names))
+    for kept, error in (("once.yaml", 1e-3), ("bad.yaml", 0.05)):
+        if kept == "bad.yaml":
+            whole = Path("once.yaml").read_text()
+            Path(kept).write_text(re.sub(r"^truth: .*$", "", whole, flags=re.MULTILINE))
+        _, out, _ = run("odometry", kept, "bare1.csv", "--truth", "truth1.csv")
+        said = re.search(r"ATE +(\S+) m", out)
+        assert said
+        assert (float(said[1]) < error) == (kept == "once.yaml")
+
+
 def test_bad_rows_are_warned_of(run: Run, drives: None) -> None:
     lines = Path("run1.csv").read_text().splitlines()
     lines[10] = "nan" + lines[10]
@@ -249,3 +288,28 @@ def test_intervals_have_the_digits_they_are_worth(low: float, high: float, words
     middle = (low + high) / 2
     assert interval(Estimate("a", "m", middle, middle, (high - low) / 4, (low, high))) == words
     assert interval(Estimate("a", "m", middle, middle, math.nan, (math.nan, math.nan))) == "not identified"
+
+
+def test_a_log_in_which_the_rover_stands_still_is_left_out_with_a_word(
+    run: Run, refused: Refused, drives: None
+) -> None:
+    logs = ["run1.csv", "run2.csv", "run3.csv"]
+    _, without, _ = run("calibrate", "cart.yaml", *logs, *FIND)
+    write_still("still.csv")
+    _, beside, said = run("calibrate", "cart.yaml", "still.csv", *logs, *FIND)
+    assert beside == without
+    assert "warning: still: left out: the rover stands still" in said
+    assert "(still) must move while its truth is known" in refused(
+        "calibrate", "cart.yaml", "still.csv", *FIND
+    )
+
+
+def test_a_log_that_begins_standing_still_is_validated_on_the_rest_of_it(run: Run, drives: None) -> None:
+    moving = np.loadtxt("run1.csv", delimiter=",", skiprows=1)
+    still = np.repeat(moving[:1], 3 * len(moving), axis=0)
+    still[:, 0] -= 0.05 * np.arange(len(still), 0, -1)
+    Path("late.csv").write_text("time,left [rad],right [rad],x,y,yaw\n")
+    with Path("late.csv").open("a") as file:
+        np.savetxt(file, np.concatenate([still, moving]), delimiter=",", fmt="%.9f")
+    _, out, _ = run("calibrate", "cart.yaml", "late.csv", *FIND)
+    assert row(out, "track_width")

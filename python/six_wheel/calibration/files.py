@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Rover, __version__
+from six_wheel.calibration.drives import moving
+from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
@@ -26,6 +28,7 @@ from six_wheel.poses import Floats, joined
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
+MANY = 8  # logs from which on it is worth starting processes
 
 
 @dataclass(frozen=True)
@@ -101,10 +104,16 @@ def calibrate_files(
             _check_truth(path, log, truth)
             logs.append(log)
             warnings += _said(reader)
-        result = calibrate(rover, logs, progress=progress, **(options or {}))
+        moves = moving(rover, logs)
+        still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
+        warnings += [f"{name}: left out: the rover stands still while its truth is known" for name in still]
+        logs = [log for log, moved in zip(logs, moves, strict=True) if moved]
+        given = dict(options or {})
+        if given.get("workers") is None:
+            given["workers"] = 1 if len(logs) < MANY else None
+        result = calibrate(rover, logs, progress=progress, **given)
         done = Calibrated(result, tuple(logs), tuple(warnings))
-        said = _encoders(result, parameters), _remarks(done), _noise(result, parameters)
-        text = text_for(result.rover, parameters, *said)
+        text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
@@ -167,6 +176,16 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
+def _beside(result: Calibration, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
+    """What was found beside the rover, by the keys of every parameter file."""
+    return {
+        "encoders": _encoders(result, parameters),
+        "noise": _noise(result, parameters),
+        "truth": _truth(result, parameters),
+        "calibration": _known(result),
+    }
+
+
 def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
     """The key ``noise``, as measured; what a sensor of its own errs by stays as the file has it."""
     if result.measured_noise is None:
@@ -174,6 +193,23 @@ def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, floa
     kept = {} if parameters is None else parameters.noise
     measured = {name: getattr(result.noise, name) for name in ("speed", "steering", "slip", "side_slip")}
     return kept | measured
+
+
+def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
+    """The key ``truth``: what was found counts on top of what the file had, with which the logs were read."""
+    if not (np.any(result.sensor) or result.time_offset):
+        return None
+    kept = {} if parameters is None else parameters.truth
+    pose = joined(result.sensor, np.array([kept.get(axis, 0.0) for axis in FRAME]))
+    offset = result.time_offset + kept.get("time_offset", 0.0)
+    return dict(zip(FRAME, pose.tolist(), strict=True)) | {"time_offset": offset}
+
+
+def _known(result: Calibration) -> dict[str, Any] | None:
+    """The key ``calibration``: how well the dimensions are known."""
+    if not result.parameters:
+        return None
+    return {"parameters": list(result.names), "covariance": result.covariance.tolist()}
 
 
 def half_width(one: Estimate) -> float:

@@ -10,7 +10,7 @@ Needs SciPy (``pip install "six-wheel[calibrate]"``).
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from six_wheel._core import Rover
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.noise import MeasuredNoise
@@ -56,6 +56,8 @@ def calibrate(
     cross_validation: bool = True,
     max_time_offset: float = 0.5,
     progress: Progress | None = None,
+    client: Any = None,
+    workers: int | None = 1,
 ) -> Calibration:
     """Identify a rover's dimensions from what its encoders said and how it really moved.
 
@@ -90,6 +92,10 @@ def calibrate(
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
+    client : distributed.Client or str, optional
+        A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
+    workers : int, optional
+        Processes of this machine that do so without a cluster, None for one per core.
 
     Returns
     -------
@@ -133,8 +139,15 @@ def calibrate(
     sets = all_candidates(catalogue) if asked is None else [asked]
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
-        folds = drives if len(drives) > 1 else ready(pieces(records[0]))
-        checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
+        folds = drives
+        if len(drives) == 1:
+            parts = pieces(records[0])
+            folds = ready(
+                [part for part, moves in zip(parts, moving(rover, parts, margin), strict=True) if moves]
+            )
+        checked = cross_validate(
+            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers
+        )
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")

@@ -14,11 +14,17 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import RockerBogie, Rover
+    from six_wheel._core import Limits, RockerBogie, Rover
     from six_wheel.descriptions.findings import Finding
     from six_wheel.parameters.file import Parameters
     from six_wheel.urdf import Robot
 
+SUSPENDED = (
+    "perseverance",
+    "curiosity",
+    "rocky7",
+    "open_source_rover",
+)  # presets with their whole suspension
 PROGRESS_AFTER = 1.0  # [s] what is over sooner needs no bar
 
 RoverArgument = Annotated[
@@ -54,6 +60,14 @@ class Chosen(NamedTuple):
     path: Path | None = None
     parameters: "Parameters | None" = None
     robot: "Robot | None" = None
+
+    @property
+    def limits(self) -> "Limits":
+        """Those of the file: of a robot description the rates of its joints."""
+        from six_wheel._core import Limits
+
+        source = self.parameters or self.robot
+        return source.limits if source else Limits()
 
     @property
     def warnings(self) -> "Sequence[Finding]":
@@ -97,15 +111,20 @@ def closest(name: str, known: Sequence[str]) -> str:
     return f"{hint}there are {', '.join(known)}"
 
 
-def choose_suspension(argument: str) -> "RockerBogie":
-    """The suspension of a preset."""
-    from six_wheel._core import RockerBogie
+def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[RockerBogie, str]":  # noqa: B008
+    """The suspension of a preset, a parameter file or a robot description, and what to call it."""
+    if argument in SUSPENDED:
+        from six_wheel._core import RockerBogie
 
-    presets = ("perseverance", "curiosity", "rocky7", "open_source_rover")
-    if argument not in presets:
-        raise ValueError(f'ROVER must be a preset with a suspension, got "{argument}": {", ".join(presets)}')
-    arm: RockerBogie = getattr(RockerBogie, argument)()
-    return arm
+        arm: RockerBogie = getattr(RockerBogie, argument)()
+        return arm, argument
+    chosen = choose(argument, reading)
+    if chosen.rover.suspension is None:
+        raise ValueError(
+            f"ROVER must have a suspension, as the kind rocker_bogie, the URDF of one, or one of "
+            f'{", ".join(SUSPENDED)}; got "{argument}"'
+        )
+    return chosen.rover.suspension, chosen.name
 
 
 def new_console(stderr: bool = False) -> "Console":

@@ -5,20 +5,24 @@ from typing import TYPE_CHECKING
 from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.reckoning.fleet import FleetLog, reckon_all
     from six_wheel.reckoning.running import Count, Reckoned, Settings, reckon
     from six_wheel.reckoning.slip import SlipSum
 
 __all__ = [
     "Count",
+    "FleetLog",
     "Reckoned",
     "Settings",
     "SlipSum",
     "reckon",
+    "reckon_all",
 ]
 
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "fleet": ("FleetLog", "reckon_all"),
         "running": ("Count", "Reckoned", "Settings", "reckon"),
         "slip": ("SlipSum",),
     },

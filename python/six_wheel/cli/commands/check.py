@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from six_wheel.drive.abilities import Bound
     from six_wheel.urdf import Robot
 
-GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
+GROUPS = ("encoders", "steering_encoders", "odometry", "truth")
+GUESSED = (
+    "a guess, wide on purpose: slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
+)
 
 
 def check(
@@ -182,8 +185,8 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         rows.append(("reversed joints", ", ".join(rover.reversed_joints)))
     if chosen.robot is not None:
         rows += _described(chosen.robot)
+    rows[2:2] = within(chosen.rover, chosen.limits)
     if parameters:
-        rows[2:2] = within(chosen.rover, parameters.limits)
         limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
         kind, controller = parameters.kind, parameters.controller
         rows += [
@@ -191,9 +194,17 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
             ("limits", limits or None),
+            ("noise", _given(parameters.noise) or _guessed()),
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
+
+
+def _guessed() -> str:
+    """What is said of noise that nobody measured."""
+    from six_wheel._core import Noise
+
+    return GUESSED.format(slip=Noise().slip)
 
 
 def _described(robot: "Robot") -> list[tuple[str, object]]:
@@ -210,6 +221,8 @@ def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     from six_wheel.drive.abilities import bound, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
+    if limits == type(limits)():
+        return rows
     ahead, about = bound(rover, limits, (1.0, 0.0, 0.0)), bound(rover, limits, (0.0, 0.0, 1.0))
     if ahead is not None:
         rows.append(("top speed", f"{ahead.twist[0]:.4g} m/s, bound by {_words(ahead)}"))
@@ -231,11 +244,9 @@ def _words(bound: "Bound") -> str:
 
 def draw_limits(chosen: Chosen, plot: Path) -> None:
     """Write the picture of the limits."""
-    from six_wheel._core import Limits
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.saving import picture_path, save
 
-    limits = chosen.parameters.limits if chosen.parameters else Limits()
     with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:
-        save(limits_figure(chosen.rover, limits, title=chosen.name), picture)
+        save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), picture)

@@ -18,7 +18,7 @@ from six_wheel.cli.shared import (
 from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
-    from six_wheel._core import Limits
+    pass
 
 Motion = tuple[float, float, float]
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
@@ -51,7 +51,7 @@ def show(
         ),
     ] = None,
     side: Annotated[
-        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
+        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie.")
     ] = False,
     node: NodeOption = None,
     as_: AsOption = None,
@@ -66,8 +66,9 @@ def show(
     if side:
         from six_wheel.plot.ground.side import side_figure
 
-        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
-        figure = side_figure(choose_suspension(rover), title=rover)
+        arm, name = choose_suspension(rover, Reading(node, as_, wheel_radius))
+        target = picture_path(output or Path(f"{name}_from_the_side.png"))
+        figure = side_figure(arm, title=name)
         with replacing(target, []) as temporary:
             save(figure, temporary)
         print(target.resolve())
@@ -111,9 +112,7 @@ def _past(chosen: Chosen, motion: Motion) -> list[str]:
 
 def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
     """Name, value, limit and unit of what a motion asks; nothing for a rover without limits."""
-    limits: Limits | None = chosen.parameters.limits if chosen.parameters else None
-    if limits is None:
-        return []
+    limits = chosen.limits
     vx, vy, omega = motion
     _, speeds = chosen.rover.inverse(motion)
     return [
