@@ -48,7 +48,7 @@ def two_fixed_pairs() -> sw.RockerBogie:
 @pytest.mark.parametrize("make", [sw.RockerBogie.perseverance, sw.RockerBogie.curiosity, two_fixed_pairs])
 @pytest.mark.parametrize("on", ["imu", "quaternion", "ground"])
 def test_level_ground_is_the_plane(make: Any, on: str) -> None:
-    """Noisy, contradictory readings: pose, twist and residual of the planar odometry, nearly its covariance."""
+    """Noisy, contradictory readings: pose, twist and residual of the planar one, nearly its covariance."""
     arm = make()
     steering, totals, stamps = drive(arm)
     noise = sw.Noise(0.01, 0.009, slip=0.01, side_slip=0.02)

@@ -80,8 +80,8 @@ def dead_reckon(
 ) -> Track | Track3:
     """Dead reckoning over a whole log in one call: the numbers of `Odometry.update`, row by row.
 
-    Of a suspension it is that of `Odometry3.update`, in space; `yaw`, `columns`, `progress` and tables are for the
-    plane.
+    Of a suspension it is that of `Odometry3.update`, in space; `yaw`, `columns`, `progress` and tables are
+    for the plane.
 
     Parameters
     ----------
@@ -157,8 +157,9 @@ def dead_reckon(
             residuals=residuals,
             **options,
         )
-    for argument, value in (("ground", ground), ("joints", joints), ("attitude", attitude)):
-        if value is not None:
+    spatial = {"ground": ground, "joints": joints, "attitude": attitude}
+    for argument, one in spatial.items():
+        if one is not None:
             raise ValueError(f"{argument} must be left out for a rover without a suspension, got one")
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering

@@ -1,8 +1,8 @@
-"""Dead reckoning in space, slow and obvious: one step at a time, in the middle of which everything is looked at.
+"""Dead reckoning in space, slow and obvious: one step at a time, looked at in its middle.
 
-A step is a tangent ``(vx, vy, vz, wx, wy, wz)`` of the body over the whole of it, held as one screw. What must hold is a
-linear system: conditions that hold exactly (wheels on the ground, measured joints and tilt) leave a space of motions,
-in which least squares over rolling and side slip picks one.
+A step is a tangent ``(vx, vy, vz, wx, wy, wz)`` of the body over the whole of it, held as one screw. What
+must hold is a linear system: conditions that hold exactly (wheels on the ground, measured joints and tilt)
+leave a space of motions, in which least squares over rolling and side slip picks one.
 """
 
 import math
@@ -24,9 +24,9 @@ MEMORY = 25  # times the doubt is the way over which slopes are averaged
 
 @dataclass(frozen=True)
 class Rows:
-    """Conditions on ``(twist, joint rates)``: `on` hold exactly, `along` are the encoders' rates, `left` side slip;
-    `lifted` and `swept` is what the wheels' own steering adds to the first and the last. `slopes` is how steeply
-    the wheels climb against their plane, where there is no map."""
+    """Conditions on ``(twist, joint rates)``: `on` hold exactly, `along` are the encoders' rates, `left` is
+    side slip; `lifted` and `swept` is what the wheels' own steering adds to the first and the last. `slopes`
+    is how steeply the wheels climb against their plane, where there is no map."""
 
     on: Floats
     along: Floats
@@ -74,15 +74,15 @@ def unmapped(
     steering: Floats,
     swivels: Floats,
     speeds: Floats,
-    motion: Floats | None,
+    motion: Floats,
     before: Floats,
     doubt: float,
 ) -> Rows:
-    """Where nothing is known of the ground: the wheels together go along the plane they stand about, each alone goes
-    where its centre goes."""
+    """Where nothing is known of the ground: the wheels together go along the plane they stand about, each
+    alone goes where its centre goes."""
     posture = Posture(chain, joints, steering)
     radii = np.array([wheel.radius for wheel in chain.wheels])
-    h, u, axle, centres = posture.forward, posture.up, posture.axle, posture.centres
+    axle, centres = posture.axle, posture.centres
     normal = plane(centres)
     for _ in range(20):
         inward = normal - (axle @ normal)[:, None] * axle
@@ -101,7 +101,7 @@ def unmapped(
     for k, radius in enumerate(radii):
         up = inward[k]
         tangent = np.cross(axle[k], up)
-        if motion is not None:
+        if len(motion):
             rolled = radius * (speeds[k] + axle[k] @ turning[k] @ motion)
             length = rolled**2 / (abs(rolled) + doubt)
             kept = math.exp(-length / (MEMORY * doubt)) if doubt > 0 else 0.0
@@ -119,7 +119,7 @@ def unmapped(
 
 
 def solve(chain: Chain, rows: Rows, known: dict[int, float], speeds: Floats) -> Floats:
-    """The motion: exact conditions first, then least squares; unsteered wheels share the mean of their side slip."""
+    """The motion: exact conditions first, then least squares; unsteered wheels share a row."""
     width = rows.along.shape[1]
     fixed = np.array([np.eye(width)[column] for column in known] or np.zeros((0, width)))
     exact = np.concatenate([rows.on, fixed])
@@ -196,9 +196,9 @@ def _by_joints(
     slopes: Floats,
     doubt: float,
 ) -> tuple[Floats, float, Floats]:
-    """Way in the body, change of yaw and slopes: the yaw at which the body turns about its own z as the wheels say."""
+    """Way in the body, change of yaw and slopes: the body turns about its own z as the wheels say."""
     speeds, swivels = chorded(chain, angles, turned)
-    yaw, motion = 0.0, None
+    yaw, motion = 0.0, np.zeros(0)
 
     def turn(yaw: float) -> Floats:
         return rotation_vector(ends[0].T @ attitude(0, 0, yaw) @ ends[1])
@@ -214,7 +214,7 @@ def _by_joints(
 
 
 def _by_ground(chain: Chain, ground: Terrain, pose: Floats, angles: Floats, turned: Floats) -> Floats:
-    """Where a step leads in plan: the motion in its middle, which half a step of that of its start leads to."""
+    """Where a step leads in plan: by the motion in its middle, to which that of its start leads."""
     speeds, swivels = chorded(chain, angles, turned)
 
     def motion(plan: ArrayLike, steering: Floats) -> Floats:
