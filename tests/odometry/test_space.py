@@ -173,6 +173,23 @@ def test_a_drive_over_bumps_is_found_again() -> None:
 
 
 @pytest.mark.parametrize("known", ["joints", "ground"])
+def test_simulated_noise_is_found_again(known: str) -> None:
+    """Wheels that slip and err as they were told to: the way ends within what the covariance says."""
+    noise = sw.Noise(speed=0.01, steering=0.01, slip=0.03, side_slip=0.03)
+    within = 0
+    for seed in range(12):
+        arm, ground, log = simulated(seed, noise=noise)
+        start = (0.0, 0.0, log.stand.z[0], log.stand.roll[0], log.stand.pitch[0], 0.0)
+        more: dict[str, Any] = {"ground": ground} if known == "ground" else {}
+        track = sw.dead_reckon(arm, log, noise=noise, start=start, **more, **EXACT)
+        assert track.covariances is not None
+        gap = np.array([*error(track, log)[-1, :2], track.poses[-1, 5] - log.truth.poses[-1, 2]])
+        block = track.covariances[-1][np.ix_([0, 1, 5], [0, 1, 5])]
+        within += gap @ np.linalg.solve(block, gap) < 11.3  # 99 % of chi-square, 3 degrees of freedom
+    assert within >= 10
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
 def test_mirror_yaw_and_translation(known: str) -> None:
     """Another start moves and turns the way; mirrored readings mirror it."""
     arm, ground, log = simulated()

@@ -105,7 +105,7 @@ impl Odometry3 {
     ) -> Result<Self, Error> {
         settings.check(&chain)?;
         let (wheels, joints) = (chain.wheels().len(), chain.steering().len());
-        let history = History::new(&settings.common)?;
+        let history = History::new(&settings.common);
         let origin = PlanPose::from([0.0; 3]);
         let reach = chain
             .place(origin, &[0.0; MAX_STATE], &[])

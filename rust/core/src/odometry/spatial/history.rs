@@ -1,13 +1,15 @@
 //! The last samples in space, so that a pose from outside may come late: the state goes back to it and the samples
 //! after it are taken in again.
 
+use std::collections::VecDeque;
+
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::Odometry3;
 use super::sample::Read;
 use super::spread::whole;
 use super::state::{Fixed, Pose3, State, check_covariance};
-use crate::error::{Error, ErrorKind, finite, number};
+use crate::error::{Error, finite, number};
 use crate::geometry::wrap_angle;
 use crate::odometry::Settings;
 use crate::odometry::preintegrated::space::Motion3;
@@ -30,90 +32,93 @@ struct Correction {
     covariance: Matrix6<f64>,
 }
 
-/// A ring of samples, all of its memory taken at the start.
+/// Samples for which there is room from the start.
+const FEW: usize = 1024;
+
+/// The last samples, oldest first. Room for the first [`FEW`] is taken at the start, and grows as more have to be kept.
 #[derive(Clone, Debug)]
 pub(super) struct History {
-    /// Entry `k` at place `k % most`, those from `first` to `next`.
-    entries: Vec<Entry>,
-    corrections: Vec<Correction>,
-    oldest_correction: usize,
+    entries: VecDeque<Entry>,
+    /// Number of the oldest entry.
     first: u64,
-    next: u64,
+    corrections: VecDeque<Correction>,
     most: usize,
     lag: f64,
 }
 
 impl History {
-    pub fn new(settings: &Settings) -> Result<Self, Error> {
-        let most = if settings.lag > 0.0 {
-            settings.history.max(2)
-        } else {
-            0
+    pub fn new(settings: &Settings) -> Self {
+        let most = match settings.lag > 0.0 {
+            true => settings.history.max(2),
+            false => 0,
         };
-        let (mut entries, mut corrections) = (Vec::new(), Vec::new());
-        entries
-            .try_reserve_exact(most)
-            .and_then(|()| corrections.try_reserve_exact(most))
-            .map_err(|_| {
-                Error::value("history", "fit into memory", most.to_string())
-                    .of_kind(ErrorKind::Memory)
-            })?;
-        Ok(Self {
-            entries,
-            corrections,
-            oldest_correction: 0,
+        Self {
+            entries: VecDeque::with_capacity(most.min(FEW)),
             first: 0,
-            next: 0,
+            corrections: VecDeque::with_capacity(most.min(FEW)),
             most,
             lag: settings.lag,
-        })
+        }
     }
 
     pub fn clear(&mut self) {
         self.entries.clear();
         self.corrections.clear();
-        self.oldest_correction = 0;
-        (self.first, self.next) = (0, 0);
+    }
+
+    /// Number of the entry that comes next.
+    fn next(&self) -> u64 {
+        self.first + self.entries.len() as u64
     }
 
     fn place(&self, entry: u64) -> usize {
-        (entry % self.most as u64) as usize
+        (entry - self.first) as usize
     }
 
-    fn entry(&self, entry: u64) -> &Entry {
-        &self.entries[self.place(entry)]
+    fn forget_oldest(&mut self) {
+        self.entries.pop_front();
+        self.first += 1;
+        while self
+            .corrections
+            .front()
+            .is_some_and(|known| known.entry < self.first)
+        {
+            self.corrections.pop_front();
+        }
     }
 
     pub fn push(&mut self, read: Read, turned: &[f64; MAX_WHEELS], dt: f64, state: &State) {
-        if self.most == 0 {
-            return;
+        let oldest = read.stamp - self.lag;
+        while self
+            .entries
+            .front()
+            .is_some_and(|entry| entry.read.stamp < oldest)
+        {
+            self.forget_oldest();
         }
-        let entry = Entry {
+        // Without memory for one more the oldest makes room.
+        while self.entries.len() >= self.most || self.entries.try_reserve(1).is_err() {
+            if self.entries.is_empty() {
+                return;
+            }
+            self.forget_oldest();
+        }
+        self.entries.push_back(Entry {
             read,
             turned: *turned,
             dt,
             state: *state,
-        };
-        let place = self.place(self.next);
-        match self.entries.get_mut(place) {
-            Some(old) => *old = entry,
-            None => self.entries.push(entry),
-        }
-        self.next += 1;
-        self.first = self.first.max(self.next.saturating_sub(self.most as u64));
-        while self.first < self.next && self.entry(self.first).read.stamp < read.stamp - self.lag {
-            self.first += 1;
-        }
+        });
     }
 
     /// Remembers a correction; the oldest one makes room.
     fn remember(&mut self, correction: Correction) {
-        if self.corrections.len() < self.most {
-            self.corrections.push(correction);
-        } else if let Some(oldest) = self.corrections.get_mut(self.oldest_correction) {
-            *oldest = correction;
-            self.oldest_correction = (self.oldest_correction + 1) % self.most;
+        while self.corrections.len() >= self.most || self.corrections.try_reserve(1).is_err() {
+            if self.corrections.pop_front().is_none() {
+                return;
+            }
         }
+        self.corrections.push_back(correction);
     }
 }
 
@@ -166,13 +171,9 @@ impl Odometry3 {
         };
         let last = reference.stamp;
         let history = &self.history;
-        let kept = history.first < history.next;
-        let oldest = match kept {
-            false => last - self.last_dt,
-            true => {
-                let entry = history.entry(history.first);
-                entry.read.stamp - entry.dt
-            }
+        let oldest = match history.entries.front() {
+            None => last - self.last_dt,
+            Some(entry) => entry.read.stamp - entry.dt,
         };
         let latest = last + history.lag.max(self.last_dt);
         if stamp < oldest || stamp > latest {
@@ -183,15 +184,15 @@ impl Odometry3 {
             );
             return Err(Error::value("stamp", rule, number(stamp)));
         }
-        // The first entry at or after it.
-        let mut at = history.next.saturating_sub(1).max(history.first);
-        while at > history.first && history.entry(at - 1).read.stamp >= stamp {
-            at -= 1;
-        }
-        let (twist, then) = match kept {
-            true => (history.entry(at).state.twist, history.entry(at).read.stamp),
-            false => (self.state.twist, last),
-        };
+        // The first entry at or after it, or the last one.
+        let entries = &history.entries;
+        let after = entries.partition_point(|entry| entry.read.stamp < stamp);
+        let at = after.min(entries.len().saturating_sub(1));
+        let entry = entries.get(at);
+        let (twist, then) = entry.map_or((self.state.twist, last), |entry| {
+            (entry.state.twist, entry.read.stamp)
+        });
+        let number = entry.map(|_| history.first + at as u64);
         let seen = pose.motion();
         let moved = seen.compose(&Motion3::exp(
             &(nalgebra::Vector6::from(twist) * (then - stamp)),
@@ -205,13 +206,13 @@ impl Odometry3 {
             true => swing * covariance * swing.transpose(),
             false => covariance,
         };
-        if !kept {
+        let Some(entry) = number else {
             self.fixed
                 .meet(&mut self.state, &reference, &moved, &covariance);
             return Ok(());
-        }
+        };
         let correction = Correction {
-            entry: at,
+            entry,
             pose: moved,
             covariance,
         };
@@ -223,7 +224,7 @@ impl Odometry3 {
     /// Goes back to an entry, corrects it, and takes in again what came after it. On a map a corrected rover may come
     /// to where it does not stand; it then goes on by the step it had made.
     fn replay(&mut self, correction: Correction) {
-        let (first, next) = (correction.entry, self.history.next);
+        let (first, next) = (correction.entry, self.history.next());
         let place = self.history.place(first);
         let mut state = self.history.entries[place].state;
         let read = self.history.entries[place].read;
