@@ -199,6 +199,15 @@ def others(few):
     add("Suspension.slip", bogie.slip, stand, rates, moved.twist, moved.joint_rates)
     still, joints = np.zeros((few, 3)), np.column_stack([rocker, bogies])
     add("Suspension.traction", bogie.traction, speed, yaw_rate, still, joints, still)
+    readings = turns, 0.02 * np.cumsum(rates, axis=0), stamps
+    by_joints = {"joints": joints / 10.0, "attitude": np.zeros((few, 2))}
+    reckoned = {"by joints": by_joints, "by ground": {"ground": ground}}
+    for label, known in reckoned.items():
+        start = (1.2, 1.5, 0.0)
+        table.append(
+            Row("dead_reckon", label, sw.dead_reckon, (bogie, *readings), {**known, "start": start}, few)
+        )
+    add("Odometry3.run", lambda *log: sw.Odometry3(bogie).run(*log, **by_joints), *readings)
     for name in ("contains", "gradient", "height", "normal"):
         add(f"Terrain.{name}", getattr(ground, name), points)
     return table

@@ -33,6 +33,8 @@ from six_wheel._core import (
     MppiPlan,
     Noise,
     Odometry,
+    Odometry3,
+    Odometry3State,
     OdometryState,
     Preintegrated,
     RockerBogie,
@@ -71,7 +73,7 @@ if TYPE_CHECKING:
     from six_wheel.evaluation import umbmark
     from six_wheel.four_axle import FourAxleState, FourAxleStep
     from six_wheel.logs import Log, Truth
-    from six_wheel.odometry import Health, SlipReport, Track, dead_reckon
+    from six_wheel.odometry import Health, SlipReport, Track, Track3, dead_reckon
     from six_wheel.simulation import simulate
     from six_wheel.standing import SettleStatus
 
@@ -104,6 +106,8 @@ __all__ = [
     "MppiPlan",
     "Noise",
     "Odometry",
+    "Odometry3",
+    "Odometry3State",
     "OdometryState",
     "Pose",
     "Preintegrated",
@@ -121,6 +125,7 @@ __all__ = [
     "Suspension",
     "Terrain",
     "Track",
+    "Track3",
     "Traction",
     "Truth",
     "Twist",
@@ -208,7 +213,7 @@ __getattr__, __dir__ = attach(
         "evaluation": ("umbmark",),
         "four_axle": ("FourAxleState", "FourAxleStep"),
         "logs": ("Log", "Truth"),
-        "odometry": ("Health", "SlipReport", "Track", "dead_reckon"),
+        "odometry": ("Health", "SlipReport", "Track", "Track3", "dead_reckon"),
         "onboard": (),
         "parameters": (),
         "plot": (),

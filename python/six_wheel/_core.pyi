@@ -17,6 +17,7 @@ from six_wheel.four_axle import (
     TurnSequence,
 )
 from six_wheel.logs import Log
+from six_wheel.odometry.space import Track3
 from six_wheel.odometry.tracks import Health, Track
 from six_wheel.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.rollouts import RolloutCost
@@ -46,6 +47,8 @@ __all__ = [
     "MppiPlan",
     "Noise",
     "Odometry",
+    "Odometry3",
+    "Odometry3State",
     "OdometryState",
     "Preintegrated",
     "Profile",
@@ -679,6 +682,90 @@ class Gyroscope:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 _Changes: TypeAlias = dict[str, ArrayLike]
+
+@final
+class Odometry3State:
+    @property
+    def stamp(self) -> float | None: ...  # [s]
+    @property
+    def pose(self) -> _Floats: ...  # (6,) x, y, z, roll, pitch, yaw [m, rad]
+    @property
+    def position(self) -> _Floats: ...  # (3,) [m]
+    @property
+    def attitude(self) -> _Floats: ...  # (3,) roll, pitch, yaw [rad]
+    @property
+    def orientation(self) -> _Floats: ...  # (4,) x, y, z, w
+    @property
+    def transform(self) -> _Floats: ...  # (4, 4)
+    @property
+    def twist(self) -> _Floats: ...  # (6,) [m/s, rad/s]
+    @property
+    def covariance(self) -> _Floats: ...  # (6, 6)
+    @property
+    def twist_covariance(self) -> _Floats: ...  # (6, 6)
+    @property
+    def residual(self) -> _Floats: ...  # (wheels,) [m/s]
+    @property
+    def slip(self) -> _Floats: ...  # (wheels, 2) [m/s]
+    @property
+    def worst_wheel(self) -> str | None: ...
+    @property
+    def health(self) -> Health: ...
+
+@final
+class Odometry3:
+    def __new__(
+        cls,
+        arm: Suspension,
+        noise: Noise | None = None,
+        *,
+        ground: Terrain | None = None,
+        attitude_noise: float = 0.002,
+        joint_noise: float = 0.001,
+        readings: Literal["angles", "speeds", "increments"] = "angles",
+        wheel_encoders: _Encoders | None = None,
+        steering_encoders: _Encoders | None = None,
+        slip_threshold: float | None = None,
+        max_gap: float | None = None,
+        max_speed: float | None = None,
+        max_steering_rate: float | None = None,
+        lag: float = 0.0,
+        history: int = 1024,
+    ) -> Odometry3: ...
+    def update(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamp: float,
+        *,
+        joints: ArrayLike | None = None,
+        attitude: ArrayLike | None = None,
+        yaw_rate: float | None = None,
+    ) -> Odometry3State: ...
+    def run(
+        self,
+        steering: ArrayLike | None,
+        wheel_angles: ArrayLike,
+        stamps: ArrayLike,
+        *,
+        joints: ArrayLike | None = None,
+        attitude: ArrayLike | None = None,
+        yaw_rate: ArrayLike | None = None,
+        errors: Literal["flag", "raise"] = "flag",
+        covariances: bool = True,
+        slips: bool = True,
+    ) -> Track3: ...
+    def correct(self, pose: ArrayLike, stamp: float, covariance: ArrayLike) -> Odometry3State: ...
+    def set_pose(self, pose: ArrayLike, covariance: ArrayLike | None = None) -> None: ...
+    def reset(self, pose: ArrayLike = (0.0, 0.0, 0.0), covariance: ArrayLike | None = None) -> None: ...
+    @property
+    def state(self) -> Odometry3State: ...
+    @property
+    def arm(self) -> Suspension: ...
+    @property
+    def ground(self) -> Terrain | None: ...
+    @property
+    def noise(self) -> Noise: ...
 
 @final
 class Preintegrated:

@@ -5,11 +5,12 @@
 
 from typing import TYPE_CHECKING
 
-from six_wheel._core import Encoder, Noise, Odometry, OdometryState
+from six_wheel._core import Encoder, Noise, Odometry, Odometry3, Odometry3State, OdometryState
 from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
+    from six_wheel.odometry.space import Track3
     from six_wheel.odometry.trace import Trace
     from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
 
@@ -18,11 +19,14 @@ __all__ = [
     "Health",
     "Noise",
     "Odometry",
+    "Odometry3",
+    "Odometry3State",
     "OdometryState",
     "SlipReport",
     "SlipWindow",
     "Trace",
     "Track",
+    "Track3",
     "WheelSlip",
     "dead_reckon",
     "dead_reckon_chunks",
@@ -33,6 +37,7 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
+        "space": ("Track3",),
         "tables": (),
         "trace": ("Trace",),
         "tracks": ("Health", "SlipReport", "SlipWindow", "Track", "WheelSlip"),

@@ -1,12 +1,13 @@
 """Whole logs: from arrays, tables or files to a `Track`, in one call or piece by piece."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 from numpy.typing import ArrayLike
 
-from six_wheel._core import Noise, Odometry, Rover
+from six_wheel._core import Noise, Odometry, Rover, Suspension, Terrain
 from six_wheel.odometry import tables
+from six_wheel.odometry.space import Track3, reckon
 from six_wheel.odometry.tracks import Track
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
@@ -14,6 +15,7 @@ __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
 Errors = Literal["flag", "raise"]
 
 
+@overload
 def dead_reckon(
     rover: Rover,
     steering: Any,
@@ -31,13 +33,60 @@ def dead_reckon(
     columns: Mapping[str, str] | None = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
-) -> Track:
+) -> Track: ...
+
+
+@overload
+def dead_reckon(
+    rover: Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    ground: Terrain | None = None,
+    joints: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+    yaw_rate: ArrayLike | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    **options: Any,
+) -> Track3: ...
+
+
+def dead_reckon(
+    rover: Rover | Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    ground: Terrain | None = None,
+    joints: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+    yaw: ArrayLike | str | None = None,
+    yaw_rate: ArrayLike | str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Track | Track3:
     """Dead reckoning over a whole log in one call: the numbers of `Odometry.update`, row by row.
+
+    Of a suspension it is that of `Odometry3.update`, in space; `yaw`, `columns`, `progress` and tables are
+    for the plane.
 
     Parameters
     ----------
-    rover : Rover
-        Any vehicle.
+    rover : Rover or Suspension
+        Any vehicle, or a suspension on ground.
     steering : array_like of shape (n, steered wheels), or a table, or a path
         Steering angles [rad], or counts of their encoders; None for a rover that does not steer. A table
         (a frame of pandas or polars, a pyarrow table, a dict of columns) or the path of a Parquet file stands
@@ -49,10 +98,16 @@ def dead_reckon(
         When they were read [s].
     noise : Noise, optional
         Standard deviations of readings and slip, default ``Noise()``.
+    ground : Terrain, optional
+        What a suspension drives on, if that is known.
+    joints : array_like, shape (n, joints), optional
+        Free angles of a suspension [rad]; a log that was simulated on ground brings its own.
+    attitude : array_like, shape (n, 2), (n, 3) or (n, 4), optional
+        Of its body, from an IMU: roll and pitch, with yaw, or quaternions x, y, z, w; likewise.
     yaw, yaw_rate : array_like of shape (n,), or str, optional
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table.
     start : array_like, shape (3,)
-        First pose ``[x, y, yaw]`` [m, m, rad].
+        First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.
     errors : {'flag', 'raise'}
@@ -66,11 +121,11 @@ def dead_reckon(
         Called with the rows done and all rows, after every chunk of a log.
     **options
         Those of `Odometry`: `readings`, `wheel_encoders`, `steering_encoders`, `method`, `inflate`, `max_gap`
-        and the others.
+        and the others; or of `Odometry3`.
 
     Returns
     -------
-    Track
+    Track or Track3
         `poses`, `twists`, `covariances`, `residuals`, `health`, one row per sample.
 
     Raises
@@ -81,6 +136,31 @@ def dead_reckon(
     ModuleNotFoundError
         If a Parquet file is given and what reads it is not installed.
     """
+    if isinstance(rover, Suspension):
+        for argument, value in (("yaw", yaw), ("columns", columns), ("progress", progress)):
+            if value is not None:
+                raise ValueError(f"{argument} must be left out for a suspension, got one")
+        return reckon(
+            rover,
+            steering,
+            wheel_angles,
+            stamps,
+            noise=noise,
+            ground=ground,
+            joints=joints,
+            attitude=attitude,
+            yaw_rate=yaw_rate,
+            start=start,
+            start_covariance=start_covariance,
+            errors=errors,
+            covariances=covariances,
+            residuals=residuals,
+            **options,
+        )
+    spatial = {"ground": ground, "joints": joints, "attitude": attitude}
+    for argument, one in spatial.items():
+        if one is not None:
+            raise ValueError(f"{argument} must be left out for a rover without a suspension, got one")
     if wheel_angles is None and hasattr(steering, "wheel_angles"):
         log = steering
         steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps

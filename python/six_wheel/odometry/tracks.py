@@ -51,8 +51,32 @@ class Health(NamedFlag):
     """Left out: its wheels do not determine the motion."""
     RESTARTED = 512
     """Clock or counters went on from another value for good; it counts from the sample left out before."""
+    OVERTURNED = 1024
+    """Left out: the attitude is that of a rover that does not stand on its wheels."""
+    UNSETTLED = 2048
+    """It does not settle on the ground there; the pose goes by joints and attitude, or on as it went."""
+    OFF_GROUND = 4096
+    """Left out: it does not settle on the ground there, and nothing else says how its wheels stand."""
 
-    LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED
+    LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED | OVERTURNED | OFF_GROUND
+
+
+def rows_with(health: NDArray[np.uint32], flag: Health) -> NDArray[np.int64]:
+    """Rows with any of these flags."""
+    import numpy as np
+
+    return np.flatnonzero(health & int(flag))
+
+
+def findings(health: NDArray[np.uint32]) -> list[str]:
+    """One line per kind of flag: how many rows, and the first of them."""
+    lines = []
+    for flag in Health:
+        rows = rows_with(health, flag)
+        if flag and len(rows) > 0:
+            shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
+            lines.append(f"{flag.name}: {len(rows)} of {len(health)} rows ({shown})")
+    return lines
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,19 +146,11 @@ class Track:
 
     def rows(self, flag: Health) -> NDArray[np.int64]:
         """Rows with any of these flags."""
-        import numpy as np
-
-        return np.flatnonzero(self.health & int(flag))
+        return rows_with(self.health, flag)
 
     def findings(self) -> list[str]:
         """One line per kind of flag: how many rows, and the first of them."""
-        lines = []
-        for flag in Health:
-            rows = self.rows(flag)
-            if flag and len(rows) > 0:
-                shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
-                lines.append(f"{flag.name}: {len(rows)} of {len(self)} rows ({shown})")
-        return lines
+        return findings(self.health)
 
     def slip_report(
         self, *, threshold: float | None = None, gap: float = 0.5, shortest: int = 2

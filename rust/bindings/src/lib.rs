@@ -48,6 +48,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<odometry::Odometry>()?;
     odometry::install(module.py())?;
     module.add_class::<odometry::state::OdometryState>()?;
+    module.add_class::<odometry::spatial::Odometry3>()?;
+    module.add_class::<odometry::spatial::state::Odometry3State>()?;
     module.add_class::<odometry::values::Noise>()?;
     module.add_class::<odometry::gyroscope::Gyroscope>()?;
     module.add_class::<odometry::preintegrated::Preintegrated>()?;

@@ -4,6 +4,7 @@ pub mod gyroscope;
 mod input;
 pub mod preintegrated;
 mod quick;
+pub mod spatial;
 pub mod state;
 pub mod values;
 

@@ -12,6 +12,7 @@ pub mod noise;
 pub mod preintegrated;
 mod quick;
 pub mod settings;
+pub mod spatial;
 mod spread;
 mod state;
 mod step;
@@ -24,6 +25,7 @@ pub use health::Health;
 pub use noise::Noise;
 pub use preintegrated::Preintegrated;
 pub use settings::{Readings, Settings};
+pub use spatial::Odometry3;
 
 use crate::batch::one_row::step::Plan;
 use crate::error::{Error, number, numbers};

@@ -2,10 +2,15 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::Arc;
 
 use six_wheel_core::batch::{self, Level, Log, Workers};
+use six_wheel_core::odometry::spatial::{Attitude, Odometry3, Sample3, Settings3};
 use six_wheel_core::odometry::{Odometry, Sample, Settings};
-use six_wheel_core::{Error, Inputs, Keep, Measured, Method, Rover, SteeringRange, Twist, Unseen};
+use six_wheel_core::terrain::{Heights, Terrain};
+use six_wheel_core::{
+    Error, Inputs, Keep, Measured, Method, RockerBogie, Rover, SteeringRange, Twist, Unseen,
+};
 
 thread_local! {
     static TAKEN: Cell<usize> = const { Cell::new(0) };
@@ -146,6 +151,37 @@ fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
                 assert_eq!(counts[0], [0, 0]);
             }
         }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_sample_of_odometry_in_space_takes_no_memory() -> Result<(), Error> {
+    let flat = Heights::Double(vec![0.0; 32 * 32].into());
+    let ground = Arc::new(Terrain::new(flat, 32, [1.0; 2], [-16.0; 2], 0.0)?);
+    for map in [None, Some(ground)] {
+        let chain = RockerBogie::perseverance()?.chain().clone();
+        let settings = Settings3 {
+            common: Settings {
+                lag: 1.0,
+                ..Settings::default()
+            },
+            ..Settings3::default()
+        };
+        let mut odometry = Odometry3::new(chain, map, settings)?;
+        let mut stamp = 0.0;
+        let step = || {
+            stamp += 0.1;
+            odometry.update(Sample3 {
+                steering: &[0.1, 0.1, -0.1, -0.1],
+                wheels: &[stamp; 6],
+                stamp,
+                joints: Some(&[0.0; 3]),
+                attitude: Some(Attitude::from_angles(0.0, 0.0, None)?),
+                yaw_rate: None,
+            })
+        };
+        assert_eq!(taken(step), 0);
     }
     Ok(())
 }

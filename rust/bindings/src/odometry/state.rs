@@ -298,7 +298,7 @@ impl OdometryState {
 }
 
 /// A number to two digits.
-struct Short(f64);
+pub struct Short(pub f64);
 
 impl std::fmt::Display for Short {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

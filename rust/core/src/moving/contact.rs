@@ -11,6 +11,11 @@ pub const COLUMNS: usize = 6 + MAX_FREE;
 /// heading along x, has `x, y, yaw, z, roll, pitch` for its rates.
 const SLOPE: [usize; 6] = [0, 1, 3, 4, 5, 2];
 
+/// The place of a rate's derivative.
+pub(super) fn slope(column: usize) -> usize {
+    SLOPE.get(column).copied().unwrap_or(column)
+}
+
 /// Where a rover stands: one settled pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Footing<'a> {
@@ -68,8 +73,9 @@ pub struct Contact {
     pub rolling: Row,
     /// Velocity of the touching point to the left [m/s], by the rates.
     pub side: Row,
-    /// What the rate of its own steering adds along the normal and to the left [m/rad].
-    pub swivel: [f64; 2],
+    /// What the rate of its own steering adds along the normal and to the left [m/rad], and to the rate of an encoder:
+    /// nothing unless the wheel's centre lies off the steering axis.
+    pub swivel: [f64; 3],
     /// Its steering joint.
     pub steering: Option<usize>,
     /// Whether it touches.
@@ -130,7 +136,7 @@ impl Contacts {
             normal: [0.0; COLUMNS],
             rolling: [0.0; COLUMNS],
             side: [0.0; COLUMNS],
-            swivel: [0.0; 2],
+            swivel: [0.0; 3],
             steering: None,
             touching: false,
         };
@@ -160,7 +166,7 @@ impl Contacts {
 }
 
 impl Contact {
-    fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
+    pub(super) fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
         let (tangent, spoke) = (tread.tangent(), tread.spoke());
         let (normal, left) = (tread.normal, tread.normal.cross(&tangent));
         let axle = tread.frame.axle;
@@ -174,7 +180,6 @@ impl Contact {
         for (joint, axis, _) in placed.free_axes(wheel) {
             turns[6 + joint] += axis;
         }
-        let slope = |column: usize| SLOPE.get(column).copied().unwrap_or(column);
         let swivels = placed.steering_axes(wheel).next();
         Self {
             normal: std::array::from_fn(|k| touches[slope(k)].dot(&normal)),
@@ -182,9 +187,14 @@ impl Contact {
                 centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)
             }),
             side: std::array::from_fn(|k| touches[slope(k)].dot(&left)),
-            swivel: swivels.map_or([0.0; 2], |(_, axis, origin)| {
-                let moved = axis.cross(&(tread.frame.centre + spoke - origin));
-                [moved.dot(&normal), moved.dot(&left)]
+            swivel: swivels.map_or([0.0; 3], |(_, axis, origin)| {
+                let centre = axis.cross(&(tread.frame.centre - origin));
+                let moved = centre + axis.cross(&spoke);
+                [
+                    moved.dot(&normal),
+                    moved.dot(&left),
+                    centre.dot(&tangent) / tread.radius - axis.dot(&axle),
+                ]
             }),
             steering: swivels.map(|(joint, _, _)| joint),
             touching,
@@ -201,7 +211,7 @@ pub(super) fn carried(
     let centres = placed.point_slopes(wheel, placed.wheel(wheel).centre);
     let mut velocity = Vector3::zeros();
     for (column, rate) in rates.iter().enumerate() {
-        velocity += centres[SLOPE.get(column).copied().unwrap_or(column)] * *rate;
+        velocity += centres[slope(column)] * *rate;
     }
     let mut turn = Vector3::new(rates[3], rates[4], rates[5]);
     for (joint, axis, _) in placed.free_axes(wheel) {

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::jacobi::Jacobi;
 
 /// Columns that turn out shorter than this, beside the longest one, depend on the others.
-const DEPENDENT: f64 = 1e-10;
+pub(super) const DEPENDENT: f64 = 1e-10;
 
 /// Rotates rows so that the first `C` of their columns become upper triangular, by Householder reflections; the
 /// columns after them go along. The first `count` rows are filled, and at least `used` of them.

@@ -15,13 +15,17 @@
 mod contact;
 mod least_squares;
 mod motion;
+mod response;
 mod slip;
 mod traction;
+mod unmapped;
 
-pub use contact::{COLUMNS, Contacts, Footing};
+pub use contact::{COLUMNS, Contacts, Footing, Row};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
+pub use response::Response;
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};
+pub use unmapped::{Found, MEMORY, Unmapped};
 
 use crate::suspension::Chain;
 

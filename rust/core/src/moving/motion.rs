@@ -33,6 +33,25 @@ pub struct Readings<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
+impl Readings<'_> {
+    /// Rates that are no unknowns; NaN for those that are.
+    pub(super) fn known(&self, contacts: &Contacts) -> Row {
+        let mut known = [f64::NAN; COLUMNS];
+        for (k, rate) in self.angular_velocity.into_iter().flatten().enumerate() {
+            known[3 + k] = *rate;
+        }
+        for (k, rate) in self.joint_rates.into_iter().flatten().enumerate() {
+            known[6 + k] = *rate;
+        }
+        for (k, stopped) in contacts.stopped.into_iter().enumerate() {
+            if stopped || k >= contacts.joints {
+                known[6 + k] = 0.0;
+            }
+        }
+        known
+    }
+}
+
 /// How the body moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Moving {
@@ -100,20 +119,27 @@ pub struct Commanded {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-struct Follow {
-    spread: [[f64; 3]; COLUMNS],
-    offset: Row,
+pub(super) struct Follow {
+    pub spread: [[f64; 3]; COLUMNS],
+    pub offset: Row,
+}
+
+impl Follow {
+    /// How what a direction says answers to the motion in plan.
+    pub fn plan(&self, direction: &Row) -> [f64; 3] {
+        std::array::from_fn(|k| (0..COLUMNS).map(|c| direction[c] * self.spread[c][k]).sum())
+    }
 }
 
 impl Contacts {
-    fn touching(&self) -> impl Iterator<Item = (usize, &super::contact::Contact)> {
+    pub(super) fn touching(&self) -> impl Iterator<Item = (usize, &super::contact::Contact)> {
         let wheels = self.wheels[..self.count].iter().enumerate();
         wheels.filter(|(_, contact)| contact.touching)
     }
 
     /// The suspension follows the ground whatever the motion in plan: rates that are not known (NaN) are those that
     /// keep the wheels on it, in least squares where there are fewer of them than wheels.
-    fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
+    pub(super) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
         let mut unknown = [0; FOLLOWING.len()];
         let mut count = 0;
         let mut follow = Follow {
@@ -162,18 +188,7 @@ impl Contacts {
 
     /// Twist and joint rates from the wheels: the motion in plan by weighted least squares over the contacts.
     pub fn forward(&self, readings: &Readings<'_>, radii: &[f64; MAX_WHEELS]) -> Moving {
-        let mut known = [f64::NAN; COLUMNS];
-        for (k, rate) in readings.angular_velocity.into_iter().flatten().enumerate() {
-            known[3 + k] = *rate;
-        }
-        for (k, rate) in readings.joint_rates.into_iter().flatten().enumerate() {
-            known[6 + k] = *rate;
-        }
-        for (k, stopped) in self.stopped.into_iter().enumerate() {
-            if stopped || k >= self.joints {
-                known[6 + k] = 0.0;
-            }
-        }
+        let known = readings.known(self);
         let mut swivels = [0.0; MAX_WHEELS];
         if let Some(rates) = readings.steering_rates {
             for (swivel, contact) in swivels.iter_mut().zip(&self.wheels[..self.count]) {
@@ -197,13 +212,9 @@ impl Contacts {
                 }
                 let scale = share.sqrt();
                 let unit = if i == 1 { radii[wheel] } else { 1.0 };
-                let column = |k: usize| -> f64 {
-                    (0..COLUMNS)
-                        .map(|c| direction[c] * follow.spread[c][k])
-                        .sum()
-                };
-                for (k, cell) in rows[filled][..3].iter_mut().enumerate() {
-                    *cell = scale * unit * column(k);
+                let columns = follow.plan(&direction);
+                for (cell, column) in rows[filled][..3].iter_mut().zip(columns) {
+                    *cell = scale * unit * column;
                 }
                 rows[filled][3] = -scale * left[i];
                 filled += 1;
@@ -234,7 +245,7 @@ impl Contacts {
     }
 
     /// What a touching point does at these rates [m/s].
-    fn slip(
+    pub(super) fn slip(
         &self,
         wheel: usize,
         contact: &super::contact::Contact,
@@ -243,10 +254,11 @@ impl Contacts {
         swivels: &[f64; MAX_WHEELS],
         radii: &[f64; MAX_WHEELS],
     ) -> [f64; 3] {
-        let [lift, aside] = contact.swivel;
+        let [lift, aside, rolled] = contact.swivel;
+        let rolled = dot(&contact.rolling, rates) + rolled * swivels[wheel];
         [
             dot(&contact.normal, rates) + lift * swivels[wheel],
-            radii[wheel] * (dot(&contact.rolling, rates) - readings.speeds[wheel]),
+            radii[wheel] * (rolled - readings.speeds[wheel]),
             dot(&contact.side, rates) + aside * swivels[wheel],
         ]
     }
@@ -411,7 +423,7 @@ pub(super) fn within(chain: &Chain, joint: usize, wheel: usize, angle: f64) -> R
     })
 }
 
-fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
+pub(super) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
     match weights {
         None => [1.0; 2],
         Some(each) if each.len() == count => [each[wheel]; 2],
@@ -426,6 +438,6 @@ fn split(rates: &Row) -> ([f64; 6], [f64; MAX_FREE]) {
     )
 }
 
-fn dot(row: &Row, rates: &Row) -> f64 {
+pub(super) fn dot(row: &Row, rates: &Row) -> f64 {
     row.iter().zip(rates).map(|(a, b)| a * b).sum()
 }

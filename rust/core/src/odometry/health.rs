@@ -29,9 +29,15 @@ impl Health {
     pub const UNDETERMINED: Self = Self(256);
     /// The clock or the counters went on from another value for good; this sample follows the one left out before.
     pub const RESTARTED: Self = Self(512);
+    /// Left out: the attitude is that of a rover that does not stand on its wheels.
+    pub const OVERTURNED: Self = Self(1024);
+    /// It does not settle on the ground there; the pose goes by joints and attitude, or on as it went.
+    pub const UNSETTLED: Self = Self(2048);
+    /// Left out: it does not settle on the ground there, and nothing else says how its wheels stand.
+    pub const OFF_GROUND: Self = Self(4096);
 
     /// Flags of samples that were left out.
-    const LEFT_OUT: Self = Self(16 | 32 | 64 | 128 | 256);
+    const LEFT_OUT: Self = Self(16 | 32 | 64 | 128 | 256 | 1024 | 4096);
 
     /// Whether the sample was left out.
     pub fn is_left_out(self) -> bool {

@@ -82,15 +82,21 @@ impl Default for Settings {
 
 impl Settings {
     pub(super) fn check(&self, rover: &Rover) -> Result<(), Error> {
+        self.check_for(rover.wheels().len(), rover.steered().len())?;
+        if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
+            let rule = "be another one for a rover without unsteered wheels";
+            return Err(Error::value("method", rule, "'middle_wheels'"));
+        }
+        Ok(())
+    }
+
+    /// The same for so many wheels and steering joints, whatever they are mounted on.
+    pub(super) fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
         let encoders = [
-            ("wheel_encoders", &self.wheel_encoders, rover.wheels().len()),
-            (
-                "steering_encoders",
-                &self.steering_encoders,
-                rover.steered().len(),
-            ),
+            ("wheel_encoders", &self.wheel_encoders, wheels),
+            ("steering_encoders", &self.steering_encoders, joints),
         ];
         for (argument, encoders, count) in encoders {
             if encoders.len() > 1 && encoders.len() != count {
@@ -117,10 +123,6 @@ impl Settings {
                 let rule = "be finite and not negative";
                 return Err(Error::value(argument, rule, number(value)));
             }
-        }
-        if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
-            let rule = "be another one for a rover without unsteered wheels";
-            return Err(Error::value("method", rule, "'middle_wheels'"));
         }
         Ok(())
     }

@@ -417,7 +417,7 @@ fn errors(
 }
 
 /// Chord of an arc that turns by `angle`, as a share of its length.
-fn chord(angle: f64) -> f64 {
+pub(super) fn chord(angle: f64) -> f64 {
     let half = angle / 2.0;
     if half.abs() > SMALL_TURN {
         return sinc(half);

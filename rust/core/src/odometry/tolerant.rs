@@ -17,13 +17,13 @@ use crate::error::{Error, ErrorKind};
 ///   good row after a good row pays one comparison.
 #[derive(Clone, Debug)]
 pub(crate) struct Suspect {
-    flag: Health,
+    pub(super) flag: Health,
     /// [s]
-    stamp: f64,
+    pub(super) stamp: f64,
     /// As the encoders count.
-    wheels: Vec<f64>,
+    pub(super) wheels: Vec<f64>,
     /// As the encoders count.
-    steering: Vec<f64>,
+    pub(super) steering: Vec<f64>,
     /// As the encoders count, one per wheel.
     owed: Vec<f64>,
     marked: bool,
@@ -55,7 +55,15 @@ impl Suspect {
         self.owed[wheel]
     }
 
-    fn set(&mut self, flag: Health, sample: &Sample<'_>) {
+    /// Leaves out a row whose increments did happen.
+    pub(super) fn owe(&mut self, increments: &[f64]) {
+        self.marked = true;
+        for (owed, increment) in self.owed.iter_mut().zip(increments) {
+            *owed += increment;
+        }
+    }
+
+    pub(super) fn set(&mut self, flag: Health, sample: &Sample<'_>) {
         self.marked = true;
         self.flag = flag;
         self.stamp = sample.stamp;
@@ -138,10 +146,7 @@ impl Odometry {
         let counts = self.settings.readings == Readings::Increments
             && (flag == Health::BACKWARDS || flag == Health::DUPLICATE);
         if counts {
-            self.suspect.marked = true;
-            for (owed, increment) in self.suspect.owed.iter_mut().zip(sample.wheels) {
-                *owed += increment;
-            }
+            self.suspect.owe(sample.wheels);
         }
         flag
     }

@@ -189,6 +189,22 @@ impl Chain {
         self.balance
     }
 
+    /// Name of the first wheel that a steering joint turns.
+    pub fn steered_name(&self, joint: usize) -> &str {
+        let turns = |wheel: &usize| self.steering_joint(*wheel) == Some(joint);
+        let found = (0..self.wheels.len()).find(turns);
+        found.map_or("", |wheel| &self.wheels[wheel].name)
+    }
+
+    /// The joint that steers a wheel.
+    pub fn steering_joint(&self, wheel: usize) -> Option<usize> {
+        self.carriers(wheel)
+            .find_map(|part| match self.parts[part].turning {
+                Turning::Steering(joint) => Some(joint),
+                _ => None,
+            })
+    }
+
     /// The parts between the body and a wheel, innermost last.
     pub fn carriers(&self, wheel: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(self.wheels[wheel].part, |&part| self.parts[part].parent)

@@ -1,0 +1,525 @@
+//! The displacement over one step in space, from what wheels, joints and an IMU read, and what it may be off by.
+//!
+//! The motion is that of `moving`: at contacts in the middle of the step the rates of body and joints over the whole
+//! of it, as if they were constant. Steering counts as in the plane.
+
+use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
+
+use super::Settings3;
+use super::sample::Read;
+use super::site::{Place, Site};
+use super::spread::{GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
+use crate::error::{Error, ErrorKind, numbers};
+use crate::moving::{COLUMNS, Contacts, Found, MEMORY, Readings, Response, Row, Unmapped};
+use crate::odometry::settings::Readings as Kind;
+use crate::odometry::state::HUGE;
+use crate::odometry::step::{ROUNDING, SUSPICIOUS, chord};
+use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// Rounds in which turn, contacts and way are found together.
+const ROUNDS: usize = 12;
+
+/// Change of way [m] and turn [rad] at which they are found.
+const FOUND: f64 = 1e-14;
+
+/// One step: what was read at its ends.
+pub(super) struct Way<'a> {
+    pub chain: &'a Chain,
+    pub settings: &'a Settings3,
+    pub radii: &'a [f64; MAX_WHEELS],
+    /// By how much the way of a wheel's centre across the ground may be off [m].
+    pub doubt: f64,
+    /// How steeply every wheel has climbed against the plane of all.
+    pub slopes: &'a [f64; MAX_WHEELS],
+    pub before: &'a Read,
+    pub after: &'a Read,
+    /// What every wheel turned [rad].
+    pub turned: &'a [f64; MAX_WHEELS],
+    pub dt: f64,
+}
+
+/// What came of it.
+pub(super) struct Step {
+    /// `log(start⁻¹ end)`
+    pub tangent: Vector6<f64>,
+    /// Change of the yaw, where the tilt at both ends was measured [rad].
+    pub yaw: Option<f64>,
+    pub noise: StepNoise,
+    /// How far every contact slid along its rim and to the left [m].
+    pub slid: [[f64; 2]; MAX_WHEELS],
+    /// Whether one slid further than the noise explains.
+    pub slips: bool,
+    /// How steeply every wheel has climbed against the plane of all.
+    pub slopes: [f64; MAX_WHEELS],
+}
+
+/// Tilt at both ends of a step.
+#[derive(Clone, Copy)]
+struct Tilt {
+    ends: [UnitQuaternion<f64>; 2],
+    /// What the attitudes say of the yaw [rad].
+    yaw: Option<f64>,
+    /// The vertical in the body in the middle of the step.
+    up: Vector3<f64>,
+}
+
+impl Tilt {
+    fn of(way: &Way<'_>) -> Option<Self> {
+        let (first, last) = (way.before.attitude?, way.after.attitude?);
+        let ends = [first.tilt(), last.tilt()];
+        let up = ends.map(|tilt| tilt.inverse() * Vector3::z());
+        let yaw = first.yaw.zip(last.yaw);
+        Some(Self {
+            ends,
+            yaw: yaw.map(|(first, last)| crate::geometry::wrap_angle(last - first)),
+            up: (up[0] + up[1]) * 0.5,
+        })
+    }
+
+    /// The turn of the body that changes the yaw by this much.
+    fn turn(&self, yaw: f64) -> Vector3<f64> {
+        let [first, last] = &self.ends;
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        (first.inverse() * turn * last).scaled_axis()
+    }
+
+    /// How the turn answers to roll and to pitch at the start and at the end, the yaw held.
+    fn by_ends(&self, turn: &Vector3<f64>, way: &Way<'_>) -> [[Vector3<f64>; 2]; 2] {
+        let rolls = [way.before, way.after].map(|read| read.attitude.map_or(0.0, |one| one.roll));
+        let axes = rolls.map(|roll| {
+            let (sin, cos) = roll.sin_cos();
+            [Vector3::x(), Vector3::new(0.0, cos, -sin)]
+        });
+        [
+            axes[0].map(|axis| turn.cross(&axis) * 0.5 - axis),
+            axes[1].map(|axis| axis + turn.cross(&axis) * 0.5),
+        ]
+    }
+}
+
+/// What wheels, joints and tilt say of a step, before a gyroscope has its say.
+struct Told {
+    twist: [f64; 6],
+    turn: Option<Vector3<f64>>,
+    yaw: f64,
+    contacts: Contacts,
+    angles: [f64; MAX_WHEELS],
+    slopes: [f64; MAX_WHEELS],
+    slid: [[f64; 2]; MAX_WHEELS],
+    response: Response,
+}
+
+/// The displacement over one step.
+pub(super) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
+    let huge = || {
+        let rule = "be small enough for a finite pose and covariance";
+        let count = way.chain.wheels().len();
+        Error::value("wheel_angles", rule, numbers(&way.turned[..count]))
+    };
+    let mut read = way.turned.iter().chain(&way.after.angles);
+    if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
+        return Err(huge());
+    }
+    let tilt = Tilt::of(way);
+    let told = tell(way, site, tilt.as_ref())?;
+    let mut noise = StepNoise::none();
+    let slips = errors(way, &told, tilt.as_ref(), &mut noise);
+    let mut tangent = Vector6::from(told.twist);
+    let mut yaw = told.yaw;
+    if let Some(change) = share(way, &told, tilt.as_ref(), &mut noise) {
+        tangent += change;
+        if let Some(tilt) = &tilt {
+            yaw += (tangent[5] - tilt.turn(yaw).z) / tilt.up.z;
+        }
+    }
+    if let Some(tilt) = &tilt {
+        let turn = tilt.turn(yaw);
+        tangent.fixed_rows_mut::<3>(3).copy_from(&turn);
+    }
+    let finite = tangent.iter().all(|part| part.abs() < HUGE)
+        && noise.own.iter().all(|part| part.abs() < HUGE)
+        && tangent.iter().all(|part| (part / way.dt).is_finite());
+    if !finite {
+        return Err(huge());
+    }
+    Ok(Step {
+        tangent,
+        yaw: tilt.map(|_| yaw),
+        noise,
+        slid: told.slid,
+        slips,
+        slopes: told.slopes,
+    })
+}
+
+/// What a step says to `moving`: everything over the whole of it, angles in its middle.
+struct Input {
+    speeds: [f64; MAX_WHEELS],
+    /// Steering angles in the middle.
+    angles: [f64; MAX_WHEELS],
+    /// Their changes.
+    swivels: [f64; MAX_WHEELS],
+    joints: [f64; MAX_FREE],
+    turned: [f64; MAX_FREE],
+    wheels: usize,
+    steered: usize,
+    free: usize,
+}
+
+impl Input {
+    /// A pivot whose wheel steers by `d` meanwhile goes along an arc in body axes, whose chord is `sin(d/2) / (d/2)` of
+    /// the way the wheel rolled, as in the plane.
+    fn of(way: &Way<'_>) -> Self {
+        let chain = way.chain;
+        let mut input = Self {
+            speeds: *way.turned,
+            angles: [0.0; MAX_WHEELS],
+            swivels: [0.0; MAX_WHEELS],
+            joints: [0.0; MAX_FREE],
+            turned: [0.0; MAX_FREE],
+            wheels: chain.wheels().len(),
+            steered: chain.steering().len(),
+            free: chain.joints().len(),
+        };
+        let mut chords = [1.0; MAX_WHEELS];
+        for joint in 0..input.steered {
+            let (first, last) = (way.before.angles[joint], way.after.angles[joint]);
+            chords[joint] = chord(last - first);
+            input.swivels[joint] = (last - first) * chords[joint];
+            input.angles[joint] = f64::midpoint(first, last);
+        }
+        for joint in 0..input.free {
+            let (first, last) = (way.before.joints[joint], way.after.joints[joint]);
+            input.turned[joint] = last - first;
+            input.joints[joint] = f64::midpoint(first, last);
+        }
+        for (wheel, speed) in input.speeds[..input.wheels].iter_mut().enumerate() {
+            if let Some(joint) = chain.steering_joint(wheel) {
+                *speed *= chords[joint];
+            }
+        }
+        input
+    }
+
+    fn joints(&self) -> &[f64] {
+        &self.joints[..self.free]
+    }
+
+    fn readings<'a>(&'a self, body: Option<&'a [f64; 3]>) -> Readings<'a> {
+        Readings {
+            speeds: &self.speeds[..self.wheels],
+            steering_rates: Some(&self.swivels[..self.steered]),
+            joint_rates: Some(&self.turned[..self.free]),
+            angular_velocity: body.map(|body| &body[..]),
+            weights: None,
+        }
+    }
+
+    /// The contacts at a site, sides shared.
+    fn contacts(
+        &self,
+        way: &Way<'_>,
+        site: &Site<'_>,
+        motion: Option<&Row>,
+    ) -> Result<Found, Error> {
+        let found = match site {
+            Site::Unmapped => {
+                let known = Unmapped {
+                    joints: self.joints(),
+                    steering: &self.angles[..self.steered],
+                    motion,
+                    turned: &self.speeds[..self.wheels],
+                    slopes: way.slopes,
+                    doubt: way.doubt,
+                };
+                Contacts::unmapped(way.chain, &known)
+            }
+            Site::Ground(place) => {
+                let contacts = Contacts::new(way.chain, &place.footing(), None);
+                contacts.map(|contacts| Found {
+                    contacts,
+                    angles: place.angles,
+                    slopes: [0.0; MAX_WHEELS],
+                })
+            }
+        };
+        let mut found = found.ok_or_else(|| {
+            let rule = "be within reach of the differential, with wheels that stand in no line";
+            Error::value("joints", rule, numbers(self.joints()))
+        })?;
+        found.contacts = found.contacts.sharing_sides();
+        Ok(found)
+    }
+}
+
+/// Where half of a step leads from a settled start, in axes of its body.
+pub(super) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
+    let input = Input::of(way);
+    let found = input.contacts(way, &Site::Ground(start), None).ok()?;
+    let half = Vector6::from(
+        found
+            .contacts
+            .forward(&input.readings(None), way.radii)
+            .twist,
+    ) * 0.5;
+    half.iter().all(|part| part.is_finite()).then_some(half)
+}
+
+/// Steering angles in the middle of a step.
+pub(super) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
+    Input::of(way).angles
+}
+
+/// The motion of the wheels. With measured tilt the yaw is what makes the body turn about its own z axis as the wheels
+/// say; without a map contacts are where the wheels go.
+fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Error> {
+    let input = Input::of(way);
+    let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
+    let mut rates: Option<Row> = None;
+    let mut round = 0;
+    loop {
+        let turn = tilt.map(|tilt| tilt.turn(yaw));
+        let Found {
+            contacts,
+            angles,
+            slopes,
+        } = input.contacts(way, site, rates.as_ref())?;
+        let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
+        let readings = input.readings(body.as_ref());
+        let moving = contacts.forward(&readings, way.radii);
+        if moving.twist.iter().any(|rate| rate.is_nan()) {
+            let rule = "determine the motion, with attitude and joints";
+            let value = numbers(&way.turned[..input.wheels]);
+            return Err(
+                Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined)
+            );
+        }
+        let mut now = [0.0; COLUMNS];
+        now[..6].copy_from_slice(&moving.twist);
+        now[6..].copy_from_slice(&moving.joint_rates);
+        let mut missing: f64 = 0.0;
+        if let (Some(Tilt { up, yaw: None, .. }), Some(turn)) = (tilt, turn) {
+            missing = now[5] - turn.z;
+            yaw += missing / up.z;
+        }
+        let apart = |before: &Row| {
+            let pairs = before.iter().zip(&now);
+            pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+        };
+        let change = match site {
+            Site::Unmapped => rates.as_ref().map_or(f64::INFINITY, apart),
+            Site::Ground(_) => 0.0,
+        };
+        rates = Some(now);
+        round += 1;
+        if (missing.abs() <= FOUND && change <= FOUND) || round == ROUNDS {
+            return Ok(Told {
+                twist: moving.twist,
+                turn,
+                yaw,
+                response: contacts.response(&readings, way.radii),
+                contacts,
+                angles,
+                slopes,
+                slid: moving.residual.map(|[_, along, aside]| [along, aside]),
+            });
+        }
+    }
+}
+
+/// How a displacement answers to something that the yaw, and with it the measured turn, answers to as well.
+struct Closing {
+    /// Of the displacement by the yaw that it does not measure itself.
+    by_yaw: Vector6<f64>,
+    /// What is left of the turn about z per yaw.
+    spread: f64,
+    up: Vector3<f64>,
+}
+
+impl Closing {
+    fn of(told: &Told, tilt: &Tilt) -> Self {
+        let up = tilt.up;
+        let by_yaw = match tilt.yaw {
+            Some(_) => Vector6::zeros(),
+            None => {
+                let [by_x, by_y] = told.response.by_tilting.map(Vector6::from);
+                by_x * up.x + by_y * up.y
+            }
+        };
+        Self {
+            spread: up.z - by_yaw[5],
+            by_yaw,
+            up,
+        }
+    }
+
+    /// The displacement's derivative, given that at a held yaw, and that of the measured turn.
+    fn close(&self, by: Vector6<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
+        let yaw = (by[5] - turn.z) / self.spread;
+        let moved = by + self.by_yaw * yaw;
+        let about = turn + self.up * yaw;
+        whole(&Vector3::new(moved[0], moved[1], moved[2]), &about)
+    }
+}
+
+/// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
+fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
+    let noise = &way.settings.common.noise;
+    let (chain, response) = (way.chain, &told.response);
+    let count = chain.wheels().len();
+    let sharing = noise.sharing(way.dt);
+    let reading_variance = sharing * (noise.speed * way.dt).powi(2);
+    let steering_deviation = sharing.sqrt() * noise.steering;
+    let from_rates = way.settings.common.readings == Kind::Speeds;
+    let closing = tilt.map(|tilt| Closing::of(told, tilt));
+    let still = Vector3::zeros();
+    let close = |by: [f64; 6]| match &closing {
+        Some(closing) => closing.close(Vector6::from(by), &still),
+        None => Vector6::from(by),
+    };
+    let doubt = match tilt.is_some() || way.after.joints.iter().any(|joint| !joint.is_nan()) {
+        true => way.doubt,
+        false => 0.0,
+    };
+    let ways: [[f64; 2]; MAX_WHEELS] = std::array::from_fn(|wheel| {
+        let [along, aside] = told.slid[wheel];
+        let rolled = way.radii[wheel] * way.turned[wheel];
+        [along + if rolled.is_nan() { 0.0 } else { rolled }, aside]
+    });
+    let furthest = ways[..count]
+        .iter()
+        .fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
+    let mut slips = false;
+    let mut steering = [Vector6::zeros(); MAX_WHEELS];
+    for wheel in 0..count {
+        let [along_slid, aside] = told.slid[wheel];
+        if aside.is_nan() {
+            continue; // in the air
+        }
+        let radius = way.radii[wheel];
+        let ([ahead, left], read) = (ways[wheel], !along_slid.is_nan());
+        let distance = ahead.hypot(left);
+        // The noise of a slope stays the same over the way it is averaged over.
+        let climbed = told.slopes[wheel].powi(2) * distance * way.doubt / MEMORY;
+        let along = noise.slip * noise.slip * distance + climbed;
+        let across = noise.side_slip * noise.side_slip * distance;
+        let by_way = close(response.by_speed[wheel]) / radius;
+        let by_side = close(response.by_side[wheel]);
+        let own = match from_rates {
+            true => {
+                let half = by_way * (reading_variance.sqrt() / 2.0);
+                (into.old[RATES + wheel], into.new[RATES + wheel]) = (half, half);
+                along
+            }
+            false => along + reading_variance,
+        };
+        into.own += by_way * by_way.transpose() * own + by_side * by_side.transpose() * across;
+        let mut variance = across + doubt * doubt;
+        if read {
+            variance += along + reading_variance;
+        }
+        if let Some(joint) = told.contacts.wheels[wheel].steering {
+            // A steering angle turns the rim towards its left.
+            let tilted = told.angles[wheel].cos();
+            steering[joint] += (by_side * ahead - by_way * left) * tilted;
+            variance += (steering_deviation * ahead).powi(2);
+        }
+        let slid = if read {
+            along_slid.hypot(aside)
+        } else {
+            aside.abs()
+        };
+        let bound = match way.settings.common.slip_threshold {
+            Some(threshold) => threshold * way.dt,
+            None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
+        };
+        slips |= slid > bound;
+    }
+    for (joint, by_angle) in steering[..chain.steering().len()].iter().enumerate() {
+        let half = by_angle * (steering_deviation / 2.0);
+        let change = close(response.by_steering_rate[joint]) * steering_deviation;
+        (into.old[STEERING + joint], into.new[STEERING + joint]) = (half - change, half + change);
+    }
+    for joint in 0..chain.joints().len() {
+        let by = close(response.by_joint_rate[joint]) * way.settings.joint_noise;
+        (into.old[JOINTS + joint], into.new[JOINTS + joint]) = (-by, by);
+    }
+    if let (Some(tilt), Some(closing), Some(turn)) = (tilt, &closing, &told.turn) {
+        let [by_x, by_y] = response.by_tilting.map(Vector6::from);
+        let [old, new] = tilt.by_ends(turn, way);
+        let moved = |by: Vector3<f64>| {
+            closing.close(by_x * by.x + by_y * by.y, &by) * way.settings.attitude_noise
+        };
+        for axis in 0..2 {
+            into.old[TILT + axis] = moved(old[axis]);
+            into.new[TILT + axis] = moved(new[axis]);
+        }
+    }
+    slips
+}
+
+/// What a gyroscope, or the yaw of an attitude, changes of the displacement: wheels and gyroscope share the turn by their
+/// noise.
+fn share(
+    way: &Way<'_>,
+    told: &Told,
+    tilt: Option<&Tilt>,
+    noise: &mut StepNoise,
+) -> Option<Vector6<f64>> {
+    let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
+    let turn = match (way.after.yaw_rate, known) {
+        (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,
+        (None, Some(turn)) => turn,
+        (None, None) => return None,
+    };
+    let told_by = &way.settings.common.noise;
+    // The reading at each end counts for half the step.
+    let deviation = told_by.yaw_rate * told_by.sharing(way.dt).sqrt() * way.dt / 2.0;
+    let of_wheels = StepNoise {
+        own: noise.own,
+        old: wheels_only(&noise.old),
+        new: wheels_only(&noise.new),
+    };
+    let total = of_wheels.total();
+    let spread = total[(5, 5)] + 2.0 * deviation * deviation;
+    let mut gain = if spread > 0.0 {
+        total.column(5) / spread
+    } else {
+        Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    };
+    if let Some(tilt) = tilt {
+        // Tilt at the ends is as it was measured: the body turns about the vertical.
+        gain[3] = gain[5] * tilt.up.x / tilt.up.z;
+        gain[4] = gain[5] * tilt.up.y / tilt.up.z;
+    }
+    let mut rest = Matrix6::identity();
+    for k in 0..6 {
+        rest[(k, 5)] -= gain[k];
+    }
+    noise.own = rest * noise.own * rest.transpose();
+    // The yaw of an attitude turns with its tilt.
+    let by_tilt = match (tilt, &told.turn, way.after.yaw_rate) {
+        (Some(tilt), Some(turn), None) => {
+            let [old, new] = tilt.by_ends(turn, way);
+            [old, new].map(|ends| ends.map(|by| by.z * way.settings.attitude_noise))
+        }
+        _ => [[0.0; 2]; 2],
+    };
+    for (columns, by_tilt) in [&mut noise.old, &mut noise.new].into_iter().zip(by_tilt) {
+        for (k, column) in columns.iter_mut().enumerate() {
+            *column = rest * *column;
+            if (TILT..TILT + 2).contains(&k) {
+                *column += gain * by_tilt[k - TILT];
+            }
+        }
+        columns[GYROSCOPE] = gain * deviation;
+    }
+    Some(gain * (turn - told.twist[5]))
+}
+
+/// Columns of what the wheels err by.
+fn wheels_only(columns: &super::spread::Columns) -> super::spread::Columns {
+    let mut wheels = *columns;
+    wheels[JOINTS..].fill(Vector6::zeros());
+    wheels
+}
