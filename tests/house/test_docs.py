@@ -83,6 +83,9 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "ground",
         "ground_side",
         "ground_speeds",
+        "planner_slalom",
+        "planner_gate",
+        "planner_dead_end",
     )
     assert drawn == {f"{name}.png" for name in (*draw.VEHICLES, *others)}
     assert drawn <= {path.name for path in (DOCS / "pictures").iterdir()}
