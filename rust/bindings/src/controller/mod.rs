@@ -15,7 +15,7 @@ use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
 use crate::controller::run::ControllerRun;
-use crate::convert::{Rows, number, raise};
+use crate::convert::{Rows, name, number, raise};
 use crate::rover::Rover;
 use crate::shared::Shared;
 
@@ -152,12 +152,12 @@ impl Controller {
         py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
-        mode: Option<&str>,
+        mode: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<bool> {
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_leading("twist", &[])?;
         let stamp = number("stamp", stamp)?;
-        let mode = mode.map(Mode::from_str).transpose();
+        let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;
         let taken = mode.and_then(|mode| core.command(twist, stamp, mode));
