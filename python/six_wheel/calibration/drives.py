@@ -43,6 +43,7 @@ class Drive:
     distance: float
     turning: float
     dropped: int
+    number: int  # of the log it comes from
 
     def truth_at_ends(self, offset: float) -> tuple[Floats, Floats]:
         """True poses and their rates at both ends of the windows, shapes (m, 2, 3)."""
@@ -130,6 +131,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         float(along[-1]),
         float(np.abs(twists[:, 2] * dt).sum()),
         len(log) - len(stamps),
+        number,
     )
 
 

@@ -10,14 +10,15 @@ Needs SciPy (``pip install "six-wheel[calibrate]"``).
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-from six_wheel.calibration import fitting, mistakes, noise
-from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
+from six_wheel.calibration import fitting, mistakes, noise, slips
+from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
 from six_wheel.calibration.fitting import Loss, Problem
@@ -27,6 +28,7 @@ from six_wheel.calibration.observability import describe
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.poses import Floats
 
@@ -50,7 +52,7 @@ def calibrate(
     truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None = None,
     parameters: Literal["auto"] | str | Iterable[str] = "auto",
     *,
-    loss: Loss = "soft_l1",
+    loss: Loss | Literal["auto"] = "auto",
     window: float | Sequence[float] | None = None,
     confidence: float = 0.95,
     cross_validation: bool = True,
@@ -77,8 +79,10 @@ def calibrate(
         truth less that of the log), ``sensor`` (where what the truth follows sits in the body) and
         ``origin`` (the same, and the rover comes back about it). ``"auto"`` takes those that predict drives
         best that were not fitted.
-    loss : {'soft_l1', 'linear', 'huber', 'cauchy'}
+    loss : {'auto', 'soft_l1', 'linear', 'huber', 'cauchy'}
         How much windows count in which the rover slipped: from three times the usual error on less and less.
+        ``"auto"`` is ``"soft_l1"``; where a drive slid by more than twice the rover's size at a stretch, that
+        stretch is left out of fit and cross-validation (`Calibration.slips`) and the loss is ``"cauchy"``.
     window : float or sequence of float, optional
         Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
         10, 20 and 40 times the distance of the farthest wheel from the origin.
@@ -109,8 +113,8 @@ def calibrate(
     `six_wheel.calibration.fitting.covariance`.
     """
     records = _with_truth([logs] if isinstance(logs, Log) else list(logs), truth)
-    if loss not in fitting.LOSSES:
-        raise ValueError(f"loss must be one of {', '.join(fitting.LOSSES)}, got {loss!r}")
+    if loss not in ("auto", *fitting.LOSSES):
+        raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
     if not 0.0 < confidence < 1.0:
         raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
     if not (np.isfinite(max_time_offset) and max_time_offset > 0.0):
@@ -126,23 +130,54 @@ def calibrate(
         raise ValueError("parameters must name one at least, got none")
     margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
 
-    def ready(parts: Sequence[Log]) -> list[Drive]:
-        return [prepare(rover, log, lengths, margin, number) for number, log in enumerate(parts)]
+    def one(log: Log, number: int = 0) -> Drive:
+        return prepare(rover, log, lengths, margin, number)
 
-    drives = ready(records)
+    drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
+    whole, slipped = records, list[slips.Slip]()
+    if loss == "auto":
+        first = Problem(Model(rover, catalogue.find(sets[0])), drives, "cauchy", lengths, margin)
+        slipped = slips.find(first, records, PIECES)
+        loss = "cauchy" if slipped else "soft_l1"
+    if slipped:
+        cut = [
+            piece
+            for number, log in enumerate(records)
+            for piece in slips.clean(
+                log, _slides(slipped, number), partial(one, number=number), drives[number].session
+            )
+        ]
+        if not cut:
+            raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
+        records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
-        folds = drives if len(drives) > 1 else ready(pieces(records[0]))
+        folds = drives
+        if len(whole) == 1:
+            slides = _slides(slipped, 0)
+            folds = [
+                drive
+                for part in pieces(whole[0])
+                for drive in (
+                    [each for _, each in slips.clean(part, slides, one, part.name)] if slides else [one(part)]
+                )
+            ]
         checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")
     model = Model(rover, catalogue.find(chosen))
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
+    result = replace(result, slips=tuple(map(str, slipped)))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
+
+
+def _slides(slipped: Sequence[slips.Slip], number: int) -> list[Stretch]:
+    """Those of one log."""
+    return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
 
 
 def _fit(

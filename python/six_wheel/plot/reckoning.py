@@ -6,9 +6,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from six_wheel.evaluation.paths import absolute_error, align, path_distance
+from six_wheel.odometry.tracks import ROUNDING, SILENT
 from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats
-from six_wheel.reckoning.running import ROUNDING, Reckoned
+from six_wheel.reckoning.running import Reckoned
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14
@@ -112,13 +113,14 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
     names = result.rover.wheel_names
     stamps, residuals = _thin(stamps, residuals)
     if not np.nan_to_num(residuals).max() > ROUNDING:
-        axes.text(0.5, 0.5, "no wheel contradicts another", transform=axes.transAxes, ha="center", color=SOFT)
+        said = "no wheel contradicts another" if result.slip.told else SILENT.replace(": ", ":\n")
+        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", color=SOFT)
     order = np.argsort(-np.nan_to_num(residuals).max(axis=0), kind="stable")
     for number, wheel in enumerate(order):
         colour = WHEELS[number] if number < len(WHEELS) else SOFT
         label = {"label": names[wheel].replace("_", " ")} if number < len(WHEELS) else {}
         axes.plot(stamps, 1000.0 * residuals[:, wheel], color=colour, linewidth=0.8, **label)
-    for window in result.slip.windows:
+    for window in (*result.slip.windows, *result.lost):
         axes.axvspan(window.start, window.end, color=FAINT, alpha=0.6, zorder=0)
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Odometry, Rover
 from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.joints import JointRows, read_truth
 from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
@@ -22,14 +23,13 @@ from six_wheel.logs.recordings import Truth
 from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
-from six_wheel.odometry.tracks import Health, SlipReport, Track
+from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.poses import Floats
 from six_wheel.reckoning.slip import SlipSum
 
 __all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 
 FIRST_ROWS = 5  # of every kind of finding, that are named
-ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
@@ -81,6 +81,8 @@ class Reckoned:
     flags : dict of Health to Count
         Rows that were used and that there is something to say about.
     slip : SlipReport
+    lost : tuple of Stretch
+        When the wheels did not say what the rover did, if the truth is known.
     evaluation : Evaluation or None
         Against the truth, if it is known.
     estimate, truth : ndarray, shape (n, 3)
@@ -100,6 +102,7 @@ class Reckoned:
     left_out: dict[str, Count] = field(default_factory=dict)
     flags: dict[Health, Count] = field(default_factory=dict)
     slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
+    lost: tuple[Stretch, ...] = ()
     evaluation: Evaluation | None = None
     estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
     truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -146,7 +149,7 @@ class _Run:
         self._last = np.array(settings.start)
         self._begin: float | None = None
         self._slip = SlipSum()
-        self._known: list[tuple[Floats, Floats]] = []
+        self._known: list[tuple[Floats, Floats, Floats]] = []
         self._used = 0
 
     def units(self) -> dict[str, str]:
@@ -179,7 +182,7 @@ class _Run:
         result.pose, result.covariance = track.poses[-1], covariances[-1]
         wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
         if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
-            self._known.append((track.poses[there], wanted[there]))
+            self._known.append((chunk.stamps[there], track.poses[there], wanted[there]))
         flat = covariances.reshape(-1, 9)
         result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
         upper = [covariances[:, i, j] for i, j in UPPER]
@@ -219,7 +222,8 @@ class _Run:
             raise TableError(f"{path}: {rule}, got {self._used}{why}")
         result.slip = self._slip.report(result.rover)
         if self._known:
-            result.estimate, result.truth = (np.concatenate(part) for part in zip(*self._known, strict=True))
+            stamps, result.estimate, result.truth = map(np.concatenate, zip(*self._known, strict=True))
+            result.lost = lost_stretches(stamps, result.estimate, result.truth, reach(result.rover))
         if truth is not None and len(result.truth) < 2:
             ours = (
                 f"{self._begin:g} to {self._begin + result.duration:g} s" if self._begin is not None else ""

@@ -513,6 +513,9 @@ fn odd_one(
     if value.is_none() {
         return Ok(Some("None".into()));
     }
+    if array.ndim() == 0 && value.is_instance_of::<PyString>() {
+        return Ok(Some(short_repr(value)));
+    }
     if array.ndim() == 0 {
         let kind = value.get_type().name()?;
         let mut got = format!("a {kind}");
@@ -556,8 +559,8 @@ fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String>
     (!is_number).then(|| {
         let text = short_repr(value);
         if text.chars().count() > LONGEST {
-            let kind = value.get_type().name();
-            return kind.map_or_else(|_| "an object".into(), |kind| format!("a {kind}"));
+            let begin: String = text.chars().take(LONGEST).collect();
+            return format!("{begin}...");
         }
         text
     })

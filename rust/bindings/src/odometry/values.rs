@@ -21,9 +21,9 @@ use crate::wheel::reduce;
 /// steering : float
 ///     Of every steering angle [rad].
 /// slip : float
-///     Of the distance a wheel slips along its heading while its pivot travels one metre [m].
+///     Of the distance a wheel slips along its heading while its pivot travels one metre [m per root m].
 /// side_slip : float
-///     The same across its heading [m].
+///     The same across its heading [m per root m].
 /// yaw : float
 ///     Of an absolute yaw reading [rad]; 0 takes it at its word.
 /// yaw_rate : float
