@@ -15,14 +15,16 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
     package : str
         Its full name.
     modules : mapping of str to sequence of str
-        Its modules, and of each the names that the package shows as its own.
+        Its modules, those of its packages as ``package.module``, and of each the names that the package shows
+        as its own.
     """
+    inner = {module.partition(".")[0] for module in modules}
     places = {name: module for module, names in modules.items() for name in names}
 
     def get(name: str) -> object:
         if name in places:
             value = getattr(import_module(f"{package}.{places[name]}"), name)
-        elif name in modules:
+        elif name in inner:
             value = import_module(f"{package}.{name}")
         else:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
@@ -32,6 +34,6 @@ def attach(package: str, modules: Mapping[str, Sequence[str]]) -> Lookup:
     def names() -> list[str]:
         inside = vars(sys.modules[package])
         own = (name for name in inside if name.startswith("__") and name.endswith("__"))
-        return sorted({*own, *inside.get("__all__", ()), *modules, *places})
+        return sorted({*own, *inside.get("__all__", ()), *inner, *places})
 
     return get, names

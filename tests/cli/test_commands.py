@@ -20,8 +20,8 @@ import six_wheel as sw
 from six_wheel import __main__, __version__
 from six_wheel.cli import app as cli
 from six_wheel.cli import shared
+from six_wheel.cli.commands.show import left_turn
 from six_wheel.cli.shared import Chosen
-from six_wheel.cli.show import left_turn
 from six_wheel.cli.words import COMMANDS
 from tests.cli_runs import ROVER, Run
 

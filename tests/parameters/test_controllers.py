@@ -53,7 +53,7 @@ def test_an_ackermann_car_has_two_tracks_in_the_names_of_every_distribution():
         ("rear_left", 0.0, 0.75, True),
         ("rear_right", 0.0, -0.75, True),
     ]
-    assert list(newer.steering_joints) == ["front_right_steering_joint", "front_left_steering_joint"]
+    assert newer.command_joints[:2] == ("front_right_steering_joint", "front_left_steering_joint")
 
 
 def test_one_track_and_one_radius_are_the_constructors_car(read):
@@ -239,7 +239,7 @@ def test_wheels_of_a_side_by_name_or_from_front_to_rear(read, pairs):
         text += "".join(f"    {side}_wheel_names: {joints}\n" for side, joints in backwards.items())
         parameters = read(text + "    wheelbase: 0.8\n")
         if pairs > 1:
-            assert list(parameters.rover.traction_joints) == [*backwards["right"], *backwards["left"]]
+            assert parameters.rover.command_joints == (*backwards["right"], *backwards["left"])
             wheels = {
                 joint: wheel for side in lists for joint, wheel in zip(lists[side], named[side], strict=True)
             }

@@ -71,10 +71,11 @@ def test_any_order_of_any_naming_is_the_same_rover(read, style, data):
     steering = dict(data.draw(st.permutations(list(steering.items()))))
     rover = read(ros(list(traction), list(steering))).rover
     assert rover.wheels == ROVER.wheels
-    assert list(rover.traction_joints.items()) == list(traction.items())
-    assert list(rover.steering_joints.items()) == list(steering.items())
+    assert (rover.traction_joints, rover.steering_joints) == (traction, steering)
+    assert (*rover.traction_joints.values(),) == WHEELS  # as in the arrays, whatever the file's order
+    assert (*rover.steering_joints.values(),) == STEERED
     commands, angles, speeds = rover.commands(TWIST), *ROVER.inverse(TWIST)
-    assert list(commands) == [*steering, *traction]
+    assert tuple(commands) == rover.command_joints == (*steering, *traction)
     assert [commands[joint] for joint in steering] == [angles[STEERED.index(steering[j])] for j in steering]
     assert [commands[joint] for joint in traction] == [speeds[WHEELS.index(traction[j])] for j in traction]
 
@@ -94,7 +95,7 @@ def test_dump_then_load_is_the_identity(read, d, limit, joints, node):
     rover = sw.Rover(layout.wheels, traction_joints=traction, steering_joints=steering)
     parameters = read(config.dump(rover, node=node, odom_frame_id="o", base_frame_id="b"))
     assert parameters.rover == rover
-    assert list(parameters.rover.steering_joints) == joints[6:]
+    assert list(parameters.rover.command_joints) == [*joints[6:], *joints[:6]]
     assert (parameters.node, parameters.odom_frame_id, parameters.base_frame_id) == (node, "o", "b")
 
 
@@ -253,7 +254,7 @@ def test_joints_stated_beside_the_list(read):
 
 def test_joints_stated_in_place_of_the_list(read):
     rover = read(ros({wheel: f"j{number}" for number, wheel in enumerate(reversed(WHEELS))})).rover
-    assert list(rover.traction_joints) == [f"j{number}" for number in range(6)]
+    assert list(rover.command_joints[-6:]) == [f"j{number}" for number in range(6)]
     assert rover.traction_joints["j5"] == "front_left"
 
 
@@ -393,7 +394,7 @@ MISTAKES = {
     "negative": (ros(d1="-0.4"), 5, "d1 must be finite and positive, got -0.4"),
     "negative d4": (ros(d4="-0.4"), 8, "d4 must be finite and not negative, got -0.4"),
     "steering limit 0": (ros(steering_limit="0.0"), 10, "steering_limit must be got 0"),
-    "steering limit swapped": (ros(steering_limit="[1.0, 0.5]"), 10, "steering_limit must be 1.0, 0.5"),
+    "steering limit swapped": (ros(steering_limit="[1.0, 0.5]"), 10, "steering_limit must below 1.0 0.5"),
     "steering limit of three": (ros(steering_limit="[1, 2, 3]"), 10, "must be a number or two numbers"),
     "steering limit text": (ros(steering_limit="[a, 1.0]"), 10, "[0] must be a number, got 'a'"),
     "limit 0": (ros(limits="{speed: 0.0}"), 10, "limits.speed must be finite and positive, got 0.0 (it is"),

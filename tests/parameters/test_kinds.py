@@ -163,21 +163,19 @@ def test_joints_in_any_order_are_one_rover(read, kind, data):
     )
     rover = read(f"{text}\ntraction_joints: {list(joints)}").rover
     assert rover.wheels == ROVERS[kind].wheels
-    assert list(rover.traction_joints.items()) == list(joints.items())
+    assert rover.traction_joints == joints
+    assert rover.command_joints[-len(joints) :] == tuple(joints)
 
 
 def test_numbered_wheels_take_the_numbers_of_joints_or_their_order(read):
     text = "kind: swerve\nwheel_radius: 0.1\npositions: [1, 0, -1, 0, 0, 1]\ntraction_joints: "
-    assert list(read(text + "[m_2, m_0, m_1]").rover.traction_joints.values()) == [
-        "module_2",
-        "module_0",
-        "module_1",
-    ]
-    assert list(read(text + "[port, aft, bow]").rover.traction_joints.values()) == [
-        "module_0",
-        "module_1",
-        "module_2",
-    ]
+    for names in ("m_0 m_1 m_2", "port aft bow"):
+        joints = names.split()
+        rover = read(f"{text}[{', '.join(joints)}]").rover
+        assert rover.traction_joints == dict(zip(joints, rover.wheel_names, strict=True))
+    rover = read(text + "[m_2, m_0, m_1]").rover
+    assert rover.traction_joints == {f"m_{k}": f"module_{k}" for k in range(3)}
+    assert rover.command_joints[-3:] == ("m_2", "m_0", "m_1")
 
 
 def test_sides_and_numbers_together_tell_the_axle(read):

@@ -1,4 +1,4 @@
-"""The command line: a file per command, arguments in, exit code out; what joins runs, pictures and reports.
+"""The command line: arguments in, exit code out; the one place that joins runs, pictures and reports.
 
-`words` is what must be said at once, `app` the list of commands; neither loads what a command needs.
+`words` is what must be said at once, `app` the list of `commands`; neither loads what a command needs.
 """

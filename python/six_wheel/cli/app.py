@@ -7,34 +7,21 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from six_wheel.cli.calibrate import calibrate
-from six_wheel.cli.check import abilities, derived_table, draw_limits, plan, wheels_table
-from six_wheel.cli.drive import drive
-from six_wheel.cli.example import example
-from six_wheel.cli.odometry import odometry
-from six_wheel.cli.onboard import PASSING, command_filter, node, replay
-from six_wheel.cli.shared import (
-    AsOption,
-    NodeOption,
-    RadiusOption,
-    Reading,
-    RoverArgument,
-    choose,
-    grid,
-    new_console,
-    progress_bar,
-)
-from six_wheel.cli.show import show
-from six_wheel.cli.simulate import simulate
-from six_wheel.cli.traverse import traverse
+from six_wheel.cli.commands.calibrate import calibrate
+from six_wheel.cli.commands.check import check
+from six_wheel.cli.commands.drive import drive
+from six_wheel.cli.commands.example import example
+from six_wheel.cli.commands.odometry import odometry
+from six_wheel.cli.commands.onboard import PASSING, command_filter, node, replay
+from six_wheel.cli.commands.show import show
+from six_wheel.cli.commands.simulate import simulate
+from six_wheel.cli.commands.traverse import traverse
+from six_wheel.cli.shared import new_console, progress_bar
 from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
-
-if TYPE_CHECKING:
-    pass
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -59,37 +46,7 @@ def demo(
     run(output, console=new_console())
 
 
-@app.command(help=COMMANDS["check"])
-def check(
-    rover: RoverArgument,
-    node: NodeOption = None,
-    as_: AsOption = None,
-    wheel_radius: RadiusOption = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
-    ] = None,
-) -> None:
-    try:
-        chosen = choose(rover, Reading(node, as_, wheel_radius))
-    except ValueError as error:
-        findings = getattr(error, "findings", None)
-        if not findings:
-            raise
-        print(*findings, sep="\n", file=sys.stderr)
-        raise typer.Exit(2) from None
-    console = new_console()
-    if chosen.warnings:
-        print(*chosen.warnings, sep="\n", file=sys.stderr)
-    if plot is not None:
-        draw_limits(chosen, plot)
-    console.print(plan(chosen.rover))
-    console.print(wheels_table(chosen))
-    if chosen.robot is not None:
-        console.print(derived_table(chosen.robot))
-    console.print(grid([*abilities(chosen), ("picture", plot)]))
-
-
+app.command(help=COMMANDS["check"])(check)
 app.command(help=COMMANDS["drive"])(drive)
 app.command(help=COMMANDS["simulate"])(simulate)
 app.command(help=COMMANDS["odometry"])(odometry)

@@ -22,6 +22,7 @@ from six_wheel.odometry.tracks import Health
 from six_wheel.onboard.faults import ERROR, WARN, Faults
 from six_wheel.onboard.joints import JointReader, Numbers, Readings
 from six_wheel.onboard.settings import Settings
+from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Loop", "Step"]
 
@@ -42,7 +43,7 @@ class Step(NamedTuple):
     now : int
         Its time [ns].
     steering, speeds : list of float, or None
-        Joint commands in the order of the rover's joints [rad, rad/s]; None where nothing is commanded.
+        Joint commands in the order of `Rover.command_joints` [rad, rad/s]; None where nothing is commanded.
     twist : tuple of float
         The motion they make.
     reasons : int
@@ -88,12 +89,10 @@ class Loop:
         steered, wheels = list(rover.steered_names), list(rover.wheel_names)
         # Commands go out in the order and with the signs of the file's joints, not of the rover's wheels.
         sign = dict.fromkeys(rover.reversed_joints, -1.0)
-        self._steering_out = [
-            (sign.get(joint, 1.0), steered.index(wheel)) for joint, wheel in rover.steering_joints.items()
-        ]
-        self._traction_out = [
-            (sign.get(joint, 1.0), wheels.index(wheel)) for joint, wheel in rover.traction_joints.items()
-        ]
+        self._steering_out, self._traction_out = (
+            [(sign.get(joint, 1.0), places.index(wheel)) for joint, wheel in joints.items()]
+            for joints, places in zip(joints_as_given(rover), (steered, wheels), strict=True)
+        )
         self._controller: Controller | None = None
         self._odometry = settings.odometry()
         self._reader = self._new_reader()

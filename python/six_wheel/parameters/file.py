@@ -240,10 +240,11 @@ def _suspended_values(rover: Rover) -> Values:
 def _same_on_flat_ground(found: Rover, rover: Rover, values: Values) -> bool:
     """Whether a rover came back; its suspension too, where the keys have room for one."""
     if values.get("kind") == "custom":
+        steering, traction = joints_as_given(rover)
         rover = Rover(
             rover.wheels,
-            traction_joints=rover.traction_joints,
-            steering_joints=rover.steering_joints,
+            traction_joints=traction,
+            steering_joints=steering,
             reversed_joints=rover.reversed_joints,
         )
     return found == rover

@@ -23,6 +23,7 @@ from six_wheel.parameters.nodes import PARAMETERS, Section
 from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
 from six_wheel.parameters.syntax import Path, Tree
 from six_wheel.poses import Floats
+from six_wheel.rebuild import joints_as_given
 
 __all__ = ["text_for"]
 
@@ -74,10 +75,10 @@ def _same(rover: Rover, other: Rover) -> bool:
     """Equal but for rounding."""
     if rover == other:
         return True
-    named = rover.wheel_names == other.wheel_names and rover.traction_joints == other.traction_joints
+    named = rover.wheel_names == other.wheel_names and joints_as_given(rover) == joints_as_given(other)
     numbers = np.allclose(_quantities(rover), _quantities(other), rtol=SAME, atol=SAME)
     turned = {*rover.reversed_joints} == {*other.reversed_joints}
-    return named and turned and rover.steering_joints == other.steering_joints and numbers
+    return named and turned and numbers
 
 
 def _quantities(rover: Rover) -> Floats:

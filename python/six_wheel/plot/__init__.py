@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from six_wheel.plot.drawing import draw_rover
     from six_wheel.plot.drive import drive_figure, engine_figure
     from six_wheel.plot.four_axle import four_axle_figure
-    from six_wheel.plot.ground import film_figure, ground_figure, speeds_figure
+    from six_wheel.plot.ground.run import film_figure, ground_figure, speeds_figure
+    from six_wheel.plot.ground.safety import traverse_figure
+    from six_wheel.plot.ground.side import side_figure
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.saving import picture_path, save
-    from six_wheel.plot.side import side_figure
     from six_wheel.plot.tracks import residual_figure, track_figure
-    from six_wheel.plot.traverse import traverse_figure
     from six_wheel.plot.twist import show_figure
 
 __all__ = [
@@ -56,15 +56,15 @@ __getattr__, __dir__ = attach(
         "drawing": ("draw_rover",),
         "drive": ("drive_figure", "engine_figure"),
         "four_axle": ("four_axle_figure",),
-        "ground": ("film_figure", "ground_figure", "speeds_figure"),
+        "ground.run": ("film_figure", "ground_figure", "speeds_figure"),
+        "ground.safety": ("traverse_figure",),
+        "ground.side": ("side_figure",),
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "reckoning": ("reckoning_figure",),
         "replay": ("replay_figure",),
         "saving": ("picture_path", "save"),
-        "side": ("side_figure",),
         "tracks": ("residual_figure", "track_figure"),
-        "traverse": ("traverse_figure",),
         "twist": ("show_figure",),
     },
 )

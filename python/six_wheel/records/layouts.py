@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
+from six_wheel.rebuild import joints_as_given
 from six_wheel.records import rover_record as topics
 
 __all__ = ["ENDINGS", "check", "foxglove", "rerun", "write"]
@@ -67,7 +68,7 @@ def check(path: Path, record: Path | None) -> None:
 
 def foxglove(rover: Rover) -> dict[str, Any]:
     """The layout: the rover in 3D, plots of motion, joints and slip, reasons over time, diagnostics."""
-    steering, driving = list(rover.steering_joints), list(rover.traction_joints)
+    steering, driving = joints_as_given(rover)
     joints = len(steering)
     motion = [
         (f"{topic}.twist.{field}", f"{label}, {name}")

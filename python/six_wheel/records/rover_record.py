@@ -9,6 +9,7 @@ from typing import Any, Self
 
 from six_wheel._core import Rover
 from six_wheel.controller import Reason
+from six_wheel.rebuild import joints_as_given
 from six_wheel.records import frames
 from six_wheel.records.writer import RecordWriter
 
@@ -89,7 +90,7 @@ class RoverRecord:
         self.rover = rover
         self._file = RecordWriter(path, written, {PARAMETERS: parameters})
         self._names = frame_names or Frames()
-        self._steering, self._traction = list(rover.steering_joints), list(rover.traction_joints)
+        self._steering, self._traction = map(list, joints_as_given(rover))
         self._commands = frames.joint_state(
             [*self._steering, *self._traction], *[len(self._steering) + len(self._traction)] * 2
         )

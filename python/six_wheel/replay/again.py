@@ -188,9 +188,7 @@ def replay(
     before = settings_of(record)
     after = before.changed(changes) if changes else before
     rover = before.rover
-    if after.rover.steering_joints != rover.steering_joints or (
-        after.rover.traction_joints != rover.traction_joints
-    ):
+    if after.rover.command_joints != rover.command_joints:
         raise ValueError("changes must leave the joints of the rover as they are: the record is of those")
     again = _Again(after, changes or {}, Recorder(output, after, made_by) if output else None)
     recorded = _Collected(len(rover.steering_joints), len(rover.traction_joints))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from six_wheel._core import Rover
+from six_wheel.rebuild import joints_as_given
 from six_wheel.records import frames
 
 __all__ = ["INTERFACES", "CommandInterface"]
@@ -32,7 +33,7 @@ class CommandInterface:
         from rclpy.qos import QoSProfile
 
         self.publishers: list[Any] = []
-        steering, traction = list(rover.steering_joints), list(rover.traction_joints)
+        steering, traction = map(list, joints_as_given(rover))
         self._whole = kind == "joint_state"
         self._nothing = [math.nan] * len(traction), [math.nan] * len(steering)
 

@@ -95,9 +95,14 @@ impl Rover {
     fn side_slip_rows(&self, steering: &[f64]) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
         let (mut fixed, mut steered) = (Vec::new(), Vec::new());
         let mut angles = steering.iter();
-        for (wheel, mount) in self.wheels().iter().zip(&self.mounts) {
+        for (i, (wheel, mount)) in self.wheels().iter().zip(&self.mounts).enumerate() {
             match mount {
-                Mount::Fixed(rows) => fixed.push(rows.side_slip),
+                // What may move is a matter of axles that are parallel or not; an estimate lets nearly parallel ones
+                // share their rows.
+                Mount::Fixed(rows) => {
+                    let bank = self.banks().iter().find(|bank| bank.wheels.contains(&i));
+                    fixed.push(bank.map_or(rows.side_slip, |bank| bank.row));
+                }
                 Mount::Castor(_) => {}
                 Mount::Steered(..) => {
                     let angle = wheel.heading + angles.next().copied().unwrap_or_default();

@@ -383,21 +383,62 @@ fn say(row: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     (falling * falling).copysign(row.x * other.x + row.y * other.y)
 }
 
+/// How [`say`] changes with the other row.
+fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -> f64 {
+    let sine = (row.x * other.y - row.y * other.x) / ASIDE;
+    let sine_change = (row.x * change.y - row.y * change.x) / ASIDE;
+    let falling = (1.0 - sine * sine).max(0.0);
+    (-4.0 * falling * sine * sine_change) * (row.x * other.x + row.y * other.y).signum()
+}
+
 impl Rover {
-    /// How much of a fixed wheel's own side-slip row there is in the row of each fixed wheel, of those where there is some.
-    pub(crate) fn parts_of(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let own = |k: usize| {
-            let wheel = &self.wheels[k];
-            wheel.rows(Direction::from(wheel.heading)).side_slip
-        };
-        let shares = |wheel: &Wheel| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none();
-        let sharing = move |k: &usize| shares(&self.wheels[*k]);
-        (0..self.wheels.len()).filter(sharing).filter_map(move |k| {
-            let row = own(k);
-            let all = (0..self.wheels.len()).filter(sharing);
-            let total: f64 = all.map(|j| say(&row, &own(j)).abs()).sum();
-            let part = say(&row, &own(i)) / total;
-            (part != 0.0).then_some((k, part))
+    /// The side-slip row of a fixed wheel before it is shared; none of wheels that share nothing.
+    fn own_row(&self, k: usize) -> Option<Vector3<f64>> {
+        let wheel = &self.wheels[k];
+        match self.mounts[k] {
+            Mount::Fixed(Rows { rolling, .. }) if wheel.roller_angle.is_none() => {
+                let (cos, sin) = (rolling.x, rolling.y);
+                Some(wheel.bare_rows(Direction { sin, cos }).side_slip)
+            }
+            _ => None,
+        }
+    }
+
+    /// How the side-slip row of every fixed wheel changes when the own row of wheel `i` does: as part of their means, and
+    /// by what each of the two has to say to the other.
+    pub(crate) fn changes_with(
+        &self,
+        i: usize,
+        change: Vector3<f64>,
+    ) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.own_row(k)?)));
+        rows().filter_map(move |(k, own)| {
+            let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+            let (mut sum_change, mut total_change) = (Vector3::zeros(), 0.0);
+            for (j, row) in rows() {
+                let part = say(&own, &row);
+                sum += row * part;
+                total += part.abs();
+                if j == i {
+                    sum_change += change * part;
+                }
+                if (j == i) != (k == i) {
+                    let part_change = if j == i {
+                        say_change(&own, &row, &change)
+                    } else {
+                        say_change(&row, &own, &change)
+                    };
+                    sum_change += row * part_change;
+                    total_change += part_change * part.signum();
+                }
+            }
+            let row_change = (sum_change - sum * (total_change / total)) / total;
+            // A row that several wheels share may point the other way than that of one of them.
+            let Mount::Fixed(Rows { side_slip, .. }) = self.mounts[k] else {
+                return None;
+            };
+            let same_way = (side_slip.x * own.x + side_slip.y * own.y).signum();
+            (row_change != Vector3::zeros()).then_some((k, row_change * same_way))
         })
     }
 }

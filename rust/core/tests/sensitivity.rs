@@ -135,19 +135,20 @@ proptest! {
             &mut weights,
         )?;
         prop_assume!(fit.sigma_min > 0.1);
-        let parallel = |i: usize| wheels[i].pivot == Pivot::Fixed
-            && wheels[i].roller_angle.is_none()
-            && wheels.iter().enumerate().any(|(k, other)| {
-                k != i
-                    && other.pivot == Pivot::Fixed
-                    && other.roller_angle.is_none()
-                    && (other.heading - wheels[i].heading).sin().abs() < 1e-6
-            });
+        // Where two fixed wheels stop having a say in each other's side slip, 10 degrees apart, the derivative is
+        // continuous but bends, and differences across it err by the step itself.
+        let fixed: Vec<_> = wheels
+            .iter()
+            .filter(|wheel| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none())
+            .collect();
+        let aside = 10.0_f64.to_radians().sin();
+        for one in &fixed {
+            for other in &fixed {
+                prop_assume!(((one.heading - other.heading).sin().abs() - aside).abs() > 1e-4);
+            }
+        }
         for quantity in QUANTITIES {
             for i in 0..wheels.len() {
-                if quantity == Quantity::Heading && parallel(i) {
-                    continue; // turned alone it would leave its neighbours; see the next law
-                }
                 let step = 1e-5;
                 let (Some(ahead), Some(behind)) = (
                     moved(&wheels, &readings, i, quantity, step),

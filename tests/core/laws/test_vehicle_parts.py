@@ -244,7 +244,7 @@ nan, inf = math.nan, math.inf
     ("swerve", (CORNERS, 0.1), {"steering_limit": 0.0},
      "steering_limit must be finite and positive, got 0.0"),
     ("swerve", (CORNERS, 0.1), {"steering_limit": (1.0, -1.0)},
-     "steering_limit must be finite, the lower angle below the upper, got (1.0, -1.0)"),
+     "steering_limit must be finite, the lower angle below the upper, got 1.0 to -1.0 rad (57.3° to -57.3°)"),
     ("differential", (0.0, 0.1), {}, "track_width must be finite and positive, got 0.0"),
     ("differential", (0.3, (0.1, -0.1)), {}, "wheel_radius must be finite and positive, got -0.1"),
     ("differential", (0.3, 0.1), {"wheels_per_side": 0}, "wheels_per_side must be 1 to 32, got 0"),

@@ -8,7 +8,7 @@
 //!
 //! for whatever moves the rows `A` or the readings `b`; the weights `W` are held. One quantity of one wheel moves
 //! that wheel's two rows only, apart from unsteered wheels with about parallel axles: they share the mean of their
-//! side-slip rows, to which each contributes its part.
+//! side-slip rows, to which each contributes its part, which depends on their headings.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,8 +35,7 @@ pub enum Quantity {
     X,
     /// Its pivot, to the left [m].
     Y,
-    /// Its direction at steering angle 0 [rad]: for a steered wheel the offset of its angle. Wheels that share an
-    /// axle direction are taken to keep sharing the mean of their side-slip rows.
+    /// Its direction at steering angle 0 [rad]: for a steered wheel the offset of its angle.
     Heading,
     /// Its radius [m].
     Radius,
@@ -185,8 +184,7 @@ impl Linearised<'_> {
         along * self.weight(i) + self.across(i, &change, quantity)
     }
 
-    /// The part of the side-slip rows. Unsteered wheels with about parallel axles have a share in each other's; by how
-    /// much is held.
+    /// The part of the side-slip rows. Unsteered wheels with about parallel axles have a share in each other's.
     fn across(&self, i: usize, change: &Change, quantity: Quantity) -> Vector3<f64> {
         let respond = |k: usize, by: &Vector3<f64>, slipped: f64| {
             let reading = &self.readings[k];
@@ -205,15 +203,9 @@ impl Linearised<'_> {
         if quantity == Quantity::SideSlip || !is_shared {
             return respond(i, &change.side_slip, change.slipped);
         }
-        let parts = self.rover.parts_of(i);
-        parts
-            .map(|(k, part)| {
-                let row = &self.readings[k].side_slip;
-                let own = Direction::from(self.rover.wheels()[k].heading);
-                // The row of a bank may point the other way than the wheel's own.
-                let same_way = (row.y * own.cos - row.x * own.sin).signum();
-                respond(k, &(change.side_slip * (part * same_way)), 0.0)
-            })
+        self.rover
+            .changes_with(i, change.side_slip)
+            .map(|(k, by)| respond(k, &by, 0.0))
             .sum()
     }
 }

@@ -1,18 +1,60 @@
-"""What `six-wheel check` says about a rover."""
+"""`six-wheel check`: every mistake in a file at once, then what the rover is and can do."""
 
 import math
-from typing import TYPE_CHECKING, Any
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
-from six_wheel.cli.shared import Chosen
+import typer
+
+from six_wheel.cli.shared import (
+    AsOption,
+    Chosen,
+    NodeOption,
+    RadiusOption,
+    Reading,
+    RoverArgument,
+    choose,
+    grid,
+    new_console,
+)
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from six_wheel._core import Limits, Rover, Wheel
     from six_wheel.drive.abilities import Bound
     from six_wheel.urdf import Robot
 
 GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
+
+
+def check(
+    rover: RoverArgument,
+    node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(help="Picture of what the limits leave, and which one binds where: .png, .svg or .pdf."),
+    ] = None,
+) -> None:
+    try:
+        chosen = choose(rover, Reading(node, as_, wheel_radius))
+    except ValueError as error:
+        findings = getattr(error, "findings", None)
+        if not findings:
+            raise
+        print(*findings, sep="\n", file=sys.stderr)
+        raise typer.Exit(2) from None
+    console = new_console()
+    if chosen.warnings:
+        print(*chosen.warnings, sep="\n", file=sys.stderr)
+    if plot is not None:
+        draw_limits(chosen, plot)
+    console.print(plan(chosen.rover))
+    console.print(wheels_table(chosen))
+    if chosen.robot is not None:
+        console.print(derived_table(chosen.robot))
+    console.print(grid([*abilities(chosen), ("picture", plot)]))
 
 
 def wheels_table(chosen: Chosen) -> Any:
@@ -187,7 +229,7 @@ def _words(bound: "Bound") -> str:
     return " and ".join(str(reason.name).lower().replace("_", " ") for reason in bound.reasons) or "steering"
 
 
-def draw_limits(chosen: Chosen, plot: "Path") -> None:
+def draw_limits(chosen: Chosen, plot: Path) -> None:
     """Write the picture of the limits."""
     from six_wheel._core import Limits
     from six_wheel.logs.writing import replacing

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Stand, Terrain
 from six_wheel.plot.drawing import CENTRE, FAINT, INK, SOFT, WHEEL
-from six_wheel.plot.side import draw_side_view
+from six_wheel.plot.ground.side import draw_side_view
 from six_wheel.simulation.ground import GroundSimulation
 
 __all__ = ["film_figure", "ground_figure", "speeds_figure"]

@@ -64,7 +64,7 @@ def show(
     from six_wheel.plot.saving import picture_path, save
 
     if side:
-        from six_wheel.plot.side import side_figure
+        from six_wheel.plot.ground.side import side_figure
 
         target = picture_path(output or Path(f"{rover}_from_the_side.png"))
         figure = side_figure(choose_suspension(rover), title=rover)

@@ -71,7 +71,7 @@ def simulate(
     if output is not None:
         write_ground(done, arm, output)
     if plot is not None or speeds is not None:
-        from six_wheel.plot.ground import ground_figure, speeds_figure
+        from six_wheel.plot.ground.run import ground_figure, speeds_figure
         from six_wheel.plot.saving import save
 
         title = f"{rover} over {ground.name}"
