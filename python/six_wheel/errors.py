@@ -14,4 +14,4 @@ class ArgumentTypeError(ValueError, TypeError):
 
 
 class SuspiciousUnitsWarning(UserWarning):
-    """A number that cannot be a rover's in metres or radians; what it may have been meant as is in the text."""
+    """A number that cannot be a rover's in metres or radians; its text says what may have been meant."""

@@ -8,6 +8,8 @@
 Needs SciPy (``pip install "six-wheel[calibrate]"``).
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial

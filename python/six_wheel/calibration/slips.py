@@ -1,4 +1,4 @@
-"""Slip in the drives of a calibration: found under a fit that bears it, and left out of the one that counts."""
+"""Slip in the drives of a calibration: found under a fit that bears it, left out of the one that counts."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -36,9 +36,8 @@ class Slip:
     def __str__(self) -> str:
         when = ", ".join(map(str, self.stretches))
         slid = sum(one.distance for one in self.stretches)
-        return (
-            f"slip in part {self.part} of {self.parts} of {self.name} ({when}, {slid:.2g} m): left out of the fit"
-        )
+        where = f"part {self.part} of {self.parts} of {self.name}"
+        return f"slip in {where} ({when}, {slid:.2g} m): left out of the fit"
 
 
 def find(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
@@ -66,7 +65,7 @@ def _large(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
 def clean(
     log: Log, stretches: Sequence[Stretch], ready: Callable[[Log], Drive], session: str
 ) -> list[tuple[Log, Drive]]:
-    """What is left of a log without its slides, ready to be fitted; each piece begins anew where the truth is."""
+    """What is left of a log without its slides, ready to be fitted; each piece begins where the truth is."""
     spans = merged(stretches, MARGIN)
     begins, ends = [-np.inf, *(end for _, end in spans)], [*(start for start, _ in spans), np.inf]
     pieces = []

@@ -55,7 +55,7 @@ __getattr__, __dir__ = attach(
             "absolute_error",
             "align",
             "at_same_times",
-    "at_same_times",
+            "at_same_times",
             "error_growth",
             "evaluate",
             "path_distance",

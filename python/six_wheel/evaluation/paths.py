@@ -364,7 +364,9 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Truth) -> tupl
     """
     if isinstance(truth, Truth):
         if not isinstance(estimate, Track):
-            raise ValueError(f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}")
+            raise ValueError(
+                f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}"
+            )
         real = truth.at(estimate.stamps)
         known = np.isfinite(real).all(axis=1)
         if np.count_nonzero(known) < 2:
@@ -387,8 +389,8 @@ def evaluate(
     Parameters
     ----------
     estimate, truth : array_like, shape (n, 3), or Track and Truth
-        Poses at the same times [m, m, rad]; a `Truth` is interpolated at the stamps of a `Track`, rows outside it
-        left out.
+        Poses at the same times [m, m, rad]; a `Truth` is interpolated at the stamps of a `Track`, whose rows
+        outside it are left out.
     length, stride
         Of the relative error; see `segments`.
 

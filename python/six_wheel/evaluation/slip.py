@@ -127,7 +127,7 @@ def _stretches(
     cuts = np.flatnonzero(stamps[first[1:]] - stamps[last[:-1]] > GAP) + 1
     found = []
     for windows in np.split(np.arange(len(first)), cuts):
-        # A window that only touches the slip has begun before it, or ends behind it: half of one at either end.
+        # A window that only touches the slip begins before it or ends behind it: half of one at either end.
         start, end = stamps[first[windows[0]]] + SPAN / 2.0, stamps[last[windows[-1]]] - SPAN / 2.0
         if end - start < SPAN / 2.0:
             continue

@@ -1,5 +1,7 @@
 """Whole logs: from arrays, tables or files to a `Track`, in one call or piece by piece."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal
 

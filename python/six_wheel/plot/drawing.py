@@ -1,5 +1,7 @@
 """What every picture shares: colours, a quiet frame, a rover's sizes, and the rover itself from above."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -1,5 +1,7 @@
 """Picture of a drive through a controller: the path, and commands, joints and reasons over time."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,5 +1,7 @@
 """Pictures of a driven path with the rover drawn along it."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

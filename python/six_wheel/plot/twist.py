@@ -3,6 +3,8 @@
 Everything is drawn on the page, forward up: the body's (x, y) stands at (-y, x).
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 
 import numpy as np

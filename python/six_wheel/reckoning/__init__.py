@@ -7,12 +7,14 @@ from six_wheel.lazy import attach
 if TYPE_CHECKING:
     from six_wheel.reckoning.running import Count, Reckoned, Settings, reckon
     from six_wheel.reckoning.slip import SlipSum
+    from six_wheel.reckoning.tracks import of_track
 
 __all__ = [
     "Count",
     "Reckoned",
     "Settings",
     "SlipSum",
+    "of_track",
     "reckon",
 ]
 
@@ -21,5 +23,6 @@ __getattr__, __dir__ = attach(
     {
         "running": ("Count", "Reckoned", "Settings", "reckon"),
         "slip": ("SlipSum",),
+        "tracks": ("of_track",),
     },
 )

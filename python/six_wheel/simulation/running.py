@@ -1,5 +1,7 @@
 """`simulate`: a drive that never was, as a log with its truth."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

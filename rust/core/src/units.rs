@@ -89,7 +89,7 @@ fn range(rover: &Rover) -> Option<Question> {
     let ranges = wheels.iter().filter_map(Wheel::steering);
     let widest = largest(ranges.map(widest));
     let are_modules = rover.steered().len() == wheels.len();
-    let limit = if are_modules { LARGEST_RANGE } else { PI };
+    let limit = if are_modules { LARGEST_RANGE } else { TAU };
     (widest > limit).then(|| Question {
         about: "steering_limit",
         says: format!(
