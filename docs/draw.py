@@ -83,8 +83,8 @@ def transitions() -> Figure:
     rover = Rover.preset("open_source_rover")
     plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
     rate, end = math.radians(60.0), (0.3, 0.0, 0.5)
-    figure = Figure(figsize=(6.0, 2.9), layout="constrained")
-    starts = {"from straight": (0.3, 0.0, 0.0), "from R = -0.6 m": (0.3, 0.0, -0.5)}
+    figure = plot.drawing.new_figure(7.0, 3.2)
+    starts = {"from straight": (0.3, 0.0, 0.0), "from a right turn of 0.6 m": (0.3, 0.0, -0.5)}
     axes = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 2.0))
     for axis, (title, start) in zip(axes, starts.items(), strict=True):
         ends = rover.inverse(start), rover.inverse(end)
@@ -93,14 +93,15 @@ def transitions() -> Figure:
             for name, how in {"independent joints": "none", "synchronised joints": "time"}.items()
         }
         plans["one centre of rotation"] = profiles.icr_transition(rover, start, end, steering_rate=rate)
-        for name, plan in plans.items():
+        colours = (plot.drawing.FORBIDDEN, plot.drawing.AXLE, plot.drawing.MOTION)
+        for colour, (name, plan) in zip(colours, plans.items(), strict=True):
             times = np.linspace(0.0, plan.duration, 400)
             scrubs = [reference.profiles.angle_scrub(plain, row, 0.3) for row in plan.at(times).steering]
-            axis.plot(times, 1e3 * np.array(scrubs), label=name, lw=2)
-        axis.set(title=title, xlabel="time [s]", xlim=(0.0, None))
-        axis.grid(alpha=0.3)
-    axes[0].set_ylabel("worst side slip [mm/s]")
-    axes[1].legend(frameon=False, fontsize="small", loc="lower center")
+            axis.plot(times, 1e3 * np.array(scrubs), label=name, lw=1.8, color=colour)
+        axis.set_xlim(0.0, None)
+        plot.drawing.tidy(axis, "time [s]", "worst side slip [mm/s]" if axis is axes[0] else "")
+        axis.set_title(title, loc="left", fontsize=9, color=plot.drawing.SOFT)
+    axes[1].legend(frameon=False, fontsize=8, labelcolor=plot.drawing.INK, loc="upper right")
     return figure
 
 

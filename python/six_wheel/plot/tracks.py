@@ -19,11 +19,11 @@ from six_wheel.evaluation.paths import (
 )
 from six_wheel.logs.recordings import Truth
 from six_wheel.odometry.tracks import Track
-from six_wheel.plot.drawing import AXLE, CENTRE, INK, MOTION, SOFT, new_figure, tidy, write_title
+from six_wheel.plot.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats, as_poses
 
-# The last one drawn is the one that matters: it is green, what came before is red, then quieter.
-COLOURS = (MOTION, CENTRE, AXLE, SOFT)
+# The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
+COLOURS = (MOTION, FORBIDDEN, AXLE, SOFT)
 
 
 def track_figure(
@@ -116,7 +116,7 @@ def _histogram(axes: Axes, before: Floats, after: Floats) -> None:
     both = np.concatenate((before, after))
     low, high = np.quantile(both, (0.01, 0.99)) if len(both) else (0.0, 0.0)
     bins = np.linspace(low, high, 41) if low < high else np.linspace(low - 1.0, low + 1.0, 41)
-    for values, colour, name in ((before, CENTRE, "before"), (after, MOTION, "after")):
+    for values, colour, name in ((before, FORBIDDEN, "before"), (after, MOTION, "after")):
         kept = np.clip(values, bins[0], bins[-1])
         axes.hist(kept, bins=bins.tolist(), color=colour, alpha=0.55, label=name)
     axes.axvline(0.0, color=SOFT, linewidth=0.8)
