@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-from six_wheel.calibration import fitting, mistakes, noise, slips
+from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
@@ -135,18 +135,23 @@ def calibrate(
     def one(log: Log, number: int = 0) -> Drive:
         return prepare(rover, log, lengths, margin, number)
 
+    def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
+        if not slides:
+            return [one(part)]
+        return [drive for _, drive in mistakes.clean(part, slides, one, part.name)]
+
     drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
-    whole, slipped = records, list[slips.Slip]()
+    whole, slipped = records, list[mistakes.Slip]()
     if loss == "auto":
         first = Problem(Model(rover, catalogue.find(sets[0])), drives, "cauchy", lengths, margin)
-        slipped = slips.find(first, records, PIECES)
+        slipped = mistakes.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
         cut = [
             piece
             for number, log in enumerate(records)
-            for piece in slips.clean(
+            for piece in mistakes.clean(
                 log, _slides(slipped, number), partial(one, number=number), drives[number].session
             )
         ]
@@ -157,14 +162,7 @@ def calibrate(
     if cross_validation or asked is None:
         folds = drives
         if len(whole) == 1:
-            slides = _slides(slipped, 0)
-            folds = [
-                drive
-                for part in pieces(whole[0])
-                for drive in (
-                    [each for _, each in slips.clean(part, slides, one, part.name)] if slides else [one(part)]
-                )
-            ]
+            folds = [drive for part in pieces(whole[0]) for drive in left_of(part, _slides(slipped, 0))]
         checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
@@ -177,7 +175,7 @@ def calibrate(
     return result
 
 
-def _slides(slipped: Sequence[slips.Slip], number: int) -> list[Stretch]:
+def _slides(slipped: Sequence[mistakes.Slip], number: int) -> list[Stretch]:
     """Those of one log."""
     return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
 
