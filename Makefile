@@ -57,8 +57,10 @@ fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ se
 		&& $(BIN)/python tests/core/door/fuzzed.py -max_total_time=$(FUZZ) -artifact_prefix=target/fuzz/boundary- \
 			target/fuzz/boundary
 
+# All that pyenv has, if it is there.
+test-versions: export PYENV_VERSION = $(shell pyenv versions --bare 2>/dev/null | paste -sd:)
 test-versions: $(VENV)/installed ## the boundary with the oldest NumPy, and with every Python there is
-	for python in $(PYTHONS); do command -v $$python > /dev/null || { echo "$$python: not on this machine, skipped"; continue; }; \
+	for python in $(PYTHONS); do $$python --version > /dev/null 2>&1 || { echo "$$python: not on this machine, skipped"; continue; }; \
 		for numpy in "$(OLDEST)" numpy; do home=target/versions/$$python-$${numpy%%=*}-$${#numpy}; \
 		test -x $$home/bin/python || $$python -m venv $$home; \
 		$$home/bin/python -m pip install --quiet --only-binary :all: "$$numpy" pytest hypothesis \

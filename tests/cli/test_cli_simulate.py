@@ -56,3 +56,37 @@ def test_what_is_wrong_is_one_line(
     refused: Callable[..., str], land: str, arguments: tuple[str, ...], message: str
 ):
     assert refused("simulate", *arguments, "--ground", land).startswith(message)
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
+def test_on_a_plane_a_log_is_as_noisy_as_its_file_and_reckons_back_to_its_truth(run: Run, name: str):
+    for example in ("rover.yaml", "commands.csv"):
+        Path(example).unlink(missing_ok=True)
+        assert run("example", example)[0] == 0
+    code, out, err = run("simulate", "rover.yaml", "commands.csv", "-o", name, "--plot", "run.png")
+    assert (code, err) == (0, "")
+    assert "distance" in out
+    assert Path("run.png").read_bytes().startswith(b"\x89PNG")
+    code, out, err = run("odometry", "rover.yaml", name)
+    assert (code, err) == (0, "")
+    assert "truth" in out or "ATE" in out
+
+
+def test_counts_are_those_of_the_parameter_file(run: Run):
+    Path("rover.yaml").write_text(
+        "kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\nencoders: {resolution: 42, gear: 5}\n"
+    )
+    Path("ahead.csv").write_text("time,vx,vy,omega\n0,0.5,0,0\n10,0.5,0,0\n")
+    code, out, err = run("simulate", "rover.yaml", "ahead.csv", "-o", "run.csv")
+    assert (code, err) == (0, "")
+    assert "[ticks]" in Path("run.csv").read_text().splitlines()[0]
+    code, out, err = run("odometry", "rover.yaml", "run.csv")
+    assert (code, err) == (0, "")
+    assert "5 m" in out
+
+
+def test_speeds_on_level_ground_are_no_picture(refused: Callable[..., str]):
+    Path("ahead.csv").write_text("time,vx,vy,omega\n0,0.5,0,0\n10,0.5,0,0\n")
+    assert refused("simulate", "perseverance", "ahead.csv", "--speeds", "speeds.png").startswith(
+        "--speeds must come with --ground"
+    )

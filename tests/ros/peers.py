@@ -64,6 +64,7 @@ class Peer:
         self.steering = [0.0] * len(rover.steering_joints)
         self.angles = [0.0] * len(rover.traction_joints)
         self.speeds = [0.0] * len(rover.traction_joints)
+        self.clients: dict[str, Any] = {}  # of services, by name
         self.commands: list[Any] = []
         self.odometry: list[Odometry] = []
         self.diagnostics: list[DiagnosticArray] = []

@@ -21,11 +21,14 @@ TWIST = (0.5, 0.0, 0.2)
 
 def call(peer, kind, name, request):
     """The answer of a service."""
-    client = peer.node.create_client(kind, name)
-    peer.until(client.service_is_ready)
-    future = client.call_async(request)
+    if name not in peer.clients:
+        peer.clients[name] = peer.node.create_client(kind, name)
+        peer.until(peer.clients[name].service_is_ready)
+        peer.spin(
+            0.3
+        )  # ready is who can be asked: that the answer finds its way back is settled a little later
+    future = peer.clients[name].call_async(request)
     peer.until(future.done)
-    peer.node.destroy_client(client)
     return future.result()
 
 

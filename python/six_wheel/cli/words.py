@@ -7,7 +7,7 @@ COMMANDS = {
     "demo": "What it can do: two rovers along a real recording, with pictures.",
     "check": "Every mistake in a parameter file at once; then what the rover can do.",
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
-    "simulate": "Drive a suspension over a map: joints, wheels, contacts and slip, a picture in 3D.",
+    "simulate": "A log with its truth: a rover on a plane, or a suspension over a map with a picture in 3D.",
     "odometry": "Dead-reckon a log: the path with its covariance, bad rows, slip, errors against the truth.",
     "calibrate": "The rover's true dimensions from its logs and where it really was.",
     "traverse": "Where on a map a rover can stand: every cell, every heading, as a GeoTIFF.",

@@ -95,10 +95,11 @@ def drive(
     count = max(math.ceil((end - begin) / step), 1)
     stamps = np.linspace(begin, end, count + 1)
     dt = stamps[1] - stamps[0]
-    steering = _along(rover, course.at(stamps))[0]
+    # Between two twists that a rover can make there may be some that it cannot.
+    steering = _along(rover, rover.project(course.at(stamps), keep="nearest"))[0]
     middle = (steering[1:] + steering[:-1]) / 2.0
     rates = np.diff(steering, axis=0) / dt
-    wanted = course.at((stamps[1:] + stamps[:-1]) / 2.0)
+    wanted = rover.project(course.at((stamps[1:] + stamps[:-1]) / 2.0), keep="nearest")
     speeds = _along(rover, wanted, middle)[1]
     twists = rover.forward(middle, speeds, steering_rates=rates)
     twists = twists + _sliding(rover, middle, speeds, rates, twists, noise, dt, random)

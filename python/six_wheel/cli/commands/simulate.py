@@ -1,4 +1,4 @@
-"""`six-wheel simulate`: a rover over a map, by a table of commands."""
+"""`six-wheel simulate`: a rover on a plane or over a map, by a table of commands."""
 
 import math
 from pathlib import Path
@@ -6,81 +6,185 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from six_wheel.cli.shared import choose_suspension, grid, new_console
+from six_wheel.cli.shared import (
+    AsOption,
+    Chosen,
+    NodeOption,
+    RadiusOption,
+    Reading,
+    choose,
+    choose_suspension,
+    grid,
+    new_console,
+)
 
 ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
-    from six_wheel._core import Terrain
+    from six_wheel._core import RockerBogie, Terrain
     from six_wheel.simulation.ground import GroundSimulation
 
 
 def simulate(
-    rover: Annotated[str, typer.Argument(metavar="ROVER", help="Name of a preset with a suspension.")],
+    rover: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROVER", help="Parameter file, URDF or preset; over a map a preset with a suspension."
+        ),
+    ],
     commands: Annotated[
         Path, typer.Argument(metavar="COMMANDS", help="Table with time, vx, vy, omega: .csv or .parquet.")
     ],
     ground: Annotated[
-        Path, typer.Option(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII, bag.")
-    ],
+        Path | None,
+        typer.Option(
+            metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII, bag; default a plane."
+        ),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Where the results go: .csv, .parquet or .mcap.")
     ] = None,
     start: Annotated[
         str | None,
         typer.Option(
-            metavar="X,Y,YAW", help="First pose [m, m, rad]; default the middle of the map, along x."
+            metavar="X,Y,YAW",
+            help="First pose [m, m, rad]; default the middle of the map, on a plane the origin, along x.",
         ),
     ] = None,
     rate: Annotated[float, typer.Option(metavar="HZ", help="Samples per second.")] = 10.0,
     seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0,
     plot: Annotated[
         Path | None,
-        typer.Option(help="Picture of the drive in three dimensions, with a film strip: .png, .svg or .pdf."),
+        typer.Option(help="Picture of the drive, over a map in three dimensions: .png, .svg or .pdf."),
     ] = None,
     speeds: Annotated[
         Path | None,
         typer.Option(help="Picture of the wheels' speeds against those on level ground: .png, .svg or .pdf."),
     ] = None,
+    node: NodeOption = None,
+    as_: AsOption = None,
+    wheel_radius: RadiusOption = None,
 ) -> None:
-    arm = choose_suspension(rover)
+    if ground is None and speeds is not None:
+        raise ValueError(f"--speeds must come with --ground: level ground is all there is, got {speeds}")
+    chosen = choose(rover, Reading(node, as_, wheel_radius)) if ground is None else None
+    arm = choose_suspension(rover) if ground is not None else None
     if plot is not None or speeds is not None:
         from six_wheel.plot.saving import picture_path
 
         for path in filter(None, (plot, speeds)):
             picture_path(path)
+    if output is not None:
+        from six_wheel.logs.tables import table_format
+        from six_wheel.simulation.ground_writing import ENDINGS
+
+        if output.suffix.lower() not in ENDINGS:
+            table_format(output, ENDINGS)
+    pose = None if start is None else _start(start)
+    way = _way(commands)
+    if chosen is not None:
+        rows = _on_a_plane(chosen, way, pose, rate, seed, output, plot)
+    else:
+        assert arm is not None
+        assert ground is not None
+        rows = _over_ground(arm, rover, ground, way, pose, rate, seed, output, plot, speeds)
+    new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
+
+
+def _way(commands: Path) -> Any:
+    """Stamps from the first one on [s], and twists."""
     import numpy as np
 
-    from six_wheel._core import Terrain
-    from six_wheel.logs.tables import CommandTable, table_format
-    from six_wheel.simulation.ground import GroundSimulation
-    from six_wheel.simulation.ground_writing import ENDINGS, write_ground
-    from six_wheel.simulation.running import simulate as run
+    from six_wheel.logs.tables import CommandTable
 
-    if output is not None and output.suffix.lower() not in ENDINGS:
-        table_format(output, ENDINGS)
-    land = Terrain.read(ground)
     with CommandTable(commands) as table:
         chunks = list(table.chunks(ROWS))
         scale = table.time_unit.scale
     times = np.concatenate([chunk.time for chunk in chunks])
-    way: Any = (times - times[0]) * scale, np.concatenate([chunk.twists for chunk in chunks])
-    first = _start(start) if start is not None else (*_middle(land), 0.0)
-    done = run(arm, way, ground=land, start=first, rate=rate, seed=seed)
+    return (times - times[0]) * scale, np.concatenate([chunk.twists for chunk in chunks])
+
+
+def _on_a_plane(
+    chosen: Chosen,
+    way: Any,
+    start: tuple[float, float, float] | None,
+    rate: float,
+    seed: int,
+    output: Path | None,
+    plot: Path | None,
+) -> list[tuple[str, object]]:
+    """Readings err and count as the parameter file says; without one they are exact."""
+    import numpy as np
+
+    from six_wheel._core import Encoder, Noise
+    from six_wheel.evaluation.paths import path_distance
+    from six_wheel.simulation.running import simulate as run
+    from six_wheel.simulation.writing import write_log
+
+    said = chosen.parameters
+    noise = Noise(**said.noise) if said is not None and said.noise else None
+    encoders: dict[str, Any] = {}
+    for name, given in (
+        ("encoder", said.encoders if said is not None else {}),
+        ("steering_encoder", said.steering_encoders if said is not None else {}),
+    ):
+        counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given.get(key) is not None}
+        if "resolution" in counts:
+            encoders[name] = Encoder(**counts)
+    done = run(
+        chosen.rover, way, noise=noise, rate=rate, start=start or (0.0, 0.0, 0.0), seed=seed, **encoders
+    )
+    assert done.truth is not None
+    assert done.motion is not None
+    if output is not None:
+        write_log(done, chosen.rover, output)
+    if plot is not None:
+        from six_wheel.plot import path_figure, save
+
+        there = done.motion.at(done.stamps)
+        save(path_figure(chosen.rover, there.poses, there.steering, title=chosen.name), plot)
+    poses = done.truth.poses
+    x, y, yaw = poses[-1]
+    return [
+        ("samples", f"{len(done.stamps):,}"),
+        ("duration", f"{done.stamps[-1] - done.stamps[0]:.6g} s"),
+        ("distance", f"{path_distance(poses)[-1]:.4g} m"),
+        ("ends at", f"{x:.4g} m, {y:.4g} m, {np.degrees(yaw):.4g} deg"),
+        ("noise", f"{noise}, seed {seed}" if noise else "none: the parameter file has no noise"),
+    ]
+
+
+def _over_ground(
+    arm: "RockerBogie",
+    name: str,
+    ground: Path,
+    way: Any,
+    start: tuple[float, float, float] | None,
+    rate: float,
+    seed: int,
+    output: Path | None,
+    plot: Path | None,
+    speeds: Path | None,
+) -> list[tuple[str, object]]:
+    from six_wheel._core import Terrain
+    from six_wheel.simulation.ground import GroundSimulation
+    from six_wheel.simulation.ground_writing import write_ground
+    from six_wheel.simulation.running import simulate as run
+
+    land = Terrain.read(ground)
+    done = run(arm, way, ground=land, start=start or (*_middle(land), 0.0), rate=rate, seed=seed)
     assert isinstance(done, GroundSimulation)
     if output is not None:
         write_ground(done, arm, output)
     if plot is not None or speeds is not None:
-        from six_wheel.plot.ground.run import ground_figure, speeds_figure
-        from six_wheel.plot.saving import save
+        from six_wheel.plot import ground_figure, save, speeds_figure
 
-        title = f"{rover} over {ground.name}"
+        title = f"{name} over {ground.name}"
         if plot is not None:
             save(ground_figure(done, arm, land, title=title), plot)
         if speeds is not None:
             save(speeds_figure(done, arm, title=title), speeds)
-    rows = _summary(done)
-    new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
+    return _summary(done)
 
 
 def _middle(land: "Terrain") -> tuple[float, float]:

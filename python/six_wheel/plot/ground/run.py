@@ -4,11 +4,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Stand, Terrain
-from six_wheel.plot.drawing import CENTRE, FAINT, INK, SOFT, WHEEL
+from six_wheel.plot.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, tidy
 from six_wheel.plot.ground.side import draw_side_view
 from six_wheel.simulation.ground import GroundSimulation
 
@@ -17,7 +18,7 @@ __all__ = ["film_figure", "ground_figure", "speeds_figure"]
 Floats = NDArray[np.float64]
 
 MARGIN = 2.0  # [m] of ground around the path
-FACETS = 90  # of the drawn ground along its longer side
+FACETS = 180  # of the drawn ground along its longer side
 RIM = 24  # corners of a drawn wheel
 ROVERS = 5  # drawn along the path
 FRAMES = 6  # of a film strip
@@ -49,11 +50,14 @@ def ground_figure(run: GroundSimulation, arm: RockerBogie, ground: Terrain, *, t
     matplotlib.figure.Figure
         The ground around the path with the rover at five times; the rover from its left at six.
     """
-    figure = Figure(figsize=(11, 9), layout="constrained")
-    parts: Any = figure.subfigures(2, 1, height_ratios=(4, 1))
-    upper, lower = parts
-    _draw_space(upper.add_subplot(projection="3d"), run, arm, ground, title)
-    _draw_film(list(lower.subplots(1, FRAMES)), run, arm)
+    figure = Figure(figsize=(11, 7.4))
+    # A square as wide as the picture, its middle in that of the upper part: a space is clipped to its square.
+    square = 11 / 7.4
+    space = figure.add_axes((0.0, 0.61 - square / 2, 1.0, square), projection="3d", facecolor="none")
+    _draw_space(space, run, arm, ground)
+    strip = figure.add_gridspec(1, FRAMES, left=0.01, right=0.99, bottom=0.02, top=0.2, wspace=0.04)
+    _draw_film([figure.add_subplot(strip[k]) for k in range(FRAMES)], run, arm)
+    figure.text(0.012, 0.985, title, ha="left", va="top", color=INK, weight="bold")
     return figure
 
 
@@ -78,16 +82,12 @@ def speeds_figure(run: GroundSimulation, arm: RockerBogie, *, title: str = "") -
         axes.plot(run.stamps, speed, color=CENTRE, lw=1.0, label="on this ground")
         axes.plot(run.stamps, flat, color=INK, lw=1.0, ls="--", label="on level ground")
         axes.set_title(name.replace("_", " "), loc="left", fontsize="small", color=SOFT)
-        axes.grid(color=FAINT, lw=0.5)
+        tidy(axes, "time [s]" if axes in panels[-1] else "", "speed [rad/s]" if axes in panels[:, 0] else "")
     panels[0, 0].legend(fontsize="small", frameon=False, ncols=2)
-    for axes in panels[-1]:
-        axes.set_xlabel("time [s]")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("speed [rad/s]")
     return figure
 
 
-def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terrain, title: str) -> None:
+def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terrain) -> None:
     assert run.truth is not None
     assert run.stand is not None
     poses, stand = run.truth.poses, run.stand
@@ -96,14 +96,21 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
     x, y = (np.linspace(low[k], high[k], counts[k]) for k in (0, 1))
     places = np.stack(np.meshgrid(x, y), axis=-1)
     heights = np.asarray(ground.height(places))
+    sun = LightSource(azdeg=300, altdeg=40)
+    bright = sun.hillshade(
+        np.nan_to_num(heights, nan=float(np.nanmin(heights))), vert_exag=1.5, dx=x[1] - x[0]
+    )
+    colours = np.ones((*heights.shape, 4))
+    colours[..., :3] = np.array(to_rgb(TRACK)) * (0.55 + 0.5 * bright[..., None]).clip(0.0, 1.05)
     axes.plot_surface(
         *np.moveaxis(places, -1, 0),
         heights,
-        cmap="gist_earth",
-        alpha=0.75,
+        facecolors=colours.clip(0.0, 1.0),
         linewidth=0,
-        rcount=200,
-        ccount=200,
+        antialiased=False,
+        rcount=max(counts),
+        ccount=max(counts),
+        shade=False,
     )
     centres = np.asarray(stand.transform)[:, :3, 3]
     on_ground = np.asarray(ground.height(poses[:, :2])) + 0.05
@@ -112,13 +119,17 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
         _draw_rover(axes, arm, stand, row)
     known = np.concatenate([heights.ravel(), centres[:, 2]])
     known = known[np.isfinite(known)]
-    axes.set_box_aspect((high[0] - low[0], high[1] - low[1], max(np.ptp(known), 0.5) + 1.0), zoom=1.12)
-    axes.locator_params(axis="z", nbins=3)
-    axes.set_zlim(known.min(), known.min() + max(np.ptp(known), 0.5) + 1.0)
-    axes.set_title(title, loc="left", color=INK)
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
-    axes.set_zlabel("z [m]")
+    tall = max(np.ptp(known), 0.5) + 1.0
+    axes.set_box_aspect((high[0] - low[0], high[1] - low[1], tall), zoom=0.86)
+    axes.view_init(elev=38, azim=-65)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(known.min(), known.min() + tall))
+    axes.set_zticks([])
+    for axis, name in ((axes.xaxis, "x [m]"), (axes.yaxis, "y [m]"), (axes.zaxis, "")):
+        axis.pane.set_visible(False)
+        axis.line.set_color("none" if not name else FAINT)
+        axis.set_label_text(name, color=SOFT, fontsize=8)
+        axis.set_tick_params(colors=SOFT, labelsize=8)
+    axes.grid(False)
 
 
 def _draw_rover(axes: Any, arm: RockerBogie, stand: Stand, row: int) -> None:
@@ -146,3 +157,4 @@ def _draw_film(panels: list[Axes], run: GroundSimulation, arm: RockerBogie) -> N
         axes.set_title(f"{run.stamps[row]:.0f} s", fontsize="small", color=SOFT)
         axes.set_xticks([])
         axes.set_yticks([])
+        axes.spines[:].set_visible(False)
