@@ -148,13 +148,11 @@ def calibrate(
         slipped = mistakes.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
-        cut = [
-            piece
-            for number, log in enumerate(records)
-            for piece in mistakes.clean(
-                log, _slides(slipped, number), partial(one, number=number), drives[number].session
-            )
-        ]
+        cut: list[tuple[Log, Drive]] = []
+        for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
+            slides = _slides(slipped, number)
+            again = partial(one, number=number)
+            cut += mistakes.clean(log, slides, again, drive.session) if slides else [(log, drive)]
         if not cut:
             raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
         records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]

@@ -29,7 +29,7 @@ STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELE
 ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
 STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
 BODILY = "#b5651d"  # of what limits the body
-DASHES = (
+DASHES: tuple[Any, Any] = (
     "-",
     (0, (4, 3)),
 )  # of the rear half: where a front wheel does the same, both are seen

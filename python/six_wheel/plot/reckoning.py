@@ -128,8 +128,9 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
         colour = WHEELS[number] if number < len(WHEELS) else SOFT
         label = {"label": names[wheel].replace("_", " ")} if number < len(WHEELS) else {}
         axes.plot(stamps, 1000.0 * residuals[:, wheel], color=colour, linewidth=0.8, **label)
-    for window in (*result.slip.windows, *result.lost):
-        axes.axvspan(window.start, window.end, color=FAINT, alpha=0.6, zorder=0)
+    told = [(window.start, window.end) for window in result.slip.windows]
+    for start, end in [*told, *((stretch.start, stretch.end) for stretch in result.lost)]:
+        axes.axvspan(start, end, color=FAINT, alpha=0.6, zorder=0)
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])
     axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper right", ncols=2)

@@ -57,7 +57,6 @@ def track_figure(
     """
     named = dict(tracks) if isinstance(tracks, Mapping) else {"estimate": tracks}
     pairs = {name: at_same_times(track, truth) for name, track in named.items()}
-    named = {name: track for name, (track, _) in pairs.items()}
     wanted = as_poses("truth", next(iter(pairs.values()))[1])
     figure = new_figure(11.0, 6.2)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1.0))
@@ -66,8 +65,8 @@ def track_figure(
 
     path.plot(wanted[:, 0], wanted[:, 1], color=INK, linewidth=3.0, alpha=0.25, label="truth")
     distance, said = path_distance(wanted), []
-    for number, (name, track) in enumerate(named.items()):
-        colour = COLOURS[(len(named) - 1 - number) % len(COLOURS)]
+    for number, (name, (track, _)) in enumerate(pairs.items()):
+        colour = COLOURS[(len(pairs) - 1 - number) % len(COLOURS)]
         moved = align(track, wanted, how)
         error = absolute_error(moved, wanted, "none")
         said.append(f"{name} {error.rmse:.3f} m")

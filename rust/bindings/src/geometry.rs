@@ -50,6 +50,7 @@ use crate::convert::{
     signature = (twists, dt, start=None, *, out=None, dtype=None, threads=None, kernel=None),
     text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, kernel=None)"
 )]
+#[allow(clippy::too_many_arguments)] // they are keywords
 pub fn integrate<'py>(
     py: Python<'py>,
     twists: &Bound<'py, PyAny>,
@@ -98,6 +99,7 @@ pub fn integrate<'py>(
     signature = (controls, dt, start=None, *, out=None, dtype=None, threads=None, kernel=None),
     text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, kernel=None)"
 )]
+#[allow(clippy::too_many_arguments)] // they are keywords
 pub fn rollout<'py>(
     py: Python<'py>,
     controls: &Bound<'py, PyAny>,
