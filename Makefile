@@ -30,7 +30,7 @@ PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
 .PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
 
-demo: $(VENV)/installed ## drive two Mars rovers along a recorded path; writes six_wheel_demo/
+demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
 
 test: test-rust test-python test-ros ## every test

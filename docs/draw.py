@@ -14,19 +14,18 @@ from six_wheel import (
     Limits,
     RockerBogie,
     Rover,
-    Terrain,
     Wheel,
     plot,
     profiles,
     reference,
 )
 from six_wheel.calibration.files import calibrate_files
+from six_wheel.demo import drive_yard
 from six_wheel.drive import ControlledDrive, Loop
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
 from six_wheel.logs.opening import example_run
 from six_wheel.report.calibration import before_and_after
-from six_wheel.simulation import simulate
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -138,9 +137,7 @@ def limits() -> Figure:
 
 def over_ground() -> dict[str, Figure]:
     """Perseverance over a yard of rocks: in space, from its left, and what its wheels do."""
-    arm, ground = RockerBogie.perseverance(), Terrain.yard((30.0, 30.0), 0.05, cover=0.1, seed=3)
-    commands = [[0, 0.2, 0, 0.0], [20, 0.2, 0, 0.06], [50, 0.2, 0, -0.06], [80, 0.2, 0, 0.0]]
-    run = simulate(arm, commands, ground=ground, rate=5.0, start=(6.0, 12.0, 0.0))
+    arm, ground, run = drive_yard()
     climbing = int(np.argmax(np.abs(run.stand.joints).sum(axis=1)))
     one = arm.settle(ground, run.stand.poses[climbing], run.stand.steering[climbing])
     space = plot.ground_figure(run, arm, ground)

@@ -534,11 +534,11 @@ class Rover:
 class Noise:
     def __new__(
         cls,
-        speed: float = 0.01,
-        steering: float = 0.009,
+        speed: float | None = None,
+        steering: float | None = None,
         *,
-        slip: float = 0.0,
-        side_slip: float = 0.0,
+        slip: float | None = None,
+        side_slip: float | None = None,
         yaw: float = 0.0,
         yaw_rate: float = 0.0,
         period: float | None = None,

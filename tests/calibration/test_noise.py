@@ -93,3 +93,17 @@ def test_real_robots_are_as_far_off_as_they_say(robot, parameters):
             inside += error @ np.linalg.solve(spread, error) < 7.815
             count += 1
     assert inside >= 0.8 * count, (inside, count)
+
+
+@REQUIRED
+@pytest.mark.parametrize("robot", RUNS)
+def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
+    """As their tape measures say they are: all ends in the 95 % bound, half of them well inside."""
+    values = []
+    for rover, log in map(read, RUNS[robot]):
+        track = sw.dead_reckon(rover, log, start=log.truth.poses[0], residuals=False)
+        error = track.poses[-1] - log.truth.poses[-1]
+        error[2] = sw.wrap_angle(error[2])
+        values.append(error @ np.linalg.solve(track.covariances[-1], error))
+    assert max(values) < 7.815
+    assert np.median(values) < 2.366 / 2.0  # half the median of chi-squared with 3 degrees of freedom

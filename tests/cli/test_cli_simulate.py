@@ -8,6 +8,8 @@ import pytest
 
 from tests.cli_runs import Run
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
 
 @pytest.fixture
 def land(run: Run) -> str:
@@ -35,7 +37,7 @@ def test_results_and_pictures_are_written(run: Run, land: str):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [  # ROVER and COMMANDS, then options beside the map
-        (("spirit", "over.csv"), "ROVER must be a preset with a suspension"),
+        (("spirit", "over.csv"), "ROVER must be a parameter file or a preset"),
         (("perseverance", "none.csv"), "none.csv: no such file"),
         (
             ("perseverance", "over.csv", "--start", "1,2"),
@@ -90,3 +92,18 @@ def test_speeds_on_level_ground_are_no_picture(refused: Callable[..., str]):
     assert refused("simulate", "perseverance", "ahead.csv", "--speeds", "speeds.png").startswith(
         "--speeds must come with --ground"
     )
+
+
+def test_a_suspension_of_ones_own_drives_over_a_map(run: Run, land: str):
+    Path("own.yaml").write_text((EXAMPLES / "rocker_bogie.yaml").read_text(encoding="utf-8"))
+    code, out, err = run("simulate", "own.yaml", "over.csv", "--ground", land)
+    assert (code, err) == (0, "")
+    assert "settled" in out
+    assert run("show", "own.yaml", "--side")[0] == 0
+    assert Path("own_from_the_side.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_rover_without_a_suspension_stays_on_the_plane(refused: Callable[..., str], land: str):
+    Path("flat.yaml").write_text("kind: differential\ntrack_width: 0.4\nwheel_radius: 0.1\n")
+    said = refused("simulate", "flat.yaml", "over.csv", "--ground", land)
+    assert said.startswith("ROVER must have a suspension, as the kind rocker_bogie")

@@ -119,6 +119,17 @@ def test_check_shows_what_a_rover_can_do(run: Run) -> None:
     assert re.search(r"steering joints +turn_front_left, turn_front_right", out)
 
 
+def test_check_says_that_noise_is_a_guess(run: Run) -> None:
+    lines = [line for line in Path("rover.yaml").read_text().splitlines() if "noise" not in line]
+    Path("guessed.yaml").write_text("\n".join(lines) + "\n")
+    _, out, _ = run("check", "guessed.yaml")
+    assert "a guess, wide on purpose: slip of 0.1 m per root m" in " ".join(out.split())
+    Path("measured.yaml").write_text("\n".join([*lines, "noise: {slip: 0.01}"]) + "\n")
+    _, out, _ = run("check", "measured.yaml")
+    assert "slip 0.01" in out
+    assert "guess" not in out
+
+
 def test_check_knows_presets(run: Run) -> None:
     code, out, _ = run("check", "perseverance")
     assert code == 0
@@ -434,6 +445,6 @@ def test_show_draws_a_suspension_from_the_side(run, refused):
     code, out, _ = run("show", "open_source_rover", "--side", "-o", "side.svg")
     assert (code, Path(out.strip()).name) == (0, "side.svg")
     assert refused("show", "rover.yaml", "--side") == (
-        'ROVER must be a preset with a suspension, got "rover.yaml": '
-        "perseverance, curiosity, rocky7, open_source_rover"
+        "ROVER must have a suspension, as the kind rocker_bogie, the URDF of one, or one of "
+        'perseverance, curiosity, rocky7, open_source_rover; got "rover.yaml"'
     )

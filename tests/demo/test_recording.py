@@ -177,9 +177,12 @@ def test_run_reports_and_writes(tmp_path):
         "demo.png",
         "reference",
         "RMS",
+        "over a yard of rocks",
+        "off those on level ground",
     ):
         assert expected in words
-    assert (target / "demo.png").read_bytes().startswith(b"\x89PNG")
+    for picture in ("demo.png", "demo_ground.png", "demo_ground_speeds.png"):
+        assert (target / picture).read_bytes().startswith(b"\x89PNG")
 
     rover = Rover.preset("perseverance")
     table = np.genfromtxt(target / "demo_perseverance.csv", delimiter=",", names=True)

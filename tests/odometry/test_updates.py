@@ -350,7 +350,9 @@ def test_disagreement_inflates_the_covariance():
     angles = log.angles.copy()
     angles[:, 4] *= 0.5
     states = [
-        follow(sw.Odometry(log.rover, inflate=inflate), log.steering, angles, log.stamps)
+        follow(
+            sw.Odometry(log.rover, sw.Noise(speed=0.01), inflate=inflate), log.steering, angles, log.stamps
+        )
         for inflate in (False, True)
     ]
     np.testing.assert_array_equal(states[0].pose, states[1].pose)
@@ -461,3 +463,13 @@ def test_huge_readings_are_refused_not_infinite():
         with pytest.raises(ValueError, match="must be small enough"):
             odometry.update(None, wheels, 1.0)
     assert np.all(np.isfinite(odometry.update(None, (1.0, 2.0), 1e-300 + 1.0).covariance))
+
+
+def test_noise_that_nobody_measured_is_a_wide_guess():
+    guess = sw.Noise()
+    assert (guess.slip, guess.side_slip) == (0.1, 0.1)
+    assert sw.Noise(yaw_rate=0.002).slip == 0.1  # says nothing of the wheels
+    assert (sw.Noise(speed=0.02).slip, sw.Noise(steering=0.02).side_slip, sw.Noise(slip=0.02).side_slip) == (
+        0,
+    ) * 3
+    assert eval(repr(guess), {"Noise": sw.Noise}) == guess

@@ -119,7 +119,7 @@ def test_factors_of_the_readings_are_written(tmp_path: Path, given: str) -> None
     keys = f"kind: bicycle\nwheelbase: 1.0 # m\nwheel_radius: 0.1\n{given}"
     parameters = read_parameters(write(tmp_path, keys))
     factors = parameters.encoders | {"scale": 1.02, "steering_gain": {"front": 0.97}}
-    text = text_for(parameters.rover, parameters, factors)
+    text = text_for(parameters.rover, parameters, {"encoders": factors})
     again = parse_parameters(text)
     assert (again.rover, again.encoders) == (parameters.rover, factors)
     assert "# m" in text

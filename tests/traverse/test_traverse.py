@@ -163,7 +163,9 @@ def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> Non
     assert (code, err) == (0, "")
     assert "1584 at 2 headings" in out
     assert Path("safe.png").stat().st_size > 10_000
-    assert "one of perseverance" in refused("traverse", str(chart), "--rover", "nobody", "-o", "a.tif")
+    assert "a parameter file or a preset" in refused(
+        "traverse", str(chart), "--rover", "nobody", "-o", "a.tif"
+    )
     wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "height=3")
     assert (
         wrong

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Rover, __version__
+from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
@@ -103,8 +104,7 @@ def calibrate_files(
             warnings += _said(reader)
         result = calibrate(rover, logs, progress=progress, **(options or {}))
         done = Calibrated(result, tuple(logs), tuple(warnings))
-        said = _encoders(result, parameters), _remarks(done), _noise(result, parameters)
-        text = text_for(result.rover, parameters, *said)
+        text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
@@ -167,6 +167,16 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
+def _beside(result: Calibration, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
+    """What was found beside the rover, by the keys of every parameter file."""
+    return {
+        "encoders": _encoders(result, parameters),
+        "noise": _noise(result, parameters),
+        "truth": _truth(result, parameters),
+        "calibration": _known(result),
+    }
+
+
 def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
     """The key ``noise``, as measured; what a sensor of its own errs by stays as the file has it."""
     if result.measured_noise is None:
@@ -174,6 +184,23 @@ def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, floa
     kept = {} if parameters is None else parameters.noise
     measured = {name: getattr(result.noise, name) for name in ("speed", "steering", "slip", "side_slip")}
     return kept | measured
+
+
+def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
+    """The key ``truth``: what was found counts on top of what the file had, with which the logs were read."""
+    if not (np.any(result.sensor) or result.time_offset):
+        return None
+    kept = {} if parameters is None else parameters.truth
+    pose = joined(result.sensor, np.array([kept.get(axis, 0.0) for axis in FRAME]))
+    offset = result.time_offset + kept.get("time_offset", 0.0)
+    return dict(zip(FRAME, pose.tolist(), strict=True)) | {"time_offset": offset}
+
+
+def _known(result: Calibration) -> dict[str, Any] | None:
+    """The key ``calibration``: how well the dimensions are known."""
+    if not result.parameters:
+        return None
+    return {"parameters": list(result.names), "covariance": result.covariance.tolist()}
 
 
 def half_width(one: Estimate) -> float:

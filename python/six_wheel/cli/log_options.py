@@ -69,6 +69,7 @@ def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
         columns,
         given["topic"] or (),
         given["truth_topic"],
+        chosen.parameters.truth if chosen.parameters else {},
     )
 
 

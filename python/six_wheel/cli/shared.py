@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     from six_wheel.parameters.file import Parameters
     from six_wheel.urdf import Robot
 
+SUSPENDED = (
+    "perseverance",
+    "curiosity",
+    "rocky7",
+    "open_source_rover",
+)  # presets with their whole suspension
 PROGRESS_AFTER = 1.0  # [s] what is over sooner needs no bar
 
 RoverArgument = Annotated[
@@ -97,15 +103,20 @@ def closest(name: str, known: Sequence[str]) -> str:
     return f"{hint}there are {', '.join(known)}"
 
 
-def choose_suspension(argument: str) -> "RockerBogie":
-    """The suspension of a preset."""
-    from six_wheel._core import RockerBogie
+def choose_suspension(argument: str, reading: Reading = Reading()) -> "tuple[RockerBogie, str]":  # noqa: B008
+    """The suspension of a preset, a parameter file or a robot description, and what to call it."""
+    if argument in SUSPENDED:
+        from six_wheel._core import RockerBogie
 
-    presets = ("perseverance", "curiosity", "rocky7", "open_source_rover")
-    if argument not in presets:
-        raise ValueError(f'ROVER must be a preset with a suspension, got "{argument}": {", ".join(presets)}')
-    arm: RockerBogie = getattr(RockerBogie, argument)()
-    return arm
+        arm: RockerBogie = getattr(RockerBogie, argument)()
+        return arm, argument
+    chosen = choose(argument, reading)
+    if chosen.rover.suspension is None:
+        raise ValueError(
+            f"ROVER must have a suspension, as the kind rocker_bogie, the URDF of one, or one of "
+            f'{", ".join(SUSPENDED)}; got "{argument}"'
+        )
+    return chosen.rover.suspension, chosen.name
 
 
 def new_console(stderr: bool = False) -> "Console":

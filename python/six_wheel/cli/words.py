@@ -4,7 +4,7 @@ PROGRAM = "six-wheel"
 PURPOSE = "Kinematics of wheeled rovers: what their wheels must do, and what they did."
 INSTALL = 'pip install "six-wheel[cli]"'
 COMMANDS = {
-    "demo": "What it can do: two rovers along a real recording, with pictures.",
+    "demo": "What it can do: two rovers along a real recording, one over rocks, with pictures.",
     "check": "Every mistake in a parameter file at once; then what the rover can do.",
     "drive": "Drive a table of commands, within limits: joint commands, odometry, reasons, pictures.",
     "simulate": "A log with its truth: a rover on a plane, or a suspension over a map with a picture in 3D.",

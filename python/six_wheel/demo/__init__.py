@@ -1,7 +1,7 @@
-"""The whole library on one real recording: `six-wheel demo`.
+"""The whole library on one real recording and one yard of rocks: `six-wheel demo`.
 
-`motion` turns the recording into twists and drives rovers along them, `showing` draws and tabulates,
-`running` joins the two.
+`motion` turns the recording into twists and drives rovers along them, `ground` drives one over rocks,
+`showing` draws and tabulates, `running` joins them.
 """
 
 from typing import TYPE_CHECKING
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.demo.ground import drive_yard
     from six_wheel.demo.motion import DemoResult, Motion, drive_path, load_path, recorded_motion
     from six_wheel.demo.running import run
 
@@ -16,6 +17,7 @@ __all__ = [
     "DemoResult",
     "Motion",
     "drive_path",
+    "drive_yard",
     "load_path",
     "recorded_motion",
     "run",
@@ -24,6 +26,7 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "ground": ("drive_yard",),
         "motion": ("DemoResult", "Motion", "drive_path", "load_path", "recorded_motion"),
         "running": ("run",),
         "showing": (),

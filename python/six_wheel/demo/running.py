@@ -1,4 +1,4 @@
-"""`six-wheel demo`: both rovers along the recording, their picture, tables and timing."""
+"""`six-wheel demo`: two rovers along the recording, one over a yard of rocks; pictures, tables and timing."""
 
 from pathlib import Path
 from typing import Any, Protocol
@@ -9,8 +9,11 @@ from six_wheel import reference
 from six_wheel._core import Rover
 from six_wheel.benchmark import Job, Timing, nanoseconds, round_robin
 from six_wheel.demo import showing
+from six_wheel.demo.ground import COVER, drive_yard
 from six_wheel.demo.motion import ROVERS, DemoResult, drive_path, load_path, recorded_motion
+from six_wheel.plot.ground.run import ground_figure, speeds_figure
 from six_wheel.plot.saving import save
+from six_wheel.report.ground import ground_facts
 
 __all__ = ["Console", "run", "time_against_reference"]
 
@@ -22,7 +25,7 @@ class Console(Protocol):
 
 
 def run(directory: Path, *, console: Console) -> None:
-    """Drive both rovers along the recording, write picture and tables into `directory`, report on `console`.
+    """Drive two rovers along the recording and one over rocks; pictures and tables go into `directory`.
 
     Parameters
     ----------
@@ -53,6 +56,16 @@ def run(directory: Path, *, console: Console) -> None:
         showing.write_commands(result, written[-1])
     written.append(directory / "demo.png")
     save(showing.draw(results), written[-1])
+
+    arm, yard, over = drive_yard()
+    console.print(showing.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))
+    title = f"Perseverance over rocks on {COVER:.0%} of the ground"
+    for name, figure in (
+        ("demo_ground.png", ground_figure(over, arm, yard, title=title)),
+        ("demo_ground_speeds.png", speeds_figure(over, arm, title=title)),
+    ):
+        written.append(directory / name)
+        save(figure, written[-1])
 
     header = ["", "six_wheel", "reference", "times faster"]
     console.print(showing.table("Time", header, time_against_reference(results[0])))

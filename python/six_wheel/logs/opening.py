@@ -20,7 +20,7 @@ from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.logs.tables import FORMATS
 from six_wheel.logs.tolerant import Findings
-from six_wheel.poses import Floats
+from six_wheel.poses import Floats, inverse, joined
 
 __all__ = [
     "READERS",
@@ -79,7 +79,7 @@ def log_formats() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a log does not say by itself; see `JointLog`. Encoders have the keys of a parameter file."""
+    """What a log does not say by itself; see `JointLog`. Encoders and truth have a parameter file's keys."""
 
     format: str | None = None
     reading: Reading | None = None
@@ -88,6 +88,15 @@ class LogOptions:
     columns: Mapping[str, str] = field(default_factory=dict)
     topics: Sequence[str] = ()
     truth_topic: str | None = None
+    truth: Mapping[str, float] = field(default_factory=dict)
+
+    def of_body(self, truth: Truth) -> Truth:
+        """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file."""
+        sensor = np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
+        offset = self.truth.get("time_offset", 0.0)
+        if not (sensor.any() or offset):
+            return truth
+        return replace(truth, stamps=truth.stamps - offset, poses=joined(truth.poses, inverse(sensor)))
 
 
 def metadata_of(path: Path) -> Path | None:
@@ -273,7 +282,8 @@ def read_log(
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)
     gains, scale = corrections(rover, options.encoders)
     steering = None if whole.steering is None else whole.steering * gains
-    return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale), log
+    known = None if whole.truth is None else options.of_body(whole.truth)
+    return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
 
 
 class WholeLog:

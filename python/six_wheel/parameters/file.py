@@ -71,6 +71,9 @@ class Parameters:
     noise, encoders, steering_encoders, odometry : dict
         What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
         the readings of wheels and steering joints; options of `Odometry`.
+    truth, calibration : dict
+        Where what a truth follows sits in the body (`x`, `y`, `yaw`) and its `time_offset`; names of the
+        `parameters` that were calibrated and their `covariance`.
     warnings : tuple of Finding
         What may be a mistake, or is not part of our model, but does not keep the file from being read.
     kind : str
@@ -92,6 +95,8 @@ class Parameters:
     encoders: Values = field(default_factory=dict)
     steering_encoders: Values = field(default_factory=dict)
     odometry: Values = field(default_factory=dict)
+    truth: Values = field(default_factory=dict)
+    calibration: Values = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
     kind: str = "six_wheel"
     controller: str | None = None
@@ -331,6 +336,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
         _check_encoders(found, values, rover, log)
+        _check_covariance(found, values, log)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
@@ -496,6 +502,18 @@ def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -
                 message = f"{group}.{key} names {syntax.one_line(wheel)}, which is no such wheel or joint"
                 remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
                 log.error(section.line_of(at), at, message, remedy)
+
+
+def _check_covariance(section: Section, values: Values, log: _Log) -> None:
+    """A covariance has a row and a column for every parameter."""
+    given = values.get("calibration", {})
+    names, rows = given.get("parameters", []), given.get("covariance", [])
+    if rows and [len(row) for row in rows] != [len(names)] * len(names):
+        at = ("calibration", "covariance")
+        message = (
+            f"calibration.covariance must have {len(names)} rows of as many numbers, got {len(rows)} rows"
+        )
+        log.error(section.line_of(at), at, message, "give one row and one column for each of the parameters")
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:

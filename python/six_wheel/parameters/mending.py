@@ -7,7 +7,7 @@ and the keys are those for which it gives the wheels that are wanted. So every f
 import itertools
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,15 +30,15 @@ __all__ = ["text_for"]
 QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough
+KEPT = ("encoders", "noise", "truth", "calibration")  # what a calibration finds beside the rover
 COUNTS = frozenset({"wheels_per_side"})
 
 
 def text_for(
     rover: Rover,
     parameters: Parameters | None = None,
-    encoders: Values | None = None,
+    beside: Mapping[str, Values | None] | None = None,
     remarks: Sequence[str] = (),
-    noise: Values | None = None,
 ) -> str:
     """The text of a parameter file for a rover.
 
@@ -49,12 +49,11 @@ def text_for(
     parameters : Parameters, optional
         The file to mend. If its keys cannot say what the rover is, the result has ``kind: custom``, and the
         frames, limits and so on of the file.
-    encoders : dict, optional
-        What the file's key ``encoders`` shall hold; what it holds now without it.
+    beside : mapping, optional
+        What keys of every rover shall hold, such as ``{"encoders": {...}, "noise": {...}}``; what they hold
+        now where nothing, or None, is given.
     remarks : sequence of str
         Comments for the top of the file.
-    noise : dict, optional
-        What the file's key ``noise`` shall hold, likewise.
 
     Raises
     ------
@@ -62,13 +61,12 @@ def text_for(
         If no parameter file can say what the rover is.
     """
     head = "".join(f"# {remark}\n" for remark in remarks)
-    if encoders is None:
-        encoders = {} if parameters is None else parameters.encoders
-    if noise is None:
-        noise = {} if parameters is None else parameters.noise
-    beside = {"encoders": encoders, "noise": noise}
-    mended = None if parameters is None else _mended(parameters, rover, beside)
-    return head + (mended or _plain(rover, parameters, beside))
+    wanted = {
+        name: values if values is not None else ({} if parameters is None else getattr(parameters, name))
+        for name, values in (dict.fromkeys(KEPT) | dict(beside or {})).items()
+    }
+    mended = None if parameters is None else _mended(parameters, rover, wanted)
+    return head + (mended or _plain(rover, parameters, wanted))
 
 
 def _same(rover: Rover, other: Rover) -> bool:

@@ -206,6 +206,22 @@ class OdometryKeys(BaseModel):
     )
 
 
+class TruthKeys(BaseModel):
+    """What `Parameters.truth` can hold: what a truth follows, as seen from the body, and its clock."""
+
+    x: Finite = optional("a length in m, forward")
+    y: Finite = optional("a length in m, to the left")
+    yaw: Finite = optional("an angle in rad")
+    time_offset: Finite = optional("a stamp of the truth less that of the log in s")
+
+
+class CalibrationKeys(BaseModel):
+    """What `Parameters.calibration` can hold: how well the dimensions are known."""
+
+    parameters: list[Name] = optional("a list of names, such as wheel_radius")
+    covariance: list[list[Finite]] = optional("a list of rows of numbers, one for each of the parameters")
+
+
 class Common(BaseModel):
     """The keys of every rover, in whatever form it is given."""
 
@@ -220,6 +236,8 @@ class Common(BaseModel):
     encoders: EncoderKeys = optional(_any_of(EncoderKeys))
     steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
+    truth: TruthKeys = optional(_any_of(TruthKeys))
+    calibration: CalibrationKeys = optional(_any_of(CalibrationKeys))
 
 
 def keys_of(schema: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -316,6 +334,8 @@ GROUPS: dict[str, type[BaseModel]] = {
     "encoders": EncoderKeys,
     "steering_encoders": SteeringEncoderKeys,
     "odometry": OdometryKeys,
+    "truth": TruthKeys,
+    "calibration": CalibrationKeys,
 }
 """Keys of every rover that hold mappings with keys of their own."""
 NESTED: dict[str, type[BaseModel]] = {**GROUPS}

@@ -140,9 +140,10 @@ REMARKS = {
 class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
-    def __init__(self, log: AnyLog, settings: Settings, encoders: Mapping[str, Any]) -> None:
+    def __init__(self, log: AnyLog, settings: Settings, options: LogOptions) -> None:
         self.log = log
-        self._gains, self._scale = corrections(log.rover, encoders)
+        self._options = options
+        self._gains, self._scale = corrections(log.rover, options.encoders)
         self.result = Reckoned(log.path.name, log.rover)
         self._odometry = Odometry(log.rover, settings.noise, **settings.options)
         self._odometry.reset(settings.start)
@@ -150,6 +151,8 @@ class _Run:
         self._begin: float | None = None
         self._slip = SlipSum()
         self._known: list[tuple[Floats, Floats, Floats]] = []
+        self._own: list[tuple[Floats, Floats]] = []
+        self._reckoned: list[tuple[Floats, Floats]] = []
         self._used = 0
 
     def units(self) -> dict[str, str]:
@@ -180,15 +183,36 @@ class _Run:
         result.distance += float(np.hypot(*steps.T).sum())
         self._last = track.poses[-1]
         result.pose, result.covariance = track.poses[-1], covariances[-1]
-        wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
-        if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
-            self._known.append((chunk.stamps[there], track.poses[there], wanted[there]))
+        self._note_truth(chunk, track.poses, truth)
         flat = covariances.reshape(-1, 9)
         result._trace.add(track.poses, np.hstack([chunk.stamps[:, None], flat, residuals]))
         upper = [covariances[:, i, j] for i, j in UPPER]
         health = track.health.astype(np.int64)
         times = self._times(chunk.stamps)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
+
+    def _note_truth(self, chunk: JointRows, poses: Floats, truth: Truth | None) -> None:
+        """Keep what can be compared: now, or at the end where the log's own truth has another clock."""
+        if truth is None and chunk.truth is not None and self._options.truth:
+            there = np.isfinite(chunk.truth).all(axis=1)
+            self._own.append((chunk.stamps[there], chunk.truth[there]))
+            self._reckoned.append((chunk.stamps, poses))
+            return
+        wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
+        if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
+            self._known.append((chunk.stamps[there], poses[there], wanted[there]))
+
+    def _compare(self) -> None:
+        """What was kept for the end."""
+        stamps, poses = (np.concatenate(part) for part in zip(*self._own, strict=True))
+        later = np.concatenate(([True], np.diff(np.maximum.accumulate(stamps)) > 0.0))
+        if later.sum() < 2:
+            return
+        truth = self._options.of_body(Truth(stamps[later], poses[later]))
+        for times, estimate in self._reckoned:
+            wanted = truth.at(times)
+            there = np.isfinite(wanted).all(axis=1)
+            self._known.append((times[there], estimate[there], wanted[there]))
 
     def _times(self, stamps: Floats) -> NDArray[Any]:
         if not self.log.origin:
@@ -221,6 +245,8 @@ class _Run:
             rule = "the log must have at least two rows that can be used"
             raise TableError(f"{path}: {rule}, got {self._used}{why}")
         result.slip = self._slip.report(result.rover)
+        if self._own:
+            self._compare()
         if self._known:
             stamps, result.estimate, result.truth = map(np.concatenate, zip(*self._known, strict=True))
             result.lost = lost_stretches(stamps, result.estimate, result.truth, reach(result.rover))
@@ -287,7 +313,7 @@ def reckon(
             table_format(output)
         log: AnyLog = open_log(path, rover, options)
         stack.callback(log.close)
-        run = _Run(log, settings or Settings(), options.encoders)
+        run = _Run(log, settings or Settings(), options)
         taken = [each for each in (path, truth, *sources) if each is not None]
         target = stack.enter_context(replacing(output, taken)) if output else None
         writer: TableWriter | None = None
@@ -316,6 +342,6 @@ def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) 
             f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
         )
     try:
-        return Truth(stamps, poses)
+        return options.of_body(Truth(stamps, poses))
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None

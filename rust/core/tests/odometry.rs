@@ -20,7 +20,7 @@ fn noise() -> Noise {
     Noise {
         slip: 0.02,
         side_slip: 0.01,
-        ..Noise::default()
+        ..Noise::READINGS
     }
 }
 
@@ -228,7 +228,7 @@ proptest! {
         let rover = vehicles()?.swap_remove(which);
         let (joints, count) = (rover.steered().len(), rover.wheels().len());
         let settings = Settings {
-            noise: Noise { speed, slip, side_slip, yaw: 0.05, ..Noise::default() },
+            noise: Noise { speed, slip, side_slip, yaw: 0.05, ..Noise::READINGS },
             slip_threshold: threshold,
             lag: 1.0,
             ..Settings::default()

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from six_wheel.drive.abilities import Bound
     from six_wheel.urdf import Robot
 
-GROUPS = ("noise", "encoders", "steering_encoders", "odometry")
+GROUPS = ("encoders", "steering_encoders", "odometry", "truth")
+GUESSED = (
+    "a guess, wide on purpose: slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
+)
 
 
 def check(
@@ -191,9 +194,17 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
             ("limits", limits or None),
+            ("noise", _given(parameters.noise) or _guessed()),
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
     return rows
+
+
+def _guessed() -> str:
+    """What is said of noise that nobody measured."""
+    from six_wheel._core import Noise
+
+    return GUESSED.format(slip=Noise().slip)
 
 
 def _described(robot: "Robot") -> list[tuple[str, object]]:

@@ -51,7 +51,7 @@ def show(
         ),
     ] = None,
     side: Annotated[
-        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie preset.")
+        bool, typer.Option("--side", help="The suspension from the side instead, of a rocker-bogie.")
     ] = False,
     node: NodeOption = None,
     as_: AsOption = None,
@@ -66,8 +66,9 @@ def show(
     if side:
         from six_wheel.plot.ground.side import side_figure
 
-        target = picture_path(output or Path(f"{rover}_from_the_side.png"))
-        figure = side_figure(choose_suspension(rover), title=rover)
+        arm, name = choose_suspension(rover, Reading(node, as_, wheel_radius))
+        target = picture_path(output or Path(f"{name}_from_the_side.png"))
+        figure = side_figure(arm, title=name)
         with replacing(target, []) as temporary:
             save(figure, temporary)
         print(target.resolve())

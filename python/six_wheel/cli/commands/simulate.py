@@ -22,14 +22,13 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
-    from six_wheel.simulation.ground import GroundSimulation
 
 
 def simulate(
     rover: Annotated[
         str,
         typer.Argument(
-            metavar="ROVER", help="Parameter file, URDF or preset; over a map a preset with a suspension."
+            metavar="ROVER", help="Parameter file, URDF or preset; over a map one with a suspension."
         ),
     ],
     commands: Annotated[
@@ -67,8 +66,9 @@ def simulate(
 ) -> None:
     if ground is None and speeds is not None:
         raise ValueError(f"--speeds must come with --ground: level ground is all there is, got {speeds}")
-    chosen = choose(rover, Reading(node, as_, wheel_radius)) if ground is None else None
-    arm = choose_suspension(rover) if ground is not None else None
+    reading = Reading(node, as_, wheel_radius)
+    chosen = choose(rover, reading) if ground is None else None
+    suspended = choose_suspension(rover, reading) if ground is not None else None
     if plot is not None or speeds is not None:
         from six_wheel.plot.saving import picture_path
 
@@ -85,9 +85,9 @@ def simulate(
     if chosen is not None:
         rows = _on_a_plane(chosen, way, pose, rate, seed, output, plot)
     else:
-        assert arm is not None
+        assert suspended is not None
         assert ground is not None
-        rows = _over_ground(arm, rover, ground, way, pose, rate, seed, output, plot, speeds)
+        rows = _over_ground(*suspended, ground, way, pose, rate, seed, output, plot, speeds)
     new_console().print(grid([*rows, ("results", output), ("picture", plot), ("speeds", speeds)]))
 
 
@@ -167,6 +167,7 @@ def _over_ground(
     speeds: Path | None,
 ) -> list[tuple[str, object]]:
     from six_wheel._core import Terrain
+    from six_wheel.report.ground import ground_facts
     from six_wheel.simulation.ground import GroundSimulation
     from six_wheel.simulation.ground_writing import write_ground
     from six_wheel.simulation.running import simulate as run
@@ -184,7 +185,7 @@ def _over_ground(
             save(ground_figure(done, arm, land, title=title), plot)
         if speeds is not None:
             save(speeds_figure(done, arm, title=title), speeds)
-    return _summary(done)
+    return [*ground_facts(done)]
 
 
 def _middle(land: "Terrain") -> tuple[float, float]:
@@ -193,32 +194,6 @@ def _middle(land: "Terrain") -> tuple[float, float]:
     ahead, aside = dx * (columns - 1) / 2, dy * (rows - 1) / 2
     cos, sin = math.cos(land.orientation), math.sin(land.orientation)
     return x + cos * ahead - sin * aside, y + sin * ahead + cos * aside
-
-
-def _summary(run: "GroundSimulation") -> list[tuple[str, object]]:
-    """What a drive came to, as rows for `grid`."""
-    import numpy as np
-
-    stand, speeds, flat, slip = run.stand, run.speeds, run.flat_speeds, run.slip
-    assert stand is not None
-    assert speeds is not None
-    assert flat is not None
-    assert slip is not None
-    statuses = np.asarray(stand.status).astype(str).tolist()
-    tilt = np.degrees(np.arccos(np.cos(stand.roll) * np.cos(stand.pitch)))
-    driving = np.abs(flat) > 1e-9
-    off = np.abs(speeds - flat)[driving] / np.abs(flat)[driving]
-    counted = ", ".join(f"{status} {statuses.count(status):,}" for status in dict.fromkeys(statuses))
-    return [
-        ("samples", f"{len(run.stamps):,}, {counted}"),
-        ("duration", f"{run.stamps[-1] - run.stamps[0]:.6g} s"),
-        ("largest tilt", f"{np.nanmax(tilt):.3g} deg"),
-        ("largest joint angle", f"{np.degrees(np.nanmax(np.abs(stand.joints))):.3g} deg"),
-        ("largest slip angle", f"{np.degrees(np.nanmax(np.abs(slip.angle))):.3g} deg"),
-        ("wheel speeds", f"off those on level ground by {np.median(off):.1%}, at most {off.max():.1%}")
-        if off.size
-        else ("wheel speeds", "all 0"),
-    ]
 
 
 def _start(text: str) -> tuple[float, float, float]:

@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from six_wheel.cli.shared import grid, new_console, progress_bar
+from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
     from six_wheel.bounding import StandLimits
 
-ROVERS = ("perseverance", "curiosity", "rocky7", "open_source_rover")
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
 
 
 def traverse(
     map: Annotated[Path, typer.Argument(metavar="MAP", help="Heights in metres: GeoTIFF, PDS, ESRI ASCII.")],
-    rover: Annotated[str, typer.Option(metavar="NAME", help=f"One of {', '.join(ROVERS)}.")],
+    rover: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help=f"{', '.join(SUSPENDED)}, or a parameter file or URDF with a suspension.",
+        ),
+    ],
     output: Annotated[
         Path,
         typer.Option(
@@ -40,15 +45,13 @@ def traverse(
     workers: Annotated[int | None, typer.Option(help="Processes; default one per core.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Picture: .png, .svg or .pdf.")] = None,
 ) -> None:
-    if rover not in ROVERS:
-        raise ValueError(f'rover must be one of {", ".join(ROVERS)}, got "{rover}"')
+    arm, name = choose_suspension(rover)
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
         from six_wheel.plot.saving import picture_path
 
         picture_path(plot)
-    from six_wheel import RockerBogie
     from six_wheel.traverse import traverse as run
 
     limits = _limits(limit or [])
@@ -56,7 +59,7 @@ def traverse(
     with progress_bar("tiles") as update:
         done = run(
             map,
-            getattr(RockerBogie, rover)(),
+            arm,
             output,
             headings=headings,
             limits=limits,
@@ -69,7 +72,7 @@ def traverse(
         from six_wheel.plot import save, traverse_figure
 
         layers = done.picture
-        save(traverse_figure(layers.safe, layers.tilt, done.extent, f"{rover} on {map.name}"), plot)
+        save(traverse_figure(layers.safe, layers.tilt, done.extent, f"{name} on {map.name}"), plot)
     rows = [
         ("cells", f"{done.cells} at {done.headings} headings, {time.monotonic() - begin:.1f} s"),
         ("safe", f"{100 * done.safe:.2f} % of all poses"),

@@ -28,7 +28,7 @@ impl Odometry {
             reading_variance: sharing * (noise.speed * dt).powi(2),
             steering_deviation: noise.period.map_or(1.0, |_| sharing.sqrt()) * noise.steering,
             slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
-            slip_bound: self.settings.slip_threshold.map(|threshold| threshold * dt),
+            slip_bound: self.settings.flagged_slip().map(|threshold| threshold * dt),
             smoothing: self.settings.smoothing,
             most: [
                 most(self.settings.max_speed),

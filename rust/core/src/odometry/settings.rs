@@ -10,6 +10,9 @@ use crate::estimate::Method;
 use crate::rover::Rover;
 use crate::wheels::Pivot;
 
+/// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
+const GUESSED_SLIP: f64 = 0.05;
+
 /// What the readings of the wheels are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Readings {
@@ -39,7 +42,8 @@ pub struct Settings {
     pub method: Method,
     /// Whether disagreement of the wheels beyond the noise counts as more noise.
     pub inflate: bool,
-    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains.
+    /// Slip of a wheel that is flagged [m/s]; None: four standard deviations of what the noise explains, of a noise that is a
+    /// guess [`GUESSED_SLIP`].
     pub slip_threshold: Option<f64>,
     /// Time between samples beyond which a step is flagged [s].
     pub max_gap: Option<f64>,
@@ -137,8 +141,14 @@ impl Settings {
             noise,
             method: self.method,
             inflate: self.inflate,
-            slip_threshold: self.slip_threshold,
+            slip_threshold: self.flagged_slip(),
         }
+    }
+
+    /// Slip of a wheel that is flagged [m/s], where one number says it.
+    pub(super) fn flagged_slip(&self) -> Option<f64> {
+        self.slip_threshold
+            .or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
     /// How steps are made by registers: totals, every wheel weighed alike.

@@ -9,7 +9,7 @@ fn noise() -> Noise {
         steering: 0.01,
         slip: 0.01,
         side_slip: 0.02,
-        ..Noise::default()
+        ..Noise::READINGS
     }
 }
 

@@ -1,0 +1,99 @@
+"""What calibration is worth on recordings that were not fitted: ``python benches/recordings.py DATA``.
+
+DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others
+choose the parameters, fit them and measure the noise; the session left out is dead-reckoned with what they
+found, its first pose given. Prints two tables in Markdown.
+"""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+import six_wheel as sw
+from six_wheel.evaluation import absolute_error
+from six_wheel.logs import Log, optiodom
+from six_wheel.poses import Floats, between
+
+TRUTH = np.array([1e-3, 1e-3, 1e-3])  # what motion capture errs by [m, m, rad]
+BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %
+
+
+@dataclass(frozen=True)
+class Reckoned:
+    """Root mean square position error [m] and normalised error squared of the end of one run."""
+
+    error: float
+    nees: float
+
+
+def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise) -> Reckoned:
+    """A run, its first pose given."""
+    truth = log.truth
+    assert truth is not None
+    track = sw.dead_reckon(rover, log, noise=noise, start=truth.poses[0], residuals=False)
+    assert track.covariances is not None
+    error = between(truth.poses[-1], track.poses[-1])
+    heading = truth.poses[-1, 2]
+    turn = np.array(
+        [[np.cos(heading), np.sin(heading), 0], [-np.sin(heading), np.cos(heading), 0], [0, 0, 1]]
+    )
+    spread = turn @ track.covariances[-1] @ turn.T + np.diag(TRUTH**2)
+    return Reckoned(
+        absolute_error(track.poses, truth.poses).rmse, float(error @ np.linalg.solve(spread, error))
+    )
+
+
+def left_out(rovers: list[sw.Rover], logs: list[Log]) -> Iterator[tuple[str, list[int], sw.Rover, sw.Noise]]:
+    """Every session with what the others say: the set they choose, runs, rover and noise."""
+    for session in dict.fromkeys(log.session for log in logs):
+        others = [number for number, log in enumerate(logs) if log.session != session]
+        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others])
+        own = [number for number, log in enumerate(logs) if log.session == session]
+        yield ", ".join(result.chosen), own, result.rover, result.noise
+
+
+def judged(folder: Path) -> tuple[str, str]:
+    """The rows of one robot in both tables."""
+    paths = sorted(folder.rglob("*_run-*.csv"))
+    rovers, logs = [optiodom.read_rover(path) for path in paths], [optiodom.read(path) for path in paths]
+    guess = [reckoned(rover, log, sw.Noise()) for rover, log in zip(rovers, logs, strict=True)]
+    found: dict[int, Reckoned] = {}
+    chosen = dict[str, None]()
+    for names, own, rover, noise in left_out(rovers, logs):
+        chosen[names] = None
+        found |= {number: reckoned(rover, logs[number], noise) for number in own}
+    after = [found[number] for number in range(len(logs))]
+    before, errors = (np.array([one.error for one in runs]) for runs in (guess, after))
+    worse = int(np.sum(errors > before))
+    return (
+        f"| {folder.name} | {len(logs)} | {'; '.join(chosen)} | {np.median(before):.4f} "
+        f"| {np.median(errors):.4f} | {worse} |",
+        f"| {folder.name} | {share(guess)} | {share(after)} |",
+    )
+
+
+def share(runs: list[Reckoned]) -> str:
+    """How many ends lie within their 95 % bound, and the median of their normalised errors squared."""
+    nees: Floats = np.array([run.nees for run in runs])
+    return f"{100 * np.mean(nees <= BOUND):.0f} % | {np.median(nees):.2f}"
+
+
+def main() -> None:
+    """Both tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("robots", nargs="*")
+    arguments = parser.parse_args()
+    folders = [each for each in sorted(arguments.data.iterdir()) if each.is_dir()]
+    rows = [judged(each) for each in folders if not arguments.robots or each.name in arguments.robots]
+    print("| robot | runs | chosen | nominal [m] | left out [m] | runs worse |")
+    print("|---|---|---|---|---|---|", *(row for row, _ in rows), sep="\n")
+    print("\n| robot | default noise, nominal | median NEES | measured, left out | median NEES |")
+    print("|---|---|---|---|---|", *(row for _, row in rows), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
