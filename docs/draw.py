@@ -20,7 +20,8 @@ from six_wheel import (
     reference,
 )
 from six_wheel.calibration.files import calibrate_files
-from six_wheel.demo import drive_yard
+from six_wheel.demo import drive_yard, showing
+from six_wheel.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.drive import ControlledDrive, Loop
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
@@ -29,6 +30,7 @@ from six_wheel.report.calibration import before_and_after
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
+DEMO_DPI = 57  # it is large
 COLOURS = 160  # few, so that the files stay small
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -149,6 +151,21 @@ def over_ground() -> dict[str, Figure]:
     }
 
 
+def demo() -> Figure:
+    """What `make demo` draws first."""
+    times, poses = load_path()
+    found = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
+    return showing.draw(found)
+
+
+def write(name: str, figure: Figure, dpi: int) -> None:
+    """As a PNG of few colours."""
+    png = io.BytesIO()
+    figure.savefig(png, dpi=dpi)
+    picture = Image.open(png).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture.save(PICTURES / f"{name}.png", optimize=True)
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
@@ -161,10 +178,8 @@ def main() -> None:
     figures["limits"] = limits()
     figures |= over_ground()
     for name, figure in figures.items():
-        png = io.BytesIO()
-        figure.savefig(png, dpi=DPI)
-        picture = Image.open(png).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        picture.save(PICTURES / f"{name}.png", optimize=True)
+        write(name, figure, DPI)
+    write("demo", demo(), DEMO_DPI)
 
 
 if __name__ == "__main__":

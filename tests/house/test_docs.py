@@ -83,6 +83,7 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "ground",
         "ground_side",
         "ground_speeds",
+        "demo",
     )
     assert drawn == {f"{name}.png" for name in (*draw.VEHICLES, *others)}
     assert drawn <= {path.name for path in (DOCS / "pictures").iterdir()}

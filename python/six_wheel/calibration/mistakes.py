@@ -25,7 +25,7 @@ AT_BOUND = 1e-6
 # A direction known no better than to this share of what is plausible.
 HARDLY = 0.1
 # Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears.
-LARGE = 2.0
+LARGE = 1.5
 # Left out on either side of a slide [s]: where it begins is known to half a window.
 MARGIN = 0.5
 FEWEST_ROWS = 10

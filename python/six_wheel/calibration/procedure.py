@@ -83,16 +83,16 @@ def calibrate(
         best that were not fitted.
     loss : {'auto', 'soft_l1', 'linear', 'huber', 'cauchy'}
         How much windows count in which the rover slipped: from three times the usual error on less and less.
-        ``"auto"`` is ``"soft_l1"``; where a drive slid by more than twice the rover's size at a stretch, that
-        stretch is left out of fit and cross-validation (`Calibration.slips`) and the loss is ``"cauchy"``.
+        ``"auto"`` is ``"soft_l1"``; where a drive slid by more than 1.5 times the rover's size at a stretch,
+        that is left out of fit and cross-validation (`Calibration.slips`) and the loss is ``"cauchy"``.
     window : float or sequence of float, optional
         Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
         10, 20 and 40 times the distance of the farthest wheel from the origin.
-    confidence : float
+    confidence : float, default 0.95
         Of the intervals.
     cross_validation : bool
         Whether to leave out one session (run, part of a run) after another and report the errors there.
-    max_time_offset : float
+    max_time_offset : float, default 0.5
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.

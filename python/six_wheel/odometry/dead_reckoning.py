@@ -53,7 +53,7 @@ def dead_reckon(
         Standard deviations of readings and slip, default ``Noise()``.
     yaw, yaw_rate : array_like of shape (n,), or str, optional
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table.
-    start : array_like, shape (3,)
+    start : array_like, shape (3,), default (0, 0, 0)
         First pose ``[x, y, yaw]`` [m, m, rad].
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.

@@ -150,9 +150,9 @@ class Track:
         ----------
         threshold : float, optional
             Residual from which on a wheel slips [m/s]; by default the rows flagged `Health.SLIP` count.
-        gap : float
+        gap : float, default 0.5
             Rows of slip that lie no further apart than this are one window [s].
-        shortest : int
+        shortest : int, default 2
             Rows that make a window: fewer are noise.
         """
         return SlipReport.of(self, threshold, gap, shortest)

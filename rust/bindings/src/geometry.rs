@@ -23,7 +23,7 @@ use crate::convert::{
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
 /// dt : float or array_like, shape (n,)
 ///     Duration of the steps [s].
-/// start : array_like, shape (3,) or (..., 3)
+/// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
 ///     Where to write the poses.
@@ -74,7 +74,7 @@ pub fn integrate<'py>(
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
 /// dt : float or array_like, shape (t,)
 ///     Duration of the steps [s].
-/// start : array_like, shape (3,) or (..., k, 3)
+/// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
 /// out : ndarray, shape (..., k, t + 1, 3), optional
 ///     Where to write the poses.
@@ -293,7 +293,7 @@ pub fn differentiate<'py>(
 /// ----------
 /// twist : array_like, shape (..., 3)
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-/// dt : float or array_like, shape (...)
+/// dt : float or array_like, shape (...), default 1.0
 ///     For how long [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
@@ -321,7 +321,7 @@ pub fn exp<'py>(
 /// ----------
 /// pose : array_like, shape (..., 3)
 ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-/// dt : float or array_like, shape (...)
+/// dt : float or array_like, shape (...), default 1.0
 ///     In how long [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.

@@ -27,7 +27,7 @@ impl Rover {
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
     /// dt : float or array_like, shape (t,)
     ///     Duration of the steps [s].
-    /// start : array_like, shape (3,) or (..., k, 3)
+    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
     ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
     /// previous : array_like, shape (steered wheels,), optional
     ///     Present steering angles [rad]; without them the first step costs no steering rate.

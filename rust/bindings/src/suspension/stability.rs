@@ -199,7 +199,7 @@ impl Suspension {
     ///     Of the rover [kg].
     /// centre_of_mass : (float, float, float), optional
     ///     In the rover's frame [m]; default that of `settle`.
-    /// gravity : float
+    /// gravity : float, default 9.80665
     ///     [m/s^2].
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
