@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, FancyBboxPatch
 
 from six_wheel import plot
-from six_wheel.plot.drawing import AXLE, new_figure
+from six_wheel.plot.drawing import AXLE, FORBIDDEN, new_figure
 
 # The six-wheel rover of design/models.md, section 2.
 ROVER = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
