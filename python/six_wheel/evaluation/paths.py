@@ -162,7 +162,7 @@ def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) ->
         The true path [m, m, rad].
     length : float
         Of a stretch [m]; it ends with the first pose at which that distance is reached.
-    stride : int or None
+    stride : int or None, default 5
         Every how many rows a stretch begins; None: where the one before it ended.
 
     Returns
