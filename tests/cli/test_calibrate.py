@@ -53,6 +53,13 @@ def drives(run: Run) -> None:
         write(f"run{seed}.csv", seed=seed)
 
 
+def write_still(path: str, rows: int = 100) -> None:
+    """A log in which the rover of `write` stands where it is."""
+    stamps = 0.05 * np.arange(rows)
+    columns = np.column_stack([stamps, np.zeros((rows, 5))])
+    np.savetxt(path, columns, delimiter=",", header="time,left [rad],right [rad],x,y,yaw", comments="")
+
+
 def row(out: str, name: str) -> list[str]:
     found = re.search(rf"^ *{re.escape(name)} +(.*\S)", out, re.MULTILINE)
     assert found, f"{name} in\n{out}"
@@ -281,3 +288,28 @@ def test_intervals_have_the_digits_they_are_worth(low: float, high: float, words
     middle = (low + high) / 2
     assert interval(Estimate("a", "m", middle, middle, (high - low) / 4, (low, high))) == words
     assert interval(Estimate("a", "m", middle, middle, math.nan, (math.nan, math.nan))) == "not identified"
+
+
+def test_a_log_in_which_the_rover_stands_still_is_left_out_with_a_word(
+    run: Run, refused: Refused, drives: None
+) -> None:
+    logs = ["run1.csv", "run2.csv", "run3.csv"]
+    _, without, _ = run("calibrate", "cart.yaml", *logs, *FIND)
+    write_still("still.csv")
+    _, beside, said = run("calibrate", "cart.yaml", "still.csv", *logs, *FIND)
+    assert beside == without
+    assert "warning: still: left out: the rover stands still" in said
+    assert "(still) must move while its truth is known" in refused(
+        "calibrate", "cart.yaml", "still.csv", *FIND
+    )
+
+
+def test_a_log_that_begins_standing_still_is_validated_on_the_rest_of_it(run: Run, drives: None) -> None:
+    moving = np.loadtxt("run1.csv", delimiter=",", skiprows=1)
+    still = np.repeat(moving[:1], 3 * len(moving), axis=0)
+    still[:, 0] -= 0.05 * np.arange(len(still), 0, -1)
+    Path("late.csv").write_text("time,left [rad],right [rad],x,y,yaw\n")
+    with Path("late.csv").open("a") as file:
+        np.savetxt(file, np.concatenate([still, moving]), delimiter=",", fmt="%.9f")
+    _, out, _ = run("calibrate", "cart.yaml", "late.csv", *FIND)
+    assert row(out, "track_width")

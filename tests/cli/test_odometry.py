@@ -352,7 +352,7 @@ def test_the_first_pose_can_be_given(run: Run, cart: None) -> None:
         (["cart.yaml", "log.csv", "--reading", "angel"], "reading must be one of angle, speed, ticks"),
         (["cart.yaml", "log.csv", "--truth", "none.csv"], "none.csv"),
         (["cart.yaml", "log.csv", "--truth", "commands.csv"], "the truth must have columns x, y and yaw"),
-        (["cart.yaml", "log.csv", "-o", "t.txt"], 'the ending must be .csv or .parquet, got ".txt"'),
+        (["cart.yaml", "log.csv", "-o", "t.txt"], 'the ending must be .csv, .parquet or .mcap, got ".txt"'),
         (["cart.yaml", "log.csv", "-o", "log.csv"], "the output must be another file than log.csv"),
         (["cart.yaml", "log.csv", "-o", "none/t.csv"], "the folder of the output must exist"),
         (["cart.yaml", "log.csv", "--plot", "p.xyz"], "the ending must be one of .png, .svg, .pdf"),
@@ -417,3 +417,27 @@ def test_steps_of_a_log_are_shown_as_progress(cart: None) -> None:
     assert seen == sorted(seen)
     assert len(seen) > 5
     assert seen[-1][0] == seen[-1][1]
+
+
+def test_a_record_of_odometry_has_readings_poses_and_both_covariances(run: Run, cart: None) -> None:
+    rosbags = pytest.importorskip("rosbags.highlevel")
+    from rosbags.typesys import Stores, get_typestore
+
+    for output in ("track.mcap", "track.csv"):
+        assert run("odometry", "cart.yaml", "log.csv", "-o", output, "--chunk-rows", "50")[0] == 0
+    track = read("track.csv")
+    seen: dict[str, list] = {}
+    with rosbags.AnyReader([Path("track.mcap")], default_typestore=get_typestore(Stores.LATEST)) as bag:
+        for connection, _, data in bag.messages():
+            seen.setdefault(connection.topic, []).append(bag.deserialize(data, connection.msgtype))
+    assert {topic: len(each) for topic, each in seen.items()} == dict.fromkeys(
+        ("/joint_states", "/odom", "/tf", "/wheel_slip"), len(track["x"])
+    )
+    poses = [message.pose.pose.position.x for message in seen["/odom"]]
+    np.testing.assert_allclose(poses, track["x"], atol=1e-12)  # a row at a time: rounding only
+    last = seen["/odom"][-1]
+    assert last.pose.covariance[0] == pytest.approx(track["covariance_x_x"][-1], rel=1e-9)
+    assert last.twist.covariance[35] > 0.0
+    # And it is a log again.
+    assert run("odometry", "cart.yaml", "track.mcap", "-o", "again.csv")[0] == 0
+    np.testing.assert_allclose(read("again.csv")["x"], track["x"], atol=1e-9)

@@ -1,5 +1,6 @@
 """ROS 2 bags, written here with rosbags itself: joints in any order and message, poses, commands out."""
 
+import itertools
 import re
 import subprocess
 import sys
@@ -18,11 +19,12 @@ import six_wheel as sw
 pytest.importorskip("rosbags", reason='needs pip install "six-wheel[bags]"')
 pytest.importorskip("pyarrow")
 
+import pyarrow.parquet
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from six_wheel.drive import drive
+from six_wheel.drive import Loop, drive
 from six_wheel.logs import JointLog, bags, read_truth
 from six_wheel.logs.columns import TableError
 
@@ -345,8 +347,8 @@ def test_commands_of_a_drive(tmp_path: Path, unit: str) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c.csv", "run.csv", "run.mcap"]
     table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
     with AnyReader([tmp_path / "run.mcap"]) as reader:
-        assert [c.topic for c in reader.connections] == ["/joint_commands"]
-        seen = [(s, reader.deserialize(data, c.msgtype)) for c, s, data in reader.messages()]
+        commands = [c for c in reader.connections if c.topic == "/joint_commands"]
+        seen = [(s, reader.deserialize(data, c.msgtype)) for c, s, data in reader.messages(commands)]
     assert [s for s, _ in seen] == (stamps if unit == "ns" else [k * 10**8 for k in range(100)])
     for (stamp, message), row in zip(seen, table, strict=True):
         assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
@@ -358,6 +360,33 @@ def test_commands_of_a_drive(tmp_path: Path, unit: str) -> None:
     _, _, angles, steering = read(tmp_path / "run.mcap", ROVER)
     np.testing.assert_allclose(steering[:, 0], table["front_left_steering_joint"], rtol=1e-15)
     assert angles.shape == (100, 6)
+
+
+def test_a_record_of_a_drive_says_what_was_wanted_and_why_it_is_not(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text("time,vx,omega\n0,0.5,0\n1,0.5,0.3\n2,0,0\n")
+    loop = Loop(sw.Limits(speed=0.3, acceleration=0.5), 20.0)
+    drive(ROVER, tmp_path / "c.csv", tmp_path / "run.mcap", loop=loop, chunk_rows=7)
+    drive(ROVER, tmp_path / "c.csv", tmp_path / "run.parquet", loop=loop)
+    table = pyarrow.parquet.read_table(tmp_path / "run.parquet").to_pydict()
+    seen: dict[str, list[Any]] = {}
+    with AnyReader([tmp_path / "run.mcap"]) as reader:
+        for connection, _, data in reader.messages():
+            seen.setdefault(connection.topic, []).append(reader.deserialize(data, connection.msgtype))
+    rows = len(table["time"])
+    steady = ("/joint_commands", "/cmd_vel_out", "/odom", "/tf", "/wheel_slip")
+    assert {topic: len(seen[topic]) for topic in steady} == dict.fromkeys(steady, rows)
+    assert [m.twist.linear.x for m in seen["/cmd_vel"]] == [0.5, 0.5, 0.0]
+    assert [m.twist.linear.x for m in seen["/cmd_vel_out"]] == table["limited_vx"]
+    places = [m.pose.pose.position.x for m in seen["/odom"]]
+    np.testing.assert_allclose(places, table["x"], atol=1e-12)  # in other chunks: rounding
+    names = [name for name, _ in itertools.groupby(table["reason_names"])]
+    assert [m.data for m in seen["/reasons"]] == names
+    last = seen["/odom"][-1]
+    pose, motion = (np.reshape(each.covariance, (6, 6)) for each in (last.pose, last.twist))
+    for covariance in (pose, motion):
+        assert (np.linalg.eigvalsh(covariance) >= 0.0).all()
+        assert covariance[2, 2] == 1e6
+    assert pose[0, 0] > 0.0
 
 
 def test_a_drive_that_fails_leaves_no_bag(tmp_path: Path) -> None:

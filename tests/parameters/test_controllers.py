@@ -291,7 +291,6 @@ MISTAKES = {
     "misspelt": (DIFF, "wheel_separation:", "wheel_seperation:", 13, "did you mean wheel_separation?"),
     "limit misspelt": (DIFF, "max_jerk", "max_jurk", 30, "did you mean linear.x.max_jerk?"),
     "limit a word": (DIFF, "max_jerk: 5.0", "max_jerk: low", 30, "must be a number, got 'low'"),
-    "rear steers": ("ackermann_older", "ring: true", "ring: false", 4, "is false kind: custom"),
     "steers at the rear": (BICYCLE, "steering_axis", "rear", 4, "of rear, which does not steer"),
     "drives in front": (BICYCLE, "[rear_", "[front_", 3, "of front, which has no motor"),
     "one drives": (CAR, RIGHT_LEFT, "[motor]", 7, "2 joints got 1 rear_right, rear_left"),

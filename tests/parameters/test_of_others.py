@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -145,7 +146,7 @@ forklift:
     ahead = read(car.replace("front", "x").replace("rear", "front").replace("x", "rear")).rover
     twist = (0.1, 0.0, 0.2)
     assert [*found.rover.commands(twist).values()] == pytest.approx([*ahead.commands(twist).values()])
-    assert "front wheels drive and the rear ones steer" in str(found.warnings[0])
+    assert "front wheels drive and the rear ones steer: so say the names" in str(found.warnings[0])
 
 
 def test_keys_given_twice_octal_and_hexadecimal_numbers_are_read_as_ros_2_does(read) -> None:
@@ -187,6 +188,87 @@ def test_a_command_that_never_becomes_too_old(read) -> None:
     assert read(dump(found.rover, control=found.control)).control == {"timeout": None}
     line = refusal(read, plain.replace("never", "nevr"))
     assert "control.timeout must be" in line
+
+
+OLDER = {
+    "ackermann": "    front_wheel_track: 0.15\n    rear_wheel_track: 0.14\n",
+    "tricycle": "    wheel_track: 0.15\n",
+    "bicycle": "",
+}
+
+
+@pytest.mark.parametrize("kind", OLDER)
+def test_front_steering_false_is_the_same_vehicle_driving_the_other_way(read, kind: str) -> None:
+    """Backwards, the older controllers' files with a rear axle that steers are those with a front one."""
+    radius = "wheel_radius" if kind == "bicycle" else "wheels_radius"
+    drives = "[r]" if kind == "bicycle" else "[right, left]"
+    steers = "[right_steer, left_steer]" if kind == "ackermann" else "[steer]"
+    text = f"""
+c:
+  ros__parameters:
+    type: {kind}_steering_controller/{kind.capitalize()}SteeringController
+    front_steering: false
+    front_wheels_names: {drives}
+    rear_wheels_names: {steers}
+    wheelbase: 0.2
+    front_{radius}: 0.05
+    rear_{radius}: 0.04
+    steering_limit: [-0.3, 1.0]
+{OLDER[kind]}"""
+    behind, ahead = (
+        read(text),
+        read(re.sub("(front|rear)(?=_wheel)", other_axle, text.replace("false", "true"))),
+    )
+    assert "front_steering is false" in str(behind.warnings[0])
+    for wheel in behind.rover.wheels:
+        there = next(
+            each for each in ahead.rover.wheels if each.name == re.sub("front|rear", other_axle, wheel.name)
+        )
+        assert (wheel.x, wheel.y, wheel.radius, wheel.steered, wheel.driven) == (
+            -there.x, there.y, there.radius, there.steered, there.driven,
+        )  # fmt: skip
+    # Each commands its joints alike: that is how the controller makes them.
+    twist = (0.1, 0.0, 0.1)
+    assert [*behind.rover.commands(twist).values()] == pytest.approx([*ahead.rover.commands(twist).values()])
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_a_rear_steered_tricycle_drives_the_other_way(read, both: bool) -> None:
+    """One joint drives and steers the rear wheel, as forklifts have it."""
+    text = """
+c:
+  ros__parameters:
+    traction_joint_name: rear_traction_joint
+    steering_joint_name: rear_steering_joint
+    steering.min_position: -0.5
+    steering.max_position: 1.0
+    wheelbase: 1.2
+    wheel_radius: 0.2
+"""
+    if both:
+        text = """
+c:
+  ros__parameters:
+    type: tricycle_steering_controller/TricycleSteeringController
+    traction_joints_names: [rear_traction_joint]
+    steering_joints_names: [rear_steering_joint]
+    steering_limit: [-1.0, 0.5]
+    traction_track_width: 0.8
+    wheelbase: 1.2
+    traction_wheels_radius: 0.2
+"""
+    behind, ahead = read(text).rover, read(text.replace("rear", "front")).rover
+    (steered,) = [wheel for wheel in behind.wheels if wheel.steered]
+    assert (steered.name, steered.x, steered.driven) == ("rear", -1.2, True)
+    assert steered.steering_range == (-1.0, 0.5)
+    assert behind.reversed_joints == ("rear_steering_joint",)
+    twist = (0.1, 0.0, 0.02)
+    assert [*behind.commands(twist).values()] == pytest.approx([*ahead.commands(twist).values()])
+    assert "the rear wheel drives and steers: so say the names" in str(read(text).warnings)
+
+
+def other_axle(found: re.Match[str]) -> str:
+    return {"front": "rear", "rear": "front"}[found[0]]
 
 
 def test_the_open_source_rover_has_the_joints_of_its_own_nodes(read) -> None:

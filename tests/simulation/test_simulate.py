@@ -119,6 +119,11 @@ def test_a_bag_is_written_and_read_again(tmp_path):
     again, _ = read_log(tmp_path / "log.mcap", rover, LogOptions(), truth=tmp_path / "log.mcap")
     np.testing.assert_allclose(again.wheel_angles[:, 0], log.wheel_angles[:, 0], atol=1e-12)
     np.testing.assert_allclose(again.truth.poses, log.truth.poses, atol=1e-9)
+    said, _ = read_log(
+        tmp_path / "log.mcap", rover, LogOptions(truth_topic="/odom"), truth=tmp_path / "log.mcap"
+    )
+    steps = sw.dead_reckon(rover, log.steering, log.wheel_angles, log.stamps).poses
+    np.testing.assert_allclose(said.truth.poses, steps, atol=1e-9)  # from the origin, as the truth
     counted = sw.simulate(PAIR, (TIMES, TWISTS), encoder=sw.Encoder(64))
     with pytest.raises(TableError, match="a bag has joint states in radians"):
         write_log(counted, PAIR, tmp_path / "counts.mcap")

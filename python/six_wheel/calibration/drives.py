@@ -21,6 +21,10 @@ STRETCHES = 3  # of a drive, between which errors may differ
 SHORTEST = 1e-3  # a log that moves less than this many sizes of the rover does not move
 
 
+class StandsStillError(ValueError):
+    """A log, or what is known of its truth, in which the rover does not move: there is nothing to compare."""
+
+
 @dataclass(frozen=True, eq=False)
 class Drive:
     """One log: readings between its rows, the windows that compare it with the truth.
@@ -88,7 +92,8 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     Raises
     ------
     ValueError
-        If the log does not fit the rover, has no truth or too few rows that can be used.
+        If the log does not fit the rover, has no truth or too few rows that can be used. A `StandsStillError`
+        if the rover does not move.
     """
     who = _who(log, number)
     if log.truth is None:
@@ -115,7 +120,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     )
     rows, which = _windows(along, known, lengths, SHORTEST * reach)
     if not len(rows):
-        raise ValueError(f"{who} must move while its truth is known, got {along[-1]:.3g} m of motion")
+        raise StandsStillError(f"{who} must move while its truth is known, got {along[-1]:.3g} m of motion")
     middles = along[rows].mean(axis=1) / along[-1]
     return Drive(
         log.name or f"log {number}",
@@ -133,6 +138,29 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         len(log) - len(stamps),
         number,
     )
+
+
+def moving(rover: Rover, logs: Sequence[Log], margin: float = 0.0) -> list[bool]:
+    """In which logs the rover moves while its truth is known; `margin` as for `prepare`.
+
+    Raises
+    ------
+    ValueError
+        If a log cannot be used, or the rover moves in none.
+    """
+    found: list[bool] = []
+    refused: StandsStillError | None = None
+    for number, log in enumerate(logs):
+        try:
+            prepare(rover, log.in_radians(rover), default_lengths(rover), margin, number)
+        except StandsStillError as error:
+            refused = error
+            found.append(False)
+        else:
+            found.append(True)
+    if refused is not None and not any(found):
+        raise refused
+    return found
 
 
 def _usable(rover: Rover, log: Log, steering: Floats) -> Rows:

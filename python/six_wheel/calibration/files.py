@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Rover, __version__
+from six_wheel.calibration.drives import moving
 from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
@@ -102,6 +103,10 @@ def calibrate_files(
             _check_truth(path, log, truth)
             logs.append(log)
             warnings += _said(reader)
+        moves = moving(rover, logs)
+        still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
+        warnings += [f"{name}: left out: the rover stands still while its truth is known" for name in still]
+        logs = [log for log, moved in zip(logs, moves, strict=True) if moved]
         result = calibrate(rover, logs, progress=progress, **(options or {}))
         done = Calibrated(result, tuple(logs), tuple(warnings))
         text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))

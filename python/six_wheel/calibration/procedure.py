@@ -22,7 +22,7 @@ from six_wheel._core import Rover
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.drives import Drive, default_lengths, encoders, prepare
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.noise import MeasuredNoise
@@ -160,7 +160,10 @@ def calibrate(
     if cross_validation or asked is None:
         folds = drives
         if len(whole) == 1:
-            folds = [drive for part in pieces(whole[0]) for drive in left_of(part, _slides(slipped, 0))]
+            parts = pieces(whole[0])
+            kept = zip(parts, moving(rover, parts, margin), strict=True)
+            slides = _slides(slipped, 0)
+            folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
         checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:

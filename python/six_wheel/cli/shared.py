@@ -14,7 +14,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from six_wheel._core import RockerBogie, Rover
+    from six_wheel._core import Limits, RockerBogie, Rover
     from six_wheel.descriptions.findings import Finding
     from six_wheel.parameters.file import Parameters
     from six_wheel.urdf import Robot
@@ -60,6 +60,14 @@ class Chosen(NamedTuple):
     path: Path | None = None
     parameters: "Parameters | None" = None
     robot: "Robot | None" = None
+
+    @property
+    def limits(self) -> "Limits":
+        """Those of the file: of a robot description the rates of its joints."""
+        from six_wheel._core import Limits
+
+        source = self.parameters or self.robot
+        return source.limits if source else Limits()
 
     @property
     def warnings(self) -> "Sequence[Finding]":

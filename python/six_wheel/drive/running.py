@@ -10,18 +10,16 @@ import contextlib
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, Self
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any
 
 from six_wheel._core import Rover
 from six_wheel.drive.controlled import REASONS_METADATA, ControlledDrive, Loop
 from six_wheel.drive.direct import Drive
 from six_wheel.drive.engine import Engine, Summary
-from six_wheel.logs.bags import JointCommandWriter
+from six_wheel.drive.recording import DriveRecord
 from six_wheel.logs.tables import FORMATS, CommandTable, RowError, table_format
 from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.onboard.settings import text_of
 
 __all__ = ["drive"]
 
@@ -49,8 +47,8 @@ def drive(
     commands : Path
         A command table, see `logs`.
     output : Path, optional
-        Joint commands, poses, twists and residuals, .csv or .parquet; the joint commands alone as
-        sensor_msgs/JointState on the topic /joint_commands, .mcap.
+        Joint commands, poses, twists and residuals, .csv or .parquet; .mcap: a record with the topics of
+        `records.rover_record`, for viewers.
     loop : Loop, optional
         The controller to drive through, and how often it steps; without it, directly.
     finish : callable, optional
@@ -82,7 +80,7 @@ def drive(
         else:
             engine = ControlledDrive(rover, table.time_unit, loop, keep, block_rows=chunk_rows)
         result = stack.enter_context(replacing(output, [commands, *sources])) if output else None
-        with _writer(result, engine) if result else contextlib.nullcontext() as writer:
+        with _writer(result, engine, loop) if result else contextlib.nullcontext() as writer:
             try:
                 for chunk in table.chunks(chunk_rows):
                     _write(writer, engine.blocks(chunk))
@@ -98,52 +96,14 @@ def drive(
     return engine.summary
 
 
-def _write(writer: "TableWriter | CommandWriter | None", blocks: Iterator[list[Any]]) -> None:
+def _write(writer: "TableWriter | DriveRecord | None", blocks: Iterator[list[Any]]) -> None:
     for columns in blocks:
         if writer is not None:
             writer.write(columns)
 
 
-def _writer(path: Path, engine: Engine) -> "TableWriter | CommandWriter":
+def _writer(path: Path, engine: Engine, loop: Loop | None) -> "TableWriter | DriveRecord":
     if path.suffix.lower() == BAG:
-        return CommandWriter(path, engine)
+        others = {} if loop is None else {"limits": loop.limits, "control": loop.control}
+        return DriveRecord(path, engine, text_of(engine.rover, **others))
     return TableWriter(path, engine.units, REASONS_METADATA)
-
-
-class CommandWriter:
-    """Writes the joint commands of a drive into a bag, one message a row, chunk by chunk.
-
-    Parameters
-    ----------
-    path : Path
-        A .mcap file.
-    engine : Drive or ControlledDrive
-        Whose columns come to `write`.
-    """
-
-    def __init__(self, path: Path, engine: Engine) -> None:
-        steering, traction = map(list, engine.joints)
-        self._writer = JointCommandWriter(path, steering, traction)
-        self._joints = slice(1, 1 + len(steering) + len(traction))
-        self._nanoseconds = round(1e9 * engine.time_unit.scale)
-        self._rows = 0
-
-    def write(self, columns: Sequence[NDArray[Any]]) -> None:
-        """Append rows, those of the joint commands."""
-        stamps = columns[0] * self._nanoseconds
-        outside = ~((stamps >= 0) & (stamps < 2**31 * 1e9))
-        if outside.any():
-            k = int(outside.argmax())
-            rule = "a time in a bag must be from 0 to 2^31 seconds"
-            raise RowError(self._rows + k + 1, f"{rule}, got {columns[0][k]}")
-        self._rows += len(stamps)
-        if stamps.dtype != np.int64:
-            stamps = np.rint(stamps).astype(np.int64)
-        self._writer.write(stamps, np.stack(columns[self._joints], axis=1))
-
-    def __enter__(self) -> Self:
-        self._writer.__enter__()
-        return self
-
-    def __exit__(self, *error: Any) -> None:
-        self._writer.__exit__(*error)

@@ -1,4 +1,4 @@
-"""Bags of ROS 2, MCAP or sqlite3, and of ROS 1: joint states and poses in, joint commands out. Needs rosbags.
+"""Bags of ROS 2, MCAP or sqlite3, and of ROS 1: joint states and poses. Needs rosbags.
 
 Joints come in any order, in messages of their own, with positions or velocities. A row is made for every
 message of the first wheel that has any; what comes in other messages is interpolated between the two around.
@@ -8,8 +8,7 @@ import math
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -327,7 +326,7 @@ class TruthBag(Bag):
         name, _, frame = (topic or "").partition(":")
         self._frames = (frame,) if frame else OWN_FRAMES
         self._tree: dict[str, tuple[str, Any]] = {}
-        self._choose(POSES, None if topic is None else [name])
+        self._choose(POSES, None if topic is None else [name], usual="truth")
 
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """A row for every message."""
@@ -409,68 +408,3 @@ def _pose(message: Any) -> tuple[float, ...]:
         pose = getattr(message.pose, "pose", message.pose)  # inside a covariance
         p, q = pose.position, pose.orientation
     return p.x, p.y, q.x, q.y, q.z, q.w
-
-
-class JointCommandWriter:
-    """Writes joint commands as joint states, one message a row, into a .mcap file.
-
-    Parameters
-    ----------
-    path : Path
-        The file; one that is there is replaced.
-    steering, traction : sequence of str
-        Joints with a position [rad] and joints with a velocity [rad/s], in the order of the columns.
-    topic : str
-    """
-
-    def __init__(
-        self, path: Path, steering: Sequence[str], traction: Sequence[str], topic: str = "/joint_commands"
-    ) -> None:
-        rosbags = rosbags_names()
-        self._path, self._names = path, [*steering, *traction]
-        self._steering, self._traction = len(steering), len(traction)
-        self._store = rosbags.get_typestore(rosbags.Stores.LATEST)
-        # The writer makes a folder with an index beside the file, which is complete without.
-        self._folder = tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag")
-        plugin = rosbags.StoragePlugin.MCAP
-        self._writer = rosbags.Writer(Path(self._folder.name) / "bag", version=9, storage_plugin=plugin)
-        self._writer.open()
-        self._connection = self._writer.add_connection(topic, JOINT_STATE, typestore=self._store)
-
-    def write(self, stamps: NDArray[np.int64], joints: NDArray[np.float64]) -> None:
-        """Append rows at `stamps` (n,) [ns]: `joints` (n, steering + traction)."""
-        types = self._store.types
-        state, header, time = (
-            types[name] for name in (JOINT_STATE, "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
-        )
-        empty = np.empty(0)
-        positions = np.full_like(joints, np.nan)
-        velocities = np.full_like(joints, np.nan)
-        positions[:, : self._steering] = joints[:, : self._steering]
-        velocities[:, self._steering :] = joints[:, self._steering :]
-        for stamp, position, velocity in zip(stamps.tolist(), positions, velocities, strict=True):
-            second, nanosecond = divmod(stamp, 1_000_000_000)
-            message = state(
-                header=header(stamp=time(sec=second, nanosec=nanosecond), frame_id=""),
-                name=self._names,
-                position=position,
-                velocity=velocity,
-                effort=empty,
-            )
-            self._writer.write(self._connection, stamp, self._store.serialize_cdr(message, JOINT_STATE))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        try:
-            if error is None:
-                self._writer.close()
-                (file,) = Path(self._folder.name).glob("bag/*.mcap")
-                file.replace(self._path)
-            else:
-                self._writer.abort()
-        finally:
-            self._folder.cleanup()

@@ -14,7 +14,7 @@ from six_wheel.parameters.forms import section_of
 from six_wheel.parameters.nodes import PARAMETERS
 from six_wheel.parameters.schema import GROUPS
 
-__all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
+__all__ = ["NAMES", "Settings", "read_value", "rover_keys", "text_of", "with_changes"]
 
 NAMES = frozenset(option.name for option in OPTIONS)
 
@@ -208,3 +208,11 @@ def own_text(said: Parameters) -> str:
     text = dump(said.rover, limits=said.limits, control=said.control, **frames)
     groups = ("noise", "encoders", "steering_encoders", "odometry")
     return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})
+
+
+def text_of(rover: Rover, **others: Any) -> str:
+    """A parameter file of a rover, for its records, `others` as for `dump`; empty if no file can say it."""
+    try:
+        return dump(rover, **others)
+    except ValueError:
+        return ""

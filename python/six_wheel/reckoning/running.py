@@ -6,7 +6,7 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 import contextlib
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +20,20 @@ from six_wheel.logs.columns import TableError
 from six_wheel.logs.joints import JointRows, read_truth
 from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.recordings import Truth
-from six_wheel.logs.tables import table_format
+from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
 from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
+from six_wheel.onboard.settings import text_of
 from six_wheel.poses import Floats
+from six_wheel.reckoning.recording import TrackRecord
 from six_wheel.reckoning.slip import SlipSum
 
 __all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 
 FIRST_ROWS = 5  # of every kind of finding, that are named
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
+RECORD = ".mcap"
 COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 
@@ -141,6 +144,7 @@ class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
     def __init__(self, log: AnyLog, settings: Settings, options: LogOptions) -> None:
+        self.record: TrackRecord | None = None
         self.log = log
         self._options = options
         self._gains, self._scale = corrections(log.rover, options.encoders)
@@ -171,7 +175,7 @@ class _Run:
         """Reckon the rows of a chunk; one array (n,) for each of `units`."""
         result = self.result
         steering = None if chunk.steering is None else chunk.steering * self._gains
-        track = self._odometry.run(steering, chunk.wheel_angles * self._scale, chunk.stamps)
+        track = self._reckon(chunk, steering, chunk.wheel_angles * self._scale)
         covariances, residuals = track.covariances, track.residuals
         if covariances is None or residuals is None:
             raise RuntimeError("a track without covariances or residuals")  # they were not declined
@@ -190,6 +194,21 @@ class _Run:
         health = track.health.astype(np.int64)
         times = self._times(chunk.stamps)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
+
+    def _reckon(self, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
+        """The track of a chunk; into the record as well, if there is one."""
+        if self.record is None:
+            return self._odometry.run(steering, angles, chunk.stamps)
+        parts, covariances = [], []
+        for k in range(len(chunk.stamps)):  # row by row: only a state has the covariance of the twist
+            row = slice(k, k + 1)
+            steered = None if steering is None else steering[row]
+            parts.append(self._odometry.run(steered, angles[row], chunk.stamps[row]))
+            state = self._odometry.state
+            covariances.append((state.covariance_6x6(), state.twist_covariance_6x6()))
+        track = _joined(parts)
+        self.record.write(chunk, track, covariances)
+        return track
 
     def _note_truth(self, chunk: JointRows, poses: Floats, truth: Truth | None) -> None:
         """Keep what can be compared: now, or at the end where the log's own truth has another clock."""
@@ -261,6 +280,17 @@ class _Run:
         return result
 
 
+def _joined(parts: Sequence[Track]) -> Track:
+    """Tracks in a row as one."""
+
+    def all_of(name: str) -> Any:
+        values = [getattr(part, name) for part in parts]
+        return None if values[0] is None else np.concatenate(values)
+
+    names = [each.name for each in fields(Track) if each.name != "rover"]
+    return Track(parts[0].rover, *map(all_of, names))
+
+
 def reckon(
     rover: Rover,
     path: Path,
@@ -284,7 +314,8 @@ def reckon(
     path : Path
         A log, see `_log_files`.
     output : Path, optional
-        Times, poses, twists, covariances, residuals and health, .csv or .parquet.
+        Times, poses, twists, covariances, residuals and health, .csv or .parquet; .mcap: a record with the
+        topics of `records.rover_record`, for viewers.
     truth : Path, optional
         Where the rover was, if the log does not say.
     finish : callable, optional
@@ -309,8 +340,8 @@ def reckon(
         raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
     options, begin = log_options or LogOptions(), time.perf_counter()
     with contextlib.ExitStack() as stack:
-        if output is not None:
-            table_format(output)
+        if output is not None and output.suffix.lower() != RECORD:
+            table_format(output, (*FORMATS, RECORD))
         log: AnyLog = open_log(path, rover, options)
         stack.callback(log.close)
         run = _Run(log, settings or Settings(), options)
@@ -321,9 +352,13 @@ def reckon(
         for chunk in log.chunks(chunk_rows):
             if truth is not None and known is None:
                 known = _read_truth(truth, log, options, run.result)
+            # Only now is it known how the times are written.
+            if target is not None and target.suffix.lower() == RECORD and run.record is None:
+                record = TrackRecord(target, rover, text_of(rover), log.origin)
+                run.record = stack.enter_context(record)
             columns = run.advance(chunk, known)
-            if target is not None:
-                if writer is None:  # only now is it known how the times are written
+            if target is not None and run.record is None:
+                if writer is None:
                     writer = stack.enter_context(TableWriter(target, run.units()))
                 writer.write(columns)
             if progress is not None:

@@ -174,7 +174,7 @@ def rerun(rover: Rover) -> Any:
 
     def motion(field: str, name: str) -> Any:
         kind = "geometry_msgs.msg.TwistStamped"
-        overrides = {
+        overrides: Any = {
             topic: [line(kind, f".twist.{field}", label)]
             for topic, label in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
         }

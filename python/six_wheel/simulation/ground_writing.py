@@ -2,7 +2,7 @@
 
 import tempfile
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,13 @@ from six_wheel.logs.columns import TableError
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.simulation.ground import GroundSimulation
-from six_wheel.simulation.writing import BAG, POSE, Messages, joint_columns
+from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned
 
 __all__ = ["write_ground"]
 
 Floats = NDArray[np.float64]
 
 ENDINGS = (*FORMATS, BAG)
-WORLD, BODY = "map", "base_link"
 
 
 def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> None:
@@ -119,6 +118,7 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
         plugin = rosbags.StoragePlugin.MCAP
         with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
             messages = _GroundMessages(writer, store)
+            odometry = reckoned(run, planar)
             for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
                 if not np.isfinite(places[row]).all():
                     continue  # no way to stand was found here
@@ -127,6 +127,7 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
                 frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
                 messages.transforms(stamp, frames)
                 messages.posed(stamp, places[row], run.orientations[row])
+                messages.odometry(stamp, *odometry[row])
                 messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
         (file,) = Path(folder).glob("bag/*.mcap")
         file.replace(place)
@@ -165,37 +166,7 @@ def _product(first: Floats, second: Floats) -> Floats:
 
 
 class _GroundMessages(Messages):
-    """The same in three dimensions, and transforms."""
-
-    TOPICS: ClassVar = Messages.TOPICS | {"tf2_msgs/msg/TFMessage": "/tf"}
-
-    def _quaternion(self, numbers: Floats) -> Any:
-        x, y, z, w = map(float, numbers)
-        return self._make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
-
-    def _vector(self, numbers: Floats, kind: str = "Vector3") -> Any:
-        x, y, z = map(float, numbers)
-        return self._make(f"geometry_msgs/msg/{kind}", x=x, y=y, z=z)
-
-    def transforms(self, stamp: int, frames: dict[str, tuple[str, Floats, Floats]]) -> None:
-        """Child frame to parent frame, place and quaternion."""
-        stamped = []
-        for child, (parent, place, turn) in frames.items():
-            transform = self._make(
-                "geometry_msgs/msg/Transform",
-                translation=self._vector(place),
-                rotation=self._quaternion(turn),
-            )
-            header = self._header(stamp, parent)
-            fields = {"header": header, "child_frame_id": child, "transform": transform}
-            stamped.append(self._make("geometry_msgs/msg/TransformStamped", **fields))
-        self._send("tf2_msgs/msg/TFMessage", stamp, transforms=stamped)
-
-    def posed(self, stamp: int, place: Floats, turn: Floats) -> None:
-        """The true pose."""
-        point = self._vector(place, "Point")
-        pose = self._make("geometry_msgs/msg/Pose", position=point, orientation=self._quaternion(turn))
-        self._write("geometry_msgs/msg/PoseStamped", stamp, WORLD, pose=pose)
+    """The same in three dimensions."""
 
     def inertial(self, stamp: int, turn: Floats, rates: Floats) -> None:
         """Attitude and rates of the body."""

@@ -2,13 +2,14 @@
 
 import math
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Rover
+from six_wheel._core import Odometry, Rover
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import TableWriter, replacing
@@ -16,10 +17,11 @@ from six_wheel.logs.writing import TableWriter, replacing
 Floats = NDArray[np.float64]
 
 BAG = ".mcap"
+WORLD, BODY = "map", "base_link"
 
 
 def write_log(log: Log, rover: Rover, path: str | Path) -> None:
-    """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, joint states and odometry.
+    """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, for viewers.
 
     Parameters
     ----------
@@ -90,23 +92,51 @@ def _write_bag(log: Log, rover: Rover, path: Path) -> None:
         with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
             messages = Messages(writer, store)
             poses = None if log.truth is None else log.truth.at(log.stamps)
+            odometry = reckoned(log, rover)
             for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
                 messages.joints(stamp, list(columns), rows[row])
                 if poses is not None and np.isfinite(poses[row]).all():
-                    messages.pose(stamp, poses[row].tolist())
+                    x, y, yaw = poses[row].tolist()
+                    at, turn = np.array((x, y, 0.0)), upright(yaw)
+                    messages.posed(stamp, at, turn)
+                    messages.transforms(stamp, {BODY: (WORLD, at, turn)})
+                messages.odometry(stamp, *odometry[row])
                 if log.yaw_rate is not None:
                     messages.imu(stamp, float(log.yaw_rate[row]))
         (file,) = Path(folder).glob("bag/*.mcap")
         file.replace(place)
 
 
+def upright(yaw: float) -> Floats:
+    """The quaternion x, y, z, w of a turn about z."""
+    return np.array((0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
+
+
+def reckoned(log: Log, rover: Rover) -> list[tuple[Floats, Floats, Floats, Floats]]:
+    """What odometry makes of the readings from the first true pose on: pose, twist and their covariances
+    (6, 6), row by row."""
+    odometry = Odometry(rover, **log.options)
+    if log.truth is not None:
+        odometry.reset(log.truth.at(log.stamps[:1])[0])
+    rows = []
+    for row, stamp in enumerate(log.stamps.tolist()):
+        part = slice(row, row + 1)
+        steering = None if log.steering is None else log.steering[part]
+        odometry.run(steering, log.wheel_angles[part], [stamp], covariances=False, residuals=False)
+        state = odometry.state
+        rows.append((state.pose, state.twist, state.covariance_6x6(), state.twist_covariance_6x6()))
+    return rows
+
+
 class Messages:
-    """Joint states, the true pose and the gyroscope, each on its topic."""
+    """Joint states, the true pose, also as a transform, odometry and the gyroscope, each on its topic."""
 
     TOPICS: ClassVar = {
         "sensor_msgs/msg/JointState": "/joint_states",
         "geometry_msgs/msg/PoseStamped": "/truth",
         "sensor_msgs/msg/Imu": "/imu",
+        "nav_msgs/msg/Odometry": "/odom",
+        "tf2_msgs/msg/TFMessage": "/tf",
     }
 
     def __init__(self, writer: Any, store: Any) -> None:
@@ -140,24 +170,59 @@ class Messages:
         }
         self._write("sensor_msgs/msg/JointState", stamp, name=names, **readings)
 
-    def _turned(self, yaw: float) -> Any:
-        half = yaw / 2.0
-        return self._make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=math.sin(half), w=math.cos(half))
+    def _quaternion(self, numbers: Floats) -> Any:
+        x, y, z, w = map(float, numbers)
+        return self._make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
 
-    def pose(self, stamp: int, pose: list[float]) -> None:
-        place = self._make("geometry_msgs/msg/Point", x=pose[0], y=pose[1], z=0.0)
-        posed = self._make("geometry_msgs/msg/Pose", position=place, orientation=self._turned(pose[2]))
-        self._write("geometry_msgs/msg/PoseStamped", stamp, pose=posed)
+    def _vector(self, numbers: Iterable[float], kind: str = "Vector3") -> Any:
+        x, y, z = map(float, numbers)
+        return self._make(f"geometry_msgs/msg/{kind}", x=x, y=y, z=z)
+
+    def transforms(self, stamp: int, frames: dict[str, tuple[str, Floats, Floats]]) -> None:
+        """Child frame to parent frame, place and quaternion."""
+        stamped = []
+        for child, (parent, place, turn) in frames.items():
+            transform = self._make(
+                "geometry_msgs/msg/Transform",
+                translation=self._vector(place),
+                rotation=self._quaternion(turn),
+            )
+            header = self._header(stamp, parent)
+            fields = {"header": header, "child_frame_id": child, "transform": transform}
+            stamped.append(self._make("geometry_msgs/msg/TransformStamped", **fields))
+        self._send("tf2_msgs/msg/TFMessage", stamp, transforms=stamped)
+
+    def posed(self, stamp: int, place: Floats, turn: Floats) -> None:
+        """The true pose."""
+        point = self._vector(place, "Point")
+        pose = self._make("geometry_msgs/msg/Pose", position=point, orientation=self._quaternion(turn))
+        self._write("geometry_msgs/msg/PoseStamped", stamp, WORLD, pose=pose)
+
+    def odometry(self, stamp: int, pose: Floats, twist: Floats, of_pose: Floats, of_twist: Floats) -> None:
+        """Where the rover is by its wheels, with both covariances (6, 6)."""
+        make = self._make
+        place = self._vector((pose[0], pose[1], 0.0), "Point")
+        posed = make("geometry_msgs/msg/Pose", position=place, orientation=self._quaternion(upright(pose[2])))
+        moved = make(
+            "geometry_msgs/msg/Twist",
+            linear=self._vector((twist[0], twist[1], 0.0)),
+            angular=self._vector((0.0, 0.0, twist[2])),
+        )
+        fields = {
+            "child_frame_id": BODY,
+            "pose": make("geometry_msgs/msg/PoseWithCovariance", pose=posed, covariance=of_pose.ravel()),
+            "twist": make("geometry_msgs/msg/TwistWithCovariance", twist=moved, covariance=of_twist.ravel()),
+        }
+        self._write("nav_msgs/msg/Odometry", stamp, WORLD, **fields)
 
     def imu(self, stamp: int, rate: float) -> None:
-        zero = self._make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
-        turning = self._make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=rate)
+        zero, turning = self._vector((0.0, 0.0, 0.0)), self._vector((0.0, 0.0, rate))
         unknown = np.zeros(9)
         unknown[0] = -1.0  # by REP 145: this sensor has none of it
         self._write(
             "sensor_msgs/msg/Imu",
             stamp,
-            orientation=self._turned(0.0),
+            orientation=self._quaternion(upright(0.0)),
             orientation_covariance=unknown,
             angular_velocity=turning,
             angular_velocity_covariance=np.zeros(9),

@@ -185,8 +185,8 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
         rows.append(("reversed joints", ", ".join(rover.reversed_joints)))
     if chosen.robot is not None:
         rows += _described(chosen.robot)
+    rows[2:2] = within(chosen.rover, chosen.limits)
     if parameters:
-        rows[2:2] = within(chosen.rover, parameters.limits)
         limits = str(parameters.limits).removeprefix("Limits(").removesuffix(")").replace("=", " ")
         kind, controller = parameters.kind, parameters.controller
         rows += [
@@ -221,6 +221,8 @@ def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     from six_wheel.drive.abilities import bound, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
+    if limits == type(limits)():
+        return rows
     ahead, about = bound(rover, limits, (1.0, 0.0, 0.0)), bound(rover, limits, (0.0, 0.0, 1.0))
     if ahead is not None:
         rows.append(("top speed", f"{ahead.twist[0]:.4g} m/s, bound by {_words(ahead)}"))
@@ -242,11 +244,9 @@ def _words(bound: "Bound") -> str:
 
 def draw_limits(chosen: Chosen, plot: Path) -> None:
     """Write the picture of the limits."""
-    from six_wheel._core import Limits
     from six_wheel.logs.writing import replacing
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.saving import picture_path, save
 
-    limits = chosen.parameters.limits if chosen.parameters else Limits()
     with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:
-        save(limits_figure(chosen.rover, limits, title=chosen.name), picture)
+        save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), picture)

@@ -107,10 +107,7 @@ def drive(
         )
     for warning in summary.warnings:
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
-    from six_wheel._core import Limits
-
-    limits = chosen.parameters.limits if chosen.parameters else Limits()
-    rows = [*_summary(summary, limits), ("results", output), ("picture", plot)]
+    rows = [*_summary(summary, chosen.limits), ("results", output), ("picture", plot)]
     new_console().print(grid(rows))
 
 
@@ -118,7 +115,7 @@ def _loop(chosen: Chosen, rate: float | None) -> "Loop | None":
     """The controller to drive through, if there is anything for it to keep or it is asked for."""
     from six_wheel._core import Limits
 
-    limits = chosen.parameters.limits if chosen.parameters else Limits()
+    limits = chosen.limits
     control = chosen.parameters.control if chosen.parameters else {}
     if rate is None and limits == Limits() and not control:
         return None

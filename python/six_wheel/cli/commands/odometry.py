@@ -57,7 +57,9 @@ def odometry(
     truth: TruthOption = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Poses, twists, covariances, residuals: .csv or .parquet."),
+        typer.Option(
+            "-o", "--output", help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap."
+        ),
     ] = None,
     plot: PlotOption = None,
     report: ReportOption = None,

@@ -64,9 +64,10 @@ def settings_of(chosen: Chosen) -> "Settings":
     """What a loop is told, from a parameter file or a preset."""
     from six_wheel.onboard import Settings
 
-    if chosen.parameters is None:
-        return Settings.of_rover(chosen.rover)
-    return Settings.of_parameters(chosen.parameters)
+    if chosen.parameters is not None:
+        return Settings.of_parameters(chosen.parameters)
+    frame = "base_link" if chosen.robot is None else chosen.robot.base_frame_id
+    return Settings.of_rover(chosen.rover, limits=chosen.limits, base_frame_id=frame)
 
 
 def replay(

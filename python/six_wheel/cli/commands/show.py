@@ -18,7 +18,7 @@ from six_wheel.cli.shared import (
 from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
-    from six_wheel._core import Limits
+    pass
 
 Motion = tuple[float, float, float]
 SPEED = 0.5  # [m/s] of the motion that is drawn where none is given and no limit is lower
@@ -112,9 +112,7 @@ def _past(chosen: Chosen, motion: Motion) -> list[str]:
 
 def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
     """Name, value, limit and unit of what a motion asks; nothing for a rover without limits."""
-    limits: Limits | None = chosen.parameters.limits if chosen.parameters else None
-    if limits is None:
-        return []
+    limits = chosen.limits
     vx, vy, omega = motion
     _, speeds = chosen.rover.inverse(motion)
     return [

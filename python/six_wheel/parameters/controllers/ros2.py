@@ -5,19 +5,15 @@ refused.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.descriptions.joint_names import said_by
 from six_wheel.parameters.controllers.keys import (
-    DRIVES,
-    FRONT_RADIUS,
     FRONT_TRACK,
     LIMITS,
     RADIUS,
     STEERING_RANGE,
-    STEERS,
     TRACK,
     AckermannSteering,
     BicycleSteering,
@@ -26,14 +22,26 @@ from six_wheel.parameters.controllers.keys import (
     Omni,
     TricycleDrive,
     TricycleSteering,
-    given,
-    is_set,
 )
 from six_wheel.parameters.controllers.limits import check_limits, with_limits
 from six_wheel.parameters.controllers.names import reversed_by_sign, with_states
+from six_wheel.parameters.controllers.steering import (
+    STEERED_STATES,
+    TRICYCLE_TRACK,
+    ackermann_steering,
+    bicycle_steering,
+    check_steering,
+    check_tricycle,
+    right_before_left,
+    steered_wheel,
+    tricycle,
+    tricycle_steering,
+    with_axle_behind,
+    with_steering_range,
+)
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Common, Form, Values, as_argument, keys_of, shown
+from six_wheel.parameters.schema import Common, Form, Values, keys_of
 from six_wheel.parameters.syntax import Report
 
 __all__ = ["CONTROLLERS"]
@@ -89,104 +97,7 @@ def _omni(values: Values) -> Rover:
     return Rover.omni(positions, [angle - math.pi / 2 for angle in angles], values["wheel_radius"])
 
 
-def _ackermann_steering(values: Values) -> Rover:
-    track = given(values, *TRACK) or 1.0
-    steered = given(values, *FRONT_TRACK) or track
-    return _behind(_car(values, steered, track)) if _steers_behind(values) else _car(values, steered, track)
-
-
-def _steers_behind(values: Values) -> bool:
-    """Whether the names of all joints say that the front wheels drive and the rear ones steer."""
-
-    def said(keys: tuple[str, ...]) -> set[str | None]:
-        return {(said_by(name) or (None, None))[0] for name in given(values, *keys) or ()}
-
-    return said(DRIVES) == {"front"} and said(STEERS) == {"rear"}
-
-
-def _behind(car: Rover) -> Rover:
-    """A car with its steered axle as far behind the origin as it was ahead of it, and named so."""
-    other = {"front": "rear", "rear": "front"}
-    wheels = []
-    for wheel in sorted(car.wheels, key=lambda wheel: wheel.steered):
-        axle, _, side = wheel.name.partition("_")
-        wheels.append(
-            Wheel(
-                "_".join(filter(None, (other[axle], side))),
-                0.0 - wheel.x,
-                wheel.y,
-                radius=wheel.radius,
-                steered=wheel.steered,
-                steering_limit=wheel.steering_limit,
-                driven=wheel.driven,
-            )
-        )
-    return Rover(wheels)
-
-
-def _with_axle_behind(section: Section, values: Values) -> Values:
-    """The controller steers as if the axle were ahead: behind, its joints count the other way."""
-    values = with_limits(section, values)
-    if _steers_behind(values) and "reversed_joints" not in values:
-        return values | {"reversed_joints": list(given(values, *STEERS))}
-    return values
-
-
-def _tricycle_steering(values: Values) -> Rover:
-    if _drives_front(values):
-        return _car(values, None, given(values, *TRACK), driven="front")
-    return _car(values, None, given(values, *TRACK) or 1.0)
-
-
-def _drives_front(values: Values) -> bool:
-    """Whether a tricycle has one joint that drives: then it is that of the steered wheel."""
-    return len(given(values, *DRIVES) or ()) == 1
-
-
-def _tricycle(values: Values) -> Rover:
-    return _car(values, None, values.get("track_width"), driven="front")
-
-
-def _bicycle_steering(values: Values) -> Rover:
-    return _car(values, None, None)
-
-
-def _car(
-    values: Values, front_track: float | None, rear_track: float | None, *, driven: str = "rear"
-) -> Rover:
-    """Steered front and fixed rear wheels, one where there is no track; origin between the rear ones."""
-    radius = given(values, *RADIUS, "wheel_radius") or 1.0
-    front_radius = given(values, *FRONT_RADIUS) if driven == "rear" else None
-    limit = as_argument(values.get("steering_limit"))
-    steering = {"steered": True, "steering_limit": limit, "driven": driven == "front"}
-    front = _axle("front", values["wheelbase"], front_track, front_radius or radius, **steering)
-    return Rover([*front, *_axle("rear", 0.0, rear_track, radius, driven=driven == "rear")])
-
-
-def _axle(name: str, x: float, track: float | None, radius: float, **keywords: Any) -> Iterator[Wheel]:
-    if track is None:
-        yield Wheel(name, x, 0.0, radius=radius, **keywords)
-    else:
-        yield Wheel(f"{name}_left", x, track / 2, radius=radius, **keywords)
-        yield Wheel(f"{name}_right", x, -track / 2, radius=radius, **keywords)
-
-
 # Joints.
-
-
-def _right_before_left(values: Values, rover: Rover) -> list[JointList]:
-    """Lists that the controller reads by position."""
-    names = rover.wheel_names
-    if values.get("front_steering") is False:  # which has been refused: the lists are about other wheels
-        return []
-    driven = tuple(wheel.name for wheel in rover.wheels if wheel.driven)[::-1]
-    steered = rover.steered_names[::-1]
-    lists = []
-    for keys, wheels, lack in ((DRIVES, driven, "has no motor"), (STEERS, steered, "does not steer")):
-        elsewhere = tuple(name for name in names if name not in wheels)
-        key = next((key for key in keys if is_set(values.get(key))), keys[0])
-        lists.append(JointList(key, wheels, elsewhere, lack, "expected", steers=keys is STEERS))
-    return lists
 
 
 def _by_side(values: Values, rover: Rover) -> list[JointList]:
@@ -210,14 +121,6 @@ def _corner_by_corner(values: Values, rover: Rover) -> list[JointList]:
             "has a key of its own",
         )
         for wheel in _CORNERS
-    ]
-
-
-def _front_wheel(values: Values, rover: Rover) -> list[JointList]:
-    rear = rover.wheel_names[1:]
-    return [
-        JointList("traction_joint_name", ("front",), rear, "has no motor"),
-        JointList("steering_joint_name", ("front",), rear, steers=True),
     ]
 
 
@@ -262,102 +165,6 @@ def _check_mecanum(section: Section, values: Values, error: Report, warning: Rep
         error(section.line_of(at), at, message, "the rest of that sum is the distance to each side")
 
 
-def _check_tricycle(section: Section, values: Values, error: Report, warning: Report) -> None:
-    check_limits(section, values, error, warning)
-    if "track_width" not in section.data:
-        message = (
-            "the file does not say how far apart the rear wheels are; one wheel between them stands for both"
-        )
-        remedy = "add track_width, the distance from left to right rear wheel; commands do not depend on it"
-        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, remedy)
-    limit = _steering_range(values)
-    if limit is None and "steering_limit" not in section.data:
-        message = "the file has no range of the steering: 90 degrees to both sides are assumed"
-        warning(section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians")
-    if limit is not None:
-        at = (next(key for key in STEERING_RANGE[::-1] if is_set(values.get(key))),)
-        try:
-            Wheel("front", 0.0, 0.0, radius=1.0, steered=True, steering_limit=limit)
-        except ValueError as refused:
-            message = f"steering.min_position and max_position{str(refused).removeprefix('steering_limit')}"
-            error(section.line_of(at), at, message, "they are the ends of the steering range, in radians")
-
-
-def _steering_range(values: Values) -> tuple[float, float] | None:
-    """The range between two positions; one of them alone holds to both sides."""
-    lower, upper = (values.get(key, math.nan) for key in STEERING_RANGE)
-    if math.isnan(lower) and math.isnan(upper):
-        return None
-    return (-upper if math.isnan(lower) else lower, -lower if math.isnan(upper) else upper)
-
-
-def _with_steering_range(section: Section, values: Values) -> Values:
-    limit = _steering_range(values)
-    # The only one of them that counts its time-out in milliseconds.
-    return with_limits(section, ({"steering_limit": list(limit)} if limit else {}) | values, second=1000.0)
-
-
-def _check_steering(
-    radii: tuple[str, ...], tracks: tuple[str, ...] = (), front: tuple[str, ...] = ()
-) -> Callable[[Section, Values, Report, Report], None]:
-    """The rules of the steering controllers, whose names changed between distributions."""
-
-    def check(section: Section, values: Values, error: Report, warning: Report) -> None:
-        check_limits(section, values, error, warning)
-        if values.get("front_steering") is False:
-            at = ("front_steering",)
-            message = "front_steering is false, and which way a rear axle steers is not in the file"
-            remedy = "describe the vehicle with kind: custom, its steering angles counter-clockwise"
-            error(section.line_of(at), at, message, remedy)
-        if front and _steers_behind(values):
-            key = next(key for key in STEERS if is_set(values.get(key)))
-            message = "the names say that the front wheels drive and the rear ones steer: so they are placed"
-            remedy = "the steering joints then count clockwise, as the controller commands them"
-            warning(section.line_of((key,)), (key,), message, remedy)
-        if "steering_limit" not in section.data:
-            message = "the file has no range of the steering: 90 degrees to both sides are assumed"
-            warning(
-                section.line_of(("wheelbase",)), ("wheelbase",), message, "add steering_limit, in radians"
-            )
-        alone = tracks == TRICYCLE_TRACK and _drives_front(values)
-        for keys, needed in (
-            (DRIVES, True),
-            (STEERS, True),
-            (radii, True),
-            (tracks, not alone),
-            (front, False),
-        ):
-            _check_names(section, values, error, keys, needed=needed)
-
-    return check
-
-
-def _check_names(
-    section: Section, values: Values, error: Report, keys: tuple[str, ...], *, needed: bool
-) -> None:
-    """Of several names for one thing one is given, or they say the same."""
-    named = [key for key in keys if is_set(section.data.get(key))]
-    present = [key for key in keys if key in section.data]
-    if needed and keys and not present:
-        at, description = (keys[0],), _DESCRIPTIONS[keys[0]]
-        error(section.line, at, f"{keys[0]} is missing", f"add {keys[0]}, {description}")
-    elif needed and present and not named and present[0] in values:
-        at, description = (present[0],), _DESCRIPTIONS[present[0]]
-        message = f"{present[0]} must be set, got {shown(values[present[0]])}"
-        error(section.line_of(at), at, message, f"it is {description}")
-    both = [key for key in named if key in values]
-    for key in both[1:]:
-        if values[key] != values[both[0]]:
-            message = f"{key} and {both[0]} are given, and differ"
-            error(section.line_of((key,)), (key,), message, f"remove {key}, the older name")
-
-
-TRICYCLE_TRACK = ("traction_track_width", "wheel_track")
-_DESCRIPTIONS = {
-    key: str(info.description)
-    for schema in (BicycleSteering, TricycleSteering, AckermannSteering)
-    for key, info in keys_of(schema).items()
-}
 _OF_OTHERS = {
     "steering_limit",
     "track_width",
@@ -397,14 +204,6 @@ def _controller(
     )
 
 
-_STEERED_STATES = {
-    "traction_joints_names": "traction_joints_state_names",
-    "steering_joints_names": "steering_joints_state_names",
-    "rear_wheels_names": "rear_wheels_state_names",
-    "front_wheels_names": "front_wheels_state_names",
-}
-
-
 CONTROLLERS = (
     _controller(
         "diff_drive_controller",
@@ -424,37 +223,37 @@ CONTROLLERS = (
         "ackermann_steering_controller",
         "ackermann",
         AckermannSteering,
-        _ackermann_steering,
-        joint_lists=_right_before_left,
-        complete=with_states(_STEERED_STATES, _with_axle_behind),
-        check=_check_steering(RADIUS[:2], TRACK[:2], FRONT_TRACK),
+        ackermann_steering,
+        joint_lists=right_before_left,
+        complete=with_states(STEERED_STATES, with_axle_behind),
+        check=check_steering(RADIUS[:2], TRACK[:2], FRONT_TRACK),
     ),
     _controller(
         "tricycle_steering_controller",
         "tricycle",
         TricycleSteering,
-        _tricycle_steering,
-        joint_lists=_right_before_left,
-        complete=with_states(_STEERED_STATES, with_limits),
-        check=_check_steering(RADIUS[:2], TRICYCLE_TRACK),
+        tricycle_steering,
+        joint_lists=right_before_left,
+        complete=with_states(STEERED_STATES, with_axle_behind),
+        check=check_steering(RADIUS[:2], TRICYCLE_TRACK),
     ),
     _controller(
         "tricycle_controller",
         "tricycle",
         TricycleDrive,
-        _tricycle,
-        joint_lists=_front_wheel,
-        check=_check_tricycle,
-        complete=_with_steering_range,
+        tricycle,
+        joint_lists=steered_wheel,
+        check=check_tricycle,
+        complete=with_steering_range,
     ),
     _controller(
         "bicycle_steering_controller",
         "bicycle",
         BicycleSteering,
-        _bicycle_steering,
-        joint_lists=_right_before_left,
-        complete=with_states(_STEERED_STATES, with_limits),
-        check=_check_steering(RADIUS[2:]),
+        bicycle_steering,
+        joint_lists=right_before_left,
+        complete=with_states(STEERED_STATES, with_axle_behind),
+        check=check_steering(RADIUS[2:]),
     ),
     _controller(
         "mecanum_drive_controller",

@@ -69,7 +69,8 @@ def _say_osr(section: Section, values: Values, error: Report, warning: Report) -
         section.line_of(at),
         at,
         message,
-        "corner joints count clockwise there; state others with steering_joints",
+        "corner joints count clockwise there, and its /cmd_drive takes the right wheels' speeds negated; "
+        "state other names or signs with traction_joints, steering_joints and reversed_joints",
     )
 
 
