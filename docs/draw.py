@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageColor
 
 from six_wheel import (
     FourAxle,
@@ -31,6 +31,14 @@ from six_wheel.report.calibration import before_and_after
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
 DEMO_DPI = 57  # it is large
+STRIP = 12  # [px]
+MEANT = (
+    plot.drawing.CENTRE,
+    plot.drawing.FORBIDDEN,
+    plot.drawing.RECORDED,
+    plot.drawing.MOTION,
+    plot.drawing.AXLE,
+)
 COLOURS = 160  # few, so that the files stay small
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -162,7 +170,15 @@ def write(name: str, figure: Figure, dpi: int) -> None:
     """As a PNG of few colours."""
     png = io.BytesIO()
     figure.savefig(png, dpi=dpi)
-    picture = Image.open(png).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture = Image.open(png).convert("RGB")
+    # A dot would lose its colour to larger things: a strip of each colour keeps those that mean something.
+    swatch = Image.new("RGB", (picture.width, picture.height + STRIP * len(MEANT)), "white")
+    swatch.paste(picture)
+    for place, colour in enumerate(MEANT):
+        top = picture.height + STRIP * place
+        swatch.paste(ImageColor.getrgb(colour), (0, top, picture.width, top + STRIP))
+    palette = swatch.quantize(COLOURS, dither=Image.Dither.NONE)
+    picture = picture.quantize(palette=palette, dither=Image.Dither.NONE)
     picture.save(PICTURES / f"{name}.png", optimize=True)
 
 
