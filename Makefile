@@ -28,7 +28,7 @@ OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites profiling lint format wheel clean
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites instructions profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -89,6 +89,9 @@ bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios an
 bench-suites: $(VENV)/peers ## the same jobs under pytest-benchmark, criterion for the core
 	$(BIN)/python -m pytest benches --benchmark-enable --benchmark-only -q
 	cargo bench --package six-wheel-core --locked
+
+instructions: ## callgrind's count of a dozen calls beside benches/instructions.csv: 3 % more fails; COUNT=--write makes it anew
+	$(PYTHON) benches/instructions.py $(COUNT)
 
 profiling: $(VENV)/installed ## the installed module with names and lines for perf and valgrind; the next build takes them away
 	cargo build --profile profiling --locked --package six-wheel-py

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from six_wheel.calibration.fitting import Loss, Problem, refit, solve
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
+from six_wheel.cluster import collect
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.poses import Floats
 
@@ -131,8 +133,13 @@ def cross_validate(
     lengths: Floats,
     margin: float,
     progress: Callable[[int, int, str], object] | None,
+    client: Any = None,
+    workers: int | None = 1,
 ) -> CrossValidation | None:
-    """Every set fitted without one fold after another and tried there; None if there is but one."""
+    """Every set fitted without one fold after another and tried there; None if there is but one.
+
+    The sets are independent of one another: on a cluster or in processes each is an item.
+    """
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     by_run = len(sessions) == 1 or len(sessions) == len(drives)
     folds = [drive.name for drive in drives] if by_run else sessions
@@ -145,26 +152,47 @@ def cross_validate(
     empty = Model(rover, [])
     nominal = _fold_errors(empty, empty.start, drives, keys)
     tried = [Candidate((), 0, nominal, 1.0)]
-    done, total = 0, len(sets) * len(set(keys))
-    for names in sets:
-        model = Model(rover, catalogue.find(names))
-        whole = Problem(model, drives, loss, lengths, margin)
-        solution = solve(whole)
-        linear = whole.linearised(solution.values)
-        errors = np.empty(len(nominal))
-        for fold in range(len(nominal)):
-            if progress is not None:
-                progress(done, total, f"{', '.join(names)}, without {folds[fold]}")
-            left = [drive for drive, key in zip(drives, keys, strict=True) if key == fold]
-            values = refit(linear.only([key != fold for key in keys]), solution)
-            errors[fold] = _fold_errors(model, values, left, [0] * len(left))[0]
-            done += 1
+    total = len(sets)
+
+    def tell(done: int) -> None:
+        if progress is not None:
+            progress(done, total, f"sets of parameters, each without one {kind} after another")
+
+    tell(0)
+    problem = Problem(empty, drives, loss, lengths, margin)
+    items = [
+        Trial(replace(problem, model=Model(rover, catalogue.find(names))), tuple(keys)) for names in sets
+    ]
+    outcomes = collect(errors_left_out, items, cluster=client, workers=None if client else workers, tell=tell)
+    for number, failure in outcomes.failures.items():
+        raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
+    for names, item, errors in zip(sets, items, outcomes.values, strict=True):
+        model = item.problem.model
         tried.append(Candidate(tuple(names), len(model.names), errors, _score(errors, nominal)))
-    if progress is not None:
-        progress(total, total, "")
     chosen = choose(tried)
     tried.sort(key=lambda one: (one.score, one.count))
     return CrossValidation(kind, tuple(folds), nominal, tuple(tried), chosen.parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A set of parameters on all drives, and which fold each drive belongs to."""
+
+    problem: Problem
+    keys: tuple[int, ...]
+
+
+def errors_left_out(trial: Trial) -> Floats:
+    """Mean error of the runs of every fold under a fit without it [m]."""
+    whole, keys = trial.problem, trial.keys
+    solution = solve(whole)
+    linear = whole.linearised(solution.values)
+    errors = np.empty(max(keys) + 1)
+    for fold in range(len(errors)):
+        left = [drive for drive, key in zip(whole.drives, keys, strict=True) if key == fold]
+        values = refit(linear.only([key != fold for key in keys]), solution)
+        errors[fold] = _fold_errors(whole.model, values, left, [0] * len(left))[0]
+    return errors
 
 
 def choose(tried: Sequence[Candidate]) -> Candidate:

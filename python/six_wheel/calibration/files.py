@@ -28,6 +28,7 @@ from six_wheel.poses import Floats, joined
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
+MANY = 8  # logs from which on it is worth starting processes
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,10 @@ def calibrate_files(
         still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
         warnings += [f"{name}: left out: the rover stands still while its truth is known" for name in still]
         logs = [log for log, moved in zip(logs, moves, strict=True) if moved]
-        result = calibrate(rover, logs, progress=progress, **(options or {}))
+        given = dict(options or {})
+        if given.get("workers") is None:
+            given["workers"] = 1 if len(logs) < MANY else None
+        result = calibrate(rover, logs, progress=progress, **given)
         done = Calibrated(result, tuple(logs), tuple(warnings))
         text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))

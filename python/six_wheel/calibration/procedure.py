@@ -13,7 +13,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,6 +60,8 @@ def calibrate(
     cross_validation: bool = True,
     max_time_offset: float = 0.5,
     progress: Progress | None = None,
+    client: Any = None,
+    workers: int | None = 1,
 ) -> Calibration:
     """Identify a rover's dimensions from what its encoders said and how it really moved.
 
@@ -96,6 +98,10 @@ def calibrate(
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
+    client : distributed.Client or str, optional
+        A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
+    workers : int, optional
+        Processes of this machine that do so without a cluster, None for one per core.
 
     Returns
     -------
@@ -164,7 +170,9 @@ def calibrate(
             kept = zip(parts, moving(rover, parts, margin), strict=True)
             slides = _slides(slipped, 0)
             folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
-        checked = cross_validate(rover, catalogue, sets, folds, loss, lengths, margin, progress)
+        checked = cross_validate(
+            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers
+        )
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")

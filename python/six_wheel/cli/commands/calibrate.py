@@ -77,6 +77,13 @@ def calibrate(
     max_time_offset: Annotated[
         float, typer.Option(help="Largest time offset looked for, with time_offset in --parameters [s].")
     ] = 0.5,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler that fits, as tcp://10.0.0.7:8786."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes that fit; default one, one per core from eight logs on.")
+    ] = None,
     format: FormatOption = None,
     reading: ReadingOption = None,
     resolution: ResolutionOption = None,
@@ -104,6 +111,8 @@ def calibrate(
         "confidence": confidence,
         "cross_validation": cross_validation,
         "max_time_offset": max_time_offset,
+        "client": cluster,
+        "workers": workers,
     }
     title = chosen.name.removesuffix("_metadata")
     sources = [*paths, *(truth or []), *([chosen.path] if chosen.path else [])]

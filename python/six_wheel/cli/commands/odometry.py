@@ -1,6 +1,7 @@
 """`six-wheel odometry`: dead reckoning of a log."""
 
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,14 +52,20 @@ def odometry(
         str | None, typer.Argument(metavar="ROVER", help="Parameter file, or the name of a preset.")
     ] = None,
     log: Annotated[
-        Path | None,
-        typer.Argument(metavar="LOG", help="Table (.csv, .parquet), ROS 2 bag, or OptiOdom run."),
+        list[Path] | None,
+        typer.Argument(
+            metavar="LOG...",
+            help="Table (.csv, .parquet), ROS 2 bag, or OptiOdom run; of several, or a folder, a track each.",
+        ),
     ] = None,
     truth: TruthOption = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap."
+            "-o",
+            "--output",
+            help="Poses, twists, covariances, residuals: .csv or .parquet; a record: .mcap; "
+            "of several logs a folder, where a run that was stopped goes on.",
         ),
     ] = None,
     plot: PlotOption = None,
@@ -91,12 +98,26 @@ def odometry(
     node: NodeOption = None,
     as_: AsOption = None,
     wheel_radius: RadiusOption = None,
+    ending: Annotated[
+        str, typer.Option(metavar=".csv|.parquet", help="Of the tracks of several logs.")
+    ] = ".csv",
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler for several logs, as tcp://10.0.0.7:8786."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes for several logs; default one per core.")
+    ] = None,
     chunk_rows: Annotated[int, typer.Option(help="Most rows in memory at a time.")] = 65_536,
 ) -> None:
     given = dict(locals())
-    chosen, (path,) = choose_with_logs(
-        rover, [] if log is None else [log], example, Reading(node, as_, wheel_radius)
-    )
+    chosen, paths = choose_with_logs(rover, log or [], example, Reading(node, as_, wheel_radius))
+    path = paths[0]
+    if len(paths) > 1 or (path.is_dir() and not (path / "metadata.yaml").exists()):
+        _reckon_all(chosen, paths, given)
+        return
+    if cluster is not None:
+        raise ValueError(f"--cluster is for several logs or a folder of them, got {path}")
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.reckoning.running import reckon
     from six_wheel.report.pages import reporting
@@ -134,6 +155,50 @@ def odometry(
     files = [("results", output), ("picture", plot), ("report", report)]
     took = f"{result.elapsed:.3g} s, {result.rows / result.elapsed:,.0f} rows/s"
     new_console().print(grid([*rows, *files, ("took", took)]))
+
+
+def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> None:
+    """A track for every log, and what failed; exit code 1 where some did."""
+    from six_wheel.reckoning.fleet import FleetLog, reckon_all
+
+    if given["output"] is None:
+        raise ValueError(f"several logs need a folder for their tracks: give -o, got {len(paths)} paths")
+    for option in ("plot", "report"):
+        if given[option] is not None:
+            raise ValueError(f"--{option} is for one log, got {paths[0]} and others")
+    begin, done = time.monotonic(), list[FleetLog]()
+    with progress_bar("logs") as progress:
+        for one in reckon_all(
+            chosen.rover,
+            paths,
+            given["output"],
+            ending=given["ending"],
+            truth=given["truth"],
+            log_options=log_options(chosen, given),
+            settings=_settings(chosen, given),
+            length=given["length"],
+            client=given["cluster"],
+            workers=given["workers"],
+            tell=progress,
+        ):
+            done.append(one)
+            if one.failure is not None:
+                print(f"{PROGRAM}: {one.path}: {one.failure.message}", file=sys.stderr)
+    good = [one.summary for one in done if one.summary is not None]
+    resumed, failed = sum(one.resumed for one in done), len(done) - len(good)
+    errors = sorted(each["ate"] for each in good if each["ate"] is not None)
+    rows: list[tuple[str, object]] = [
+        ("logs", f"{len(done)}, {sum(each['rows'] for each in good):,} rows"),
+        ("distance", f"{sum(each['distance'] for each in good):.6g} m"),
+        ("ATE", f"{errors[len(errors) // 2]:.4f} m, the median of {len(errors)} logs" if errors else None),
+        ("done before", resumed or None),
+        ("failed", failed or None),
+        ("tracks", given["output"]),
+        ("took", f"{time.monotonic() - begin:.3g} s"),
+    ]
+    new_console().print(grid(rows))
+    if failed:
+        raise typer.Exit(1)
 
 
 def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
