@@ -295,7 +295,7 @@ fn main() -> Result<(), Error> {
         rank: 0,
         sigma_min: 0.0,
     };
-    let mut fits: Vec<_> = (0..ROWS).map(|_| one.clone()).collect();
+    let mut fits = vec![one; ROWS];
     fit(&drive, &mut fits, &mut speeds, &mut vec![0.0; 6 * ROWS])?;
     let heights = (0..200 * 200)
         .map(|k| 0.1 * (0.05 * (k % 200) as f64).sin() * (0.07 * (k / 200) as f64).cos());
