@@ -100,7 +100,7 @@ def calibrate(
         Called with steps done, steps in all and what is being done.
     client : distributed.Client or str, optional
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
-    workers : int, optional
+    workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
 
     Returns
