@@ -140,6 +140,10 @@ def listed(rows=ROWS):
     count = len(controls) * steps
     add("rollout", "", sw.rollout, controls, 0.02, rows=count)
     add("Rover.rollout_cost", "six-wheel", rover.rollout_cost, controls, 0.02, rows=count)
+    plan = sw.Mppi(rover, sw.Limits(speed=1.5, yaw_rate=1.0, steering_rate=1.0), samples=max(rows // 56, 1))
+    hills = sw.Costmap(random.random((200, 200)), 0.05)
+    add("Mppi.step", "a step of a rollout", plan.step, (5.0, 5.0, 0.3), path=[(5.0, 5.0), (9.0, 8.0)],
+        costmap=hills, rows=plan.samples * 56)  # fmt: skip
     add("dead_reckon", "six-wheel", sw.dead_reckon, rover, steering, totals, stamps, goal=5.0)
     odometry = sw.Odometry(rover)
     add(

@@ -16,10 +16,11 @@ import contenders  # noqa: E402
 import every_call  # noqa: E402
 import latency  # noqa: E402
 import memory  # noqa: E402
+import planner  # noqa: E402
 
 from six_wheel.benchmark import Grid, machine, nanoseconds, round_robin  # noqa: E402
 
-PARTS = ("calls", "batches", "every", "growth", "latency", "memory")
+PARTS = ("calls", "batches", "every", "planner", "growth", "latency", "memory")
 CALLS = ("core", "numba", "plain Python", "wpimath, bare", "wpimath", "NumPy", "reference")
 BATCHES = ("numba, blocked", "numba", "NumPy, tuned", "NumPy", "reference")
 
@@ -173,6 +174,7 @@ def main():
         "calls": lambda tell: one_call(options.rounds, tell),
         "batches": lambda tell: whole_batches(options.rounds, tell),
         "every": lambda tell: every_call.measured(rounds=options.rounds, progress=tell),
+        "planner": lambda tell: planner.measured(options.rounds, tell),
         "growth": lambda tell: growing(options.most, max(options.rounds // 3, 1), tell),
         "latency": lambda tell: worst_cases(options.ticks),
         "memory": lambda tell: extra_memory(options.most),

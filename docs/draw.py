@@ -2,6 +2,7 @@
 
 import io
 import math
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -159,6 +160,18 @@ def over_ground() -> dict[str, Figure]:
     }
 
 
+def planned() -> dict[str, Figure]:
+    """What the planner of the example does in its narrow places."""
+    example = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "05_planner.py"), run_name="worlds")
+    figures = {}
+    for name, world in example["WORLDS"].items():
+        run = example["drive"](world)
+        figures[f"planner_{name.replace(' ', '_')}"] = plot.plan_figure(
+            example["rover"], world.costmap(), run.poses, run.steering, path=world.path, title=name
+        )
+    return figures
+
+
 def demo() -> Figure:
     """What `make demo` draws first."""
     times, poses = load_path()
@@ -193,6 +206,7 @@ def main() -> None:
     figures["drive"] = driven()
     figures["limits"] = limits()
     figures |= over_ground()
+    figures |= planned()
     for name, figure in figures.items():
         write(name, figure, DPI)
     write("demo", demo(), DEMO_DPI)

@@ -3,7 +3,7 @@ from os import PathLike
 from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import TypeVar, disjoint_base
 
 from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
@@ -29,6 +29,7 @@ __all__ = [
     "Controller",
     "ControllerOutput",
     "ControllerRun",
+    "Costmap",
     "Encoder",
     "Feasible",
     "Fit",
@@ -41,6 +42,8 @@ __all__ = [
     "Link",
     "Mobility",
     "ModuleTransition",
+    "Mppi",
+    "MppiPlan",
     "Noise",
     "Odometry",
     "OdometryState",
@@ -1343,6 +1346,112 @@ class ControllerRun:
     def reasons(self) -> NDArray[np.uint32]: ...
     def __len__(self) -> int: ...
 
+@final
+class Costmap:
+    def __new__(
+        cls,
+        values: ArrayLike,
+        spacing: float | ArrayLike,
+        origin: ArrayLike = (0.0, 0.0),
+        *,
+        lethal: float | None = None,
+        outside: float | None = None,
+        frame: str | None = None,
+    ) -> Costmap: ...
+    @property
+    def values(self) -> NDArray[np.float32]: ...
+    @property
+    def spacing(self) -> tuple[float, float]: ...
+    @property
+    def origin(self) -> tuple[float, float]: ...
+    @property
+    def lethal(self) -> float | None: ...
+    @property
+    def outside(self) -> float | None: ...
+    @property
+    def frame(self) -> str | None: ...
+
+@final
+class Mppi:
+    def __new__(
+        cls,
+        rover: Rover,
+        limits: Limits | None = None,
+        *,
+        horizon: int = 56,
+        dt: float = 0.05,
+        samples: int = 2000,
+        seed: int = 0,
+        noise: ArrayLike | None = None,
+        correlation: float = 0.5,
+        temperature: float = 1.0,
+        weights: Mapping[str, float] | None = None,
+        smoothing: bool = True,
+        delay: float = 0.0,
+        dtype: DTypeLike = "float64",
+        footprint: ArrayLike | None = None,
+    ) -> Mppi: ...
+    def step(
+        self,
+        state: Any,
+        *,
+        twist: ArrayLike | None = None,
+        steering: ArrayLike | None = None,
+        path: ArrayLike | None = None,
+        costmap: Costmap | None = None,
+        goal: ArrayLike | None = None,
+        extra_cost: Callable[[_Floats, _Floats], ArrayLike] | None = None,
+        frame: str | None = None,
+        out: tuple[_Floats, _Floats] | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
+    ) -> MppiPlan: ...
+    def reset(self) -> None: ...
+    def restore(self, state: Mapping[str, Any]) -> None: ...
+    @property
+    def state(self) -> dict[str, Any]: ...
+    @property
+    def wishes(self) -> _Floats: ...
+    @property
+    def costs(self) -> _Floats: ...
+    @property
+    def rover(self) -> Rover: ...
+    @property
+    def limits(self) -> Limits: ...
+    @property
+    def horizon(self) -> int: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def noise(self) -> _Floats: ...
+    @property
+    def weights(self) -> dict[str, float]: ...
+
+@final
+class MppiPlan:
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def steering(self) -> _Floats: ...
+    @property
+    def speeds(self) -> _Floats: ...
+    @property
+    def twists(self) -> _Floats: ...
+    @property
+    def poses(self) -> _Floats: ...
+    @property
+    def controls(self) -> _Floats: ...
+    @property
+    def cost(self) -> float: ...
+    @property
+    def effective_samples(self) -> float: ...
+    @property
+    def reason(self) -> str: ...
+
 def reason_bits() -> list[tuple[str, int]]: ...
 def integrate(
     twists: ArrayLike,
@@ -1361,6 +1470,11 @@ def rollout(
     *,
     out: _Out | None = None,
     dtype: type[_Real] | None = None,
+    rover: Rover | None = None,
+    limits: Limits | None = None,
+    twist: ArrayLike | None = None,
+    steering: ArrayLike | None = None,
+    delay: float = 0.0,
     threads: int | None = None,
     kernel: _Kernel | None = None,
 ) -> NDArray[_Real]: ...

@@ -84,6 +84,9 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "ground_side",
         "ground_speeds",
         "demo",
+        "planner_slalom",
+        "planner_gate",
+        "planner_dead_end",
     )
     assert drawn == {f"{name}.png" for name in (*draw.VEHICLES, *others)}
     assert drawn <= {path.name for path in (DOCS / "pictures").iterdir()}

@@ -1,6 +1,7 @@
 """Nodes in processes of their own, on this machine only; without rclpy there is nothing to test."""
 
 import os
+import signal
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -27,6 +28,21 @@ rover_controller:
     steering_joints: [fl_steer, fr_steer, rl_steer, rr_steer]
     limits: {speed: 1.0, acceleration: 0.5, wheel_speed: 8.0, steering_rate: 1.0}
 """
+
+
+LONGEST = 180  # [s] that a test may take: then it fails, and its processes are ended
+
+
+@pytest.fixture(autouse=True)
+def _bounded() -> Iterator[None]:
+    def late(*_: object) -> None:
+        raise TimeoutError(f"the test must end within {LONGEST} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(LONGEST)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture(autouse=True)

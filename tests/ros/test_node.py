@@ -147,6 +147,46 @@ def test_faults_of_commands_are_said(start, peer, rover_file):
         peer.node.destroy_publisher(other)
 
 
+def test_poses_that_are_none_are_said_and_left_out(start, peer, rover_file):
+    start("node", str(rover_file))
+    poses = peer.node.create_publisher(PoseWithCovarianceStamped, "set_pose", 1)
+    peer.until(lambda: peer.odometry and poses.get_subscription_count())
+    place, covariance = PoseWithCovarianceStamped(), PoseWithCovarianceStamped()
+    for message in (place, covariance):
+        message.pose.pose.position.x, message.pose.pose.orientation.w = 5.0, 1.0
+    place.pose.pose.position.y = math.inf
+    covariance.pose.covariance[0] = math.nan
+    for message in (place, covariance):
+        peer.diagnostics.clear()
+        poses.publish(message)
+        peer.until(lambda: peer.diagnosed("odometry: set_pose must be a pose"))
+        assert abs(peer.odometry[-1].pose.pose.position.x) < 1.0
+
+
+def test_without_velocities_a_rover_that_needs_them_stops(start, peer, rover_file):
+    start("node", str(rover_file), "--ros-args", "-p", "position_feedback:=false")
+    driving(peer)
+
+    def without(state: JointState) -> JointState:
+        state.velocity = []
+        return state
+
+    def not_finite(state: JointState) -> JointState:
+        state.velocity[-1] = math.nan
+        return state
+
+    for alter, word in (
+        (without, "must have a velocity, got 0 of them"),
+        (not_finite, "joint rr_wheel must have a finite value, got nan"),
+    ):
+        peer.alter = lambda state: state
+        driving(peer, (0.2, 0.0, 0.0))
+        peer.diagnostics.clear()
+        peer.alter = alter
+        peer.until(lambda word=word: peer.diagnosed(word), lambda word=word: word)
+        peer.until(lambda: not any(peer.speeds))
+
+
 def test_killed_in_motion_and_started_again_it_goes_on(start, peer, rover_file):
     first = start("node", str(rover_file))
     driving(peer)

@@ -190,6 +190,14 @@ def test_the_filter_starts_from_the_motion_there_is(start, peer, rover_file):
     start("filter", str(rover_file), "--ros-args", "-p", "feedback:=CLOSED_LOOP")
     peer.until(lambda: odom.get_subscription_count() > 1)
     moving = Odometry()
+    moving.twist.twist.linear.x = float("nan")
+
+    def nothing() -> bool:
+        odom.publish(moving)
+        return peer.diagnosed("odometry: odom must be a motion")
+
+    peer.until(nothing)
+    assert not peer.limited
     moving.twist.twist.linear.x = 0.6
     peer.wanted = (0.6, 0.0, 0.0)
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.ground.side import side_figure
     from six_wheel.plot.limits import limits_figure
     from six_wheel.plot.path import draw_path, path_figure
+    from six_wheel.plot.planning import draw_costmap, plan_figure
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.replay import replay_figure
     from six_wheel.plot.results import figure
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.twist import show_figure
 
 __all__ = [
+    "draw_costmap",
     "draw_path",
     "draw_rover",
     "drive_figure",
@@ -49,6 +51,7 @@ __all__ = [
     "limits_figure",
     "path_figure",
     "picture_path",
+    "plan_figure",
     "reckoning_figure",
     "replay_figure",
     "residual_figure",
@@ -71,6 +74,7 @@ __getattr__, __dir__ = attach(
         "ground.side": ("side_figure",),
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
+        "planning": ("draw_costmap", "plan_figure"),
         "reckoning": ("reckoning_figure",),
         "replay": ("replay_figure",),
         "results": ("figure",),

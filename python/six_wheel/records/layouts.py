@@ -11,6 +11,7 @@ from typing import Any
 from six_wheel._core import Rover
 from six_wheel.rebuild import joints_as_given
 from six_wheel.records import rover_record as topics
+from six_wheel.records.reader import Record
 
 __all__ = ["ENDINGS", "check", "foxglove", "rerun", "write"]
 
@@ -20,6 +21,7 @@ ENDINGS = {
     ".rrd": "a record with Rerun's blueprint",
 }
 APPLICATION = "six_wheel"
+PATH = "/path"  # of the rover, as a line
 INSTALL = 'pip install "six-wheel[viewer]"'
 COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b")
 
@@ -50,8 +52,22 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
         stream = rr.RecordingStream(APPLICATION)
         stream.save(path, default_blueprint=blueprint)
         stream.log_file_from_path(record)
+        places, frame = _path(Record(record))
+        if places:
+            line = rr.LineStrips3D([places], radii=rr.Radius.ui_points(1.5))
+            stream.log(PATH, line, rr.CoordinateFrame(frame), static=True)
         stream.flush()
         stream.disconnect()
+
+
+def _path(record: Record) -> tuple[list[tuple[float, float, float]], str]:
+    """Where odometry has been, and in which frame."""
+    places, frame = [], ""
+    for message in record.messages([topics.ODOMETRY]):
+        said = record.parsed(message)
+        at, frame = said.pose.pose.position, said.header.frame_id
+        places.append((at.x, at.y, at.z))
+    return places, frame
 
 
 def check(path: Path, record: Path | None) -> None:
@@ -196,7 +212,7 @@ def rerun(rover: Rover) -> Any:
                 rrb.Spatial3DView(
                     name="rover",
                     origin="/",
-                    contents=[topics.TRANSFORMS],
+                    contents=[topics.TRANSFORMS, PATH],
                     overrides={topics.TRANSFORMS: rr.TransformAxes3D(1.0)},
                 ),
                 rrb.TextDocumentView(name="limited by", origin=topics.REASONS),

@@ -91,6 +91,7 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     if len(limits) == 1 and (limit := limits.pop()) is not None:
         arguments["steering_limit"] = limit
     try:
+        arguments["differential_bar"] = _noted_bar(tree, left.rocker)
         model = RockerBogie(**arguments)
     except ValueError as error:
         notes.warn(f"the tree is no rocker-bogie: {error}")
@@ -102,6 +103,14 @@ def find_suspension(tree: Tree, wheels: Mapping[str, FoundWheel], notes: Notes) 
     }
     turned = tuple(name for name in joints.values() if tree.axis(tree.joints[name])[1] < 0.0)
     return Suspension(model, joints, turned)
+
+
+def _noted_bar(tree: Tree, rocker: Joint) -> tuple[float, ...] | None:
+    """The bar that couples the rockers, as `write` notes it; None for a gear."""
+    entries = tree.robot.findall(
+        f".//ros2_control/joint[@name='{rocker.name}']/param[@name='differential_bar']"
+    )
+    return tuple(map(float, str(entries[0].text).split())) if entries else None
 
 
 def _side(tree: Tree, wheels: Mapping[str, FoundWheel], side: str, notes: Notes) -> _Side | None:

@@ -90,7 +90,10 @@ class _Description:
                 limit = (-limit[1], -limit[0])
             hinge = self.hinge(f"{rocker}_joint", "base_link", rocker, mirrored("rocker_pivot"), Y, limit)
             if side == "right":
+                # Of a bar that is nearly so; what it is exactly stands among the parameters of the left one.
                 SubElement(hinge, "mimic", joint="left_rocker_joint", multiplier="-1.0", offset="0.0")
+            elif (bar := said.get("differential_bar")) is not None:
+                self.note(f"{rocker}_joint", "differential_bar", _numbers(bar))
             self.hinge(
                 f"{bogie}_joint",
                 rocker,
@@ -152,6 +155,12 @@ class _Description:
             SubElement(entry, "state_interface", name=state)
         if wheel:
             SubElement(entry, "param", name="wheel").text = wheel
+
+    def note(self, joint: str, name: str, value: str) -> None:
+        """An entry of ros2_control for a joint that nothing commands, with a parameter."""
+        entry = SubElement(self.control, "joint", name=joint)
+        SubElement(entry, "state_interface", name="position")
+        SubElement(entry, "param", name=name).text = value
 
     def wheel(self, rover: Rover, wheel: Wheel, holder: str, at: Point, *, centre: bool = False) -> None:
         """A wheel and what steers it; `at` is its pivot, or its centre where that is what the model has."""

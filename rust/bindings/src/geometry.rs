@@ -2,15 +2,18 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::batch::{self, Durations, Workers};
+use six_wheel_core::batch::{self, Durations, Table, Workers};
 use six_wheel_core::geometry as core;
+use six_wheel_core::planner::{self, Present};
 use six_wheel_core::{Error, Pose, Twist};
 
 use crate::batch::{any_workers, workers};
+use crate::controller::limits::Limits;
 use crate::convert::{
     AnyArray, Array, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
-    named, raise, refuse, shape_text, together,
+    memory, named, number, raise, refuse, shape_text, together,
 };
+use crate::rover::Rover;
 
 /// Poses along a log of twists, each held over its step.
 ///
@@ -80,6 +83,17 @@ pub fn integrate<'py>(
 ///     Where to write the poses.
 /// dtype : dtype, optional
 ///     float32 for a result of single precision, default float64; it is computed in double precision.
+/// rover : Rover, optional
+///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
+///     what it does instead. The steps take one time, `dt`.
+/// limits : Limits, optional
+///     What these motions may not exceed.
+/// twist : array_like, shape (3,), optional
+///     How the rover moves at the start, in body axes [m/s, m/s, rad/s]; default at rest.
+/// steering : array_like, shape (steered wheels,), optional
+///     Where its steering joints are then [rad]; default straight ahead.
+/// delay : float, default 0.0
+///     How long it goes on as it does before a control has an effect [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
 /// kernel : str, optional
@@ -96,8 +110,8 @@ pub fn integrate<'py>(
 ///     If a value is not finite or a duration is not positive.
 #[pyfunction]
 #[pyo3(
-    signature = (controls, dt, start=None, *, out=None, dtype=None, threads=None, kernel=None),
-    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, kernel=None)"
+    signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
+    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None)"
 )]
 #[allow(clippy::too_many_arguments)] // they are keywords
 pub fn rollout<'py>(
@@ -107,11 +121,56 @@ pub fn rollout<'py>(
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
     dtype: Option<&Bound<'py, PyAny>>,
+    rover: Option<&Bound<'py, Rover>>,
+    limits: Option<Limits>,
+    twist: Option<&Bound<'py, PyAny>>,
+    steering: Option<&Bound<'py, PyAny>>,
+    delay: f64,
     threads: Option<i64>,
     kernel: Option<&str>,
 ) -> PyResult<AnyArray<'py>> {
     let course = Course::read_controls(controls, dt, start)?;
-    poses_along(py, &course, (out, dtype), (threads, kernel))
+    let Some(rover) = rover else {
+        let given = [
+            ("limits", limits.is_some()),
+            ("twist", twist.is_some()),
+            ("steering", steering.is_some()),
+            ("delay", delay != 0.0),
+        ];
+        if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
+            return Err(refuse(name, "come with a rover", "none"));
+        }
+        return poses_along(py, &course, (out, dtype), (threads, kernel));
+    };
+    let dt = number("dt", dt)?;
+    let twist = Rows::read_beside("twist", twist, 3, &[])?;
+    let steering = Rows::read_beside("steering", steering, rover.get().joints(), &[])?;
+    let mut buffer;
+    let flat = match course.twists.table() {
+        Table::Flat(values) => values,
+        Table::Read(source) => {
+            buffer = memory::filled(0.0, 3 * course.twists.count())?;
+            source.read(0, &mut buffer);
+            &buffer
+        }
+    };
+    let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
+    let workers = any_workers(threads, kernel)?;
+    let present = Present {
+        twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
+        steering: steering.as_ref().map(Rows::flat),
+        delay,
+    };
+    let limits = limits.map_or_else(Default::default, |limits| limits.0);
+    let (core, starts, count) = (&rover.get().core, course.starts(), course.count);
+    let (controls, target) = (flat.as_chunks().0, poses.triples());
+    compute(py, controls.len(), || {
+        planner::rollout(
+            core, limits, controls, count, dt, starts, present, target, workers,
+        )
+    })
+    .map_err(|error| raise(error, &[]))?;
+    poses.finish_any()
 }
 
 /// Logs of twists, with what goes with them.

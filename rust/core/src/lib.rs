@@ -30,6 +30,7 @@ pub mod layouts;
 pub mod mobility;
 pub mod moving;
 pub mod odometry;
+pub mod planner;
 pub mod presets;
 pub mod profiles;
 pub mod rover;

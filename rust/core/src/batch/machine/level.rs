@@ -2,11 +2,11 @@
 
 use std::str::FromStr;
 
-use pulp::NullaryFnOnce;
 #[cfg(target_arch = "aarch64")]
 use pulp::aarch64::Neon;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
+use pulp::{NullaryFnOnce, Scalar};
 
 use super::vector::Vector;
 use crate::error::Error;
@@ -65,6 +65,32 @@ impl Level {
             Self::Neon => Neon::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
             _ => None,
         }
+    }
+}
+
+impl Level {
+    /// The same for kernels that know no other way: without instructions of its own, [`Self::Plain`] takes one number
+    /// at a time.
+    pub(crate) fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
+        #[cfg(target_arch = "x86_64")]
+        if self == Self::Avx512
+            && let Some(simd) = V4::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        #[cfg(target_arch = "x86_64")]
+        if self == Self::Avx2
+            && let Some(simd) = V3::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        #[cfg(target_arch = "aarch64")]
+        if self == Self::Neon
+            && let Some(simd) = Neon::try_new()
+        {
+            return simd.vectorize(Run { kernel, simd });
+        }
+        kernel.run(Scalar)
     }
 }
 

@@ -3,7 +3,7 @@
 //! They name their instructions, through the safe wrappers of the level's token. Written as loops or lane
 //! by lane, the compiler turned them into gathers and scatters at three times the cost.
 
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 
 /// A level with its shuffles.
 pub(crate) trait Vector: Simd {
@@ -44,15 +44,131 @@ pub(crate) trait Vector: Simd {
 
     /// Asks for the line of an address, which need not be one.
     fn fetch(self, address: *const f64);
+
+    /// Values of a grid, row after row, at whole places `[x, y]` that are in it with their neighbours: of each place
+    /// and the next one in its row, and the two above.
+    ///
+    /// # Safety
+    ///
+    /// They are in the grid, which has less than 2^31 values.
+    #[inline(always)]
+    unsafe fn corners(
+        self,
+        values: &[f32],
+        columns: usize,
+        place: [Self::f64s; 2],
+    ) -> [[Self::f64s; 2]; 2] {
+        let mut places = [[0.0; 8]; 2];
+        for (to, from) in places.iter_mut().zip(place) {
+            Self::as_mut_simd_f64s(to).0[0] = from;
+        }
+        let mut cells = [[0.0; 8]; 4];
+        for lane in 0..Self::F64_LANES {
+            let [x, y] = places.map(|place: [f64; 8]| place[lane] as usize);
+            for (cell, value) in cells.iter_mut().zip(around(values, columns, x, y)) {
+                cell[lane] = value.into();
+            }
+        }
+        let [a, b, c, d] = cells.map(|cell| Self::as_simd_f64s(&cell).0[0]);
+        [[a, b], [c, d]]
+    }
+
+    /// The same in single precision.
+    ///
+    /// # Safety
+    ///
+    /// As [`Self::corners`].
+    #[inline(always)]
+    unsafe fn corners_single(
+        self,
+        values: &[f32],
+        columns: usize,
+        place: [Self::f32s; 2],
+    ) -> [[Self::f32s; 2]; 2] {
+        let mut places = [[0.0; 16]; 2];
+        for (to, from) in places.iter_mut().zip(place) {
+            Self::as_mut_simd_f32s(to).0[0] = from;
+        }
+        let mut cells = [[0.0; 16]; 4];
+        for lane in 0..Self::F32_LANES {
+            let [x, y] = places.map(|place: [f32; 16]| place[lane] as usize);
+            for (cell, value) in cells.iter_mut().zip(around(values, columns, x, y)) {
+                cell[lane] = value;
+            }
+        }
+        let [a, b, c, d] = cells.map(|cell| Self::as_simd_f32s(&cell).0[0]);
+        [[a, b], [c, d]]
+    }
+}
+
+#[inline(always)]
+fn around(values: &[f32], columns: usize, x: usize, y: usize) -> [f32; 4] {
+    let first = y * columns + x;
+    let (low, high) = (
+        &values[first..first + 2],
+        &values[first + columns..first + columns + 2],
+    );
+    [low[0], low[1], high[0], high[1]]
+}
+
+/// One number at a time.
+impl Vector for Scalar {
+    #[inline(always)]
+    fn zip(self, pair: [f64; 2]) -> [f64; 2] {
+        pair
+    }
+
+    #[inline(always)]
+    fn unzip(self, pair: [f64; 2]) -> [f64; 2] {
+        pair
+    }
+
+    #[inline(always)]
+    fn braid(self, registers: [f64; 3]) -> [f64; 3] {
+        registers
+    }
+
+    #[inline(always)]
+    fn unbraid(self, registers: [f64; 3]) -> [f64; 3] {
+        registers
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [f64; 8]) -> [f64; 8] {
+        rows
+    }
+
+    #[inline(always)]
+    fn shift<const LOG: u32>(self, _: f64) -> f64 {
+        0.0
+    }
+
+    #[inline(always)]
+    fn last(self, register: f64) -> f64 {
+        register
+    }
+
+    const STREAMS: bool = false;
+
+    #[inline(always)]
+    unsafe fn stream(self, target: &mut f64, register: f64) {
+        *target = register;
+    }
+
+    #[inline(always)]
+    fn fence(self) {}
+
+    #[inline(always)]
+    fn fetch(self, _: *const f64) {}
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::{__m256d, __m512d, _MM_HINT_T0};
+    use std::arch::x86_64::*;
 
     use pulp::bytemuck::cast;
     use pulp::x86::{V3, V4};
-    use pulp::{f64x4, f64x8};
+    use pulp::{f32x8, f32x16, f64x4, f64x8};
 
     use super::Vector;
 
@@ -164,6 +280,63 @@ mod x86 {
         #[inline(always)]
         fn fetch(self, address: *const f64) {
             self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
+        }
+
+        #[inline(always)]
+        unsafe fn corners(
+            self,
+            values: &[f32],
+            columns: usize,
+            [x, y]: [f64x8; 2],
+        ) -> [[f64x8; 2]; 2] {
+            let first = values.as_ptr();
+            // SAFETY: the token is that of the level, and the caller sees to the places.
+            unsafe {
+                let (x, y) = (_mm512_cvttpd_epi32(cast(x)), _mm512_cvttpd_epi32(cast(y)));
+                let at =
+                    _mm256_add_epi32(_mm256_mullo_epi32(y, _mm256_set1_epi32(columns as i32)), x);
+                // Two values at a time.
+                let row = |first: *const f32| {
+                    let pairs = _mm512_i32gather_epi64::<4>(at, first.cast());
+                    let half =
+                        |pairs| _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(pairs)));
+                    [
+                        cast(half(pairs)),
+                        cast(half(_mm512_srli_epi64::<32>(pairs))),
+                    ]
+                };
+                [row(first), row(first.add(columns))]
+            }
+        }
+
+        #[inline(always)]
+        unsafe fn corners_single(
+            self,
+            values: &[f32],
+            columns: usize,
+            [x, y]: [f32x16; 2],
+        ) -> [[f32x16; 2]; 2] {
+            let first = values.as_ptr();
+            // SAFETY: as above.
+            unsafe {
+                let (x, y) = (_mm512_cvttps_epi32(cast(x)), _mm512_cvttps_epi32(cast(y)));
+                let at =
+                    _mm512_add_epi32(_mm512_mullo_epi32(y, _mm512_set1_epi32(columns as i32)), x);
+                let halves = [
+                    _mm512_castsi512_si256(at),
+                    _mm512_extracti64x4_epi64::<1>(at),
+                ];
+                let even =
+                    _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+                let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+                let row = |first: *const f32| {
+                    let [a, b] = halves.map(|at| {
+                        _mm512_castsi512_ps(_mm512_i32gather_epi64::<4>(at, first.cast()))
+                    });
+                    [even, odd].map(|which| cast(_mm512_permutex2var_ps(a, which, b)))
+                };
+                [row(first), row(first.add(columns))]
+            }
         }
     }
 
@@ -306,6 +479,44 @@ mod x86 {
         #[inline(always)]
         fn fetch(self, address: *const f64) {
             self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
+        }
+
+        #[inline(always)]
+        unsafe fn corners(
+            self,
+            values: &[f32],
+            columns: usize,
+            [x, y]: [f64x4; 2],
+        ) -> [[f64x4; 2]; 2] {
+            let first = values.as_ptr();
+            // SAFETY: the token is that of the level, and the caller sees to the places.
+            unsafe {
+                let (x, y) = (_mm256_cvttpd_epi32(cast(x)), _mm256_cvttpd_epi32(cast(y)));
+                let at = _mm_add_epi32(_mm_mullo_epi32(y, _mm_set1_epi32(columns as i32)), x);
+                let take =
+                    |first: *const f32| cast(_mm256_cvtps_pd(_mm_i32gather_ps::<4>(first, at)));
+                let row = |first: *const f32| [take(first), take(first.add(1))];
+                [row(first), row(first.add(columns))]
+            }
+        }
+
+        #[inline(always)]
+        unsafe fn corners_single(
+            self,
+            values: &[f32],
+            columns: usize,
+            [x, y]: [f32x8; 2],
+        ) -> [[f32x8; 2]; 2] {
+            let first = values.as_ptr();
+            // SAFETY: as above.
+            unsafe {
+                let (x, y) = (_mm256_cvttps_epi32(cast(x)), _mm256_cvttps_epi32(cast(y)));
+                let at =
+                    _mm256_add_epi32(_mm256_mullo_epi32(y, _mm256_set1_epi32(columns as i32)), x);
+                let take = |first: *const f32| cast(_mm256_i32gather_ps::<4>(first, at));
+                let row = |first: *const f32| [take(first), take(first.add(1))];
+                [row(first), row(first.add(columns))]
+            }
         }
     }
 }

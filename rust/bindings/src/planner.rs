@@ -1,0 +1,688 @@
+//! `six_wheel.Mppi`, a sampling planner's whole cycle; the costmaps it reads and the plans it makes.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::planner::{
+    Mppi as Core, Options, Outcome, Precision, Situation, State, Stuck, Weights,
+};
+
+use crate::batch::any_workers;
+use crate::controller::limits::Limits;
+use crate::convert::{
+    ArgumentTypeError, Array, Output, Rows, compute, memory, number, raise, refuse,
+};
+use crate::costmap::Costmap;
+use crate::rover::Rover;
+use crate::shared::Shared;
+
+/// Points of a footprint at most.
+const FOOTPRINT: usize = 64;
+
+/// A sampling planner's whole cycle, a model predictive path integral, in one call.
+///
+/// Every cycle samples wishes around the last plan, drives them within the rover's limits, and averages them by what
+/// their ways cost. The motion executed at every step has one centre of rotation at which all steered wheels point:
+/// nothing slides, and no joint turns faster than it may. To a motion that no continuous turn of the joints leads to (to
+/// turn on the spot, say) the rover stops, turns its wheels and goes on. A few samples are no noise: the plan itself, to
+/// stop, to turn on the spot either way, ahead and back.
+///
+/// The noise comes from a counter: all results depend on the arguments and the seed alone, bit for bit, not on threads
+/// or kernels. Nothing is allocated for rollouts after the first cycle.
+///
+/// Parameters
+/// ----------
+/// rover : Rover
+///     What is driven; without steered wheels that have trail.
+/// limits : Limits, optional
+///     What its motion may not exceed. All but the jerks count here, which are a controller's matter; steering angles
+///     may speed up by no more than `steering_acceleration` where they turn on the spot.
+/// horizon : int, default 56
+///     Steps of a rollout.
+/// dt : float, default 0.05
+///     Their duration, and the time from cycle to cycle [s].
+/// samples : int, default 2000
+///     Rollouts of a cycle.
+/// seed : int, default 0
+///     Of the noise, 0 to 2^64 - 1.
+/// noise : array_like, shape (3,), optional
+///     Standard deviation of the wishes [m/s, m/s, rad/s]; default half of what the limits allow.
+/// correlation : float, default 0.5
+///     Time in which the noise of a rollout forgets itself, to 1/e [s].
+/// temperature : float, default 1.0
+///     Cost by which a rollout counts 1/e as much.
+/// weights : dict, optional
+///     What counts how much, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
+///     that comes to a lethal place), ``goal`` 1 and ``terminal`` 10 (distance to the goal, per second and at the
+///     end), ``path`` 5 (distance from it, per second), ``progress`` 10 (way made along it), ``heading`` 1 (square of the
+///     sine between heading and path, per second), ``effort`` 0 (mean square
+///     speed of the wheels' pivots, per second), ``scrub`` 1 (square of the speed at which fixed wheels slide, per
+///     second).
+/// smoothing : bool
+///     Whether the new plan is smoothed by a quadratic over five steps (Savitzky-Golay).
+/// delay : float, default 0.0
+///     Dead time of the rover [s]: what is wished that far ahead is on its way already, and stays.
+/// dtype : {'float64', 'float32'}
+///     What rollouts are computed in.
+/// footprint : array_like, shape (n, 2), optional
+///     Points of the body where the map is read, of which the worst counts [m]; default its origin.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If an option makes no sense.
+///
+/// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018; E. Trevisan & J.
+/// Alonso-Mora, Biased-MPPI, IEEE RA-L 9(6), 2024.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Mppi {
+    core: Shared<Core>,
+    rover: Py<Rover>,
+    limits: Limits,
+    options: Options,
+}
+
+#[pymethods]
+impl Mppi {
+    #[new]
+    #[pyo3(
+        signature = (rover, limits=None, *, horizon=None, dt=None, samples=None, seed=None, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=true, delay=0.0, dtype=None, footprint=None),
+        text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn new(
+        rover: Bound<'_, Rover>,
+        limits: Option<Limits>,
+        horizon: Option<&Bound<'_, PyAny>>,
+        dt: Option<&Bound<'_, PyAny>>,
+        samples: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Bound<'_, PyAny>>,
+        noise: Option<&Bound<'_, PyAny>>,
+        correlation: f64,
+        temperature: f64,
+        weights: Option<&Bound<'_, PyDict>>,
+        smoothing: bool,
+        delay: f64,
+        dtype: Option<&Bound<'_, PyAny>>,
+        footprint: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let usual = Options::default();
+        let count = |argument: &str, value: Option<&Bound<'_, PyAny>>, usual: u64| {
+            value.map_or(Ok(usual), |value| whole(argument, value))
+        };
+        let noise = Rows::read_beside("noise", noise, 3, &[])?;
+        if let Some(noise) = &noise {
+            noise.check_finite("noise")?;
+        }
+        let footprint = match footprint {
+            Some(points) => Rows::read_table("footprint", points, 2)?
+                .flat()
+                .as_chunks()
+                .0
+                .to_vec(),
+            None => usual.footprint.clone(),
+        };
+        if footprint.len() > FOOTPRINT {
+            return Err(refuse(
+                "footprint",
+                &format!("hold {FOOTPRINT} points at most"),
+                &footprint.len().to_string(),
+            ));
+        }
+        let options = Options {
+            horizon: size(count("horizon", horizon, usual.horizon as u64)?),
+            dt: dt.map_or(Ok(usual.dt), |dt| number("dt", dt))?,
+            samples: size(count("samples", samples, usual.samples as u64)?),
+            seed: count("seed", seed, usual.seed)?,
+            noise: noise.map(|rows| rows.triples()[0]),
+            correlation,
+            temperature,
+            weights: weights.map_or(Ok(Weights::default()), read_weights)?,
+            smoothing,
+            delay,
+            precision: dtype.map_or(Ok(Precision::Double), precision)?,
+            footprint,
+        };
+        let limits = limits.unwrap_or(Limits(Default::default()));
+        let core = Core::new(&rover.get().core, limits.0, options.clone())
+            .map_err(|error| raise(error, &[]))?;
+        Ok(Self {
+            core: Shared::new(core),
+            rover: rover.unbind(),
+            limits,
+            options,
+        })
+    }
+
+    /// One cycle: the plan from here on.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : array_like, shape (3,), or an object with ``pose``
+    ///     Where the rover is, ``[x, y, yaw]`` [m, m, rad], such as an `OdometryState`, whose ``twist``, ``steering`` and
+    ///     ``frame`` count as well, if it has them.
+    /// twist : array_like, shape (3,), optional
+    ///     Its motion ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]; default that of `state`, or at rest.
+    /// steering : array_like, shape (steered wheels,), optional
+    ///     Where its steering joints are [rad]; default those of `state`, or where the last plan brought them.
+    /// path : array_like, shape (n, 2) or (n, 3), optional
+    ///     Corners of a path to follow [m].
+    /// costmap : Costmap, optional
+    ///     What it costs to be somewhere. The rover has to be on it.
+    /// goal : array_like, shape (2,) or (3,), optional
+    ///     Where to go [m]; default the end of the path.
+    /// extra_cost : callable, optional
+    ///     Called once, with the poses (samples, horizon + 1, 3) and the motions (samples, horizon, 3) of all rollouts;
+    ///     returns a cost for each, shape (samples,), which may be infinite.
+    /// frame : str, optional
+    ///     Name of the frame `state`, `path` and `goal` are in; default that of `state`. A costmap of another one is
+    ///     refused.
+    /// out : tuple of ndarray, optional
+    ///     Arrays for the plan's `steering` and `speeds`.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`.
+    /// kernel : str, optional
+    ///     One of `kernels()`, default the best.
+    ///
+    /// Returns
+    /// -------
+    /// MppiPlan
+    ///     What to command now, and where the plan leads.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is not finite, a shape does not fit, the rover is not on the map, or no rollout is left possible.
+    ///     The planner stays as it was, and nothing is written.
+    #[pyo3(signature = (state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        state: &Bound<'py, PyAny>,
+        twist: Option<&Bound<'py, PyAny>>,
+        steering: Option<&Bound<'py, PyAny>>,
+        path: Option<&Bound<'py, PyAny>>,
+        costmap: Option<&Bound<'py, Costmap>>,
+        goal: Option<&Bound<'py, PyAny>>,
+        extra_cost: Option<&Bound<'py, PyAny>>,
+        frame: Option<&str>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<i64>,
+        kernel: Option<&str>,
+    ) -> PyResult<MppiPlan> {
+        let seen = Seen::of(state)?;
+        let pose = Rows::read("state.pose", &seen.pose, 3)?;
+        pose.check_leading("state.pose", &[])?;
+        let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
+        let joints = self.rover.get().joints();
+        let steering = Rows::read_beside(
+            "state.steering",
+            steering.or(seen.steering.as_ref()),
+            joints,
+            &[],
+        )?;
+        let path = path.map(|path| points("path", path)).transpose()?;
+        let goal = goal.map(|goal| place("goal", goal)).transpose()?;
+        let map = costmap.map(|map| &map.get().core);
+        check_frame(costmap, frame.or(seen.frame.as_deref()))?;
+        let mut outputs = self.outputs(py, out)?;
+        let workers = any_workers(threads, kernel)?;
+        let situation = Situation {
+            pose: pose.triples()[0],
+            twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
+            steering: steering.as_ref().map(Rows::flat),
+            costmap: map,
+            path: path.as_deref(),
+            goal,
+            record: extra_cost.is_some(),
+        };
+        let rollouts = self.options.samples * self.options.horizon;
+        let mut core = self.core.lock(py)?;
+        let planner = &mut *core;
+        compute(py, rollouts, || planner.roll(situation, workers))
+            .map_err(|error| raise(error, &[]))?;
+        let mut extra = None;
+        if let Some(function) = extra_cost {
+            let rolls = core.rolls();
+            let [poses, twists] = self.recorded(py, &mut core)?;
+            // The function may want to look at the planner.
+            drop(core);
+            let costs = function.call1((poses, twists))?;
+            extra = Some(Rows::read("extra_cost", &costs, self.options.samples)?);
+            core = self.core.lock(py)?;
+            if core.rolls() != rolls {
+                return Err(refuse(
+                    "extra_cost",
+                    "not step the planner it judges for",
+                    "another cycle",
+                ));
+            }
+        }
+        let costs = extra.as_ref().map(|rows| {
+            rows.check_leading("extra_cost", &[])?;
+            PyResult::Ok(rows.flat())
+        });
+        let costs = costs.transpose()?;
+        let planner = &mut *core;
+        let outcome = compute(py, rollouts, || planner.weigh(costs, workers).cloned());
+        let outcome = outcome.map_err(|error| raise(error, &[self.options.samples]))?;
+        let [steering, speeds] = &mut outputs;
+        steering.flat().copy_from_slice(&outcome.steering);
+        speeds.flat().copy_from_slice(&outcome.speeds);
+        let [steering, speeds] = outputs;
+        MppiPlan::of(
+            py,
+            &outcome,
+            core.state(),
+            [steering.finish()?, speeds.finish()?],
+        )
+    }
+
+    /// Back to where it was when it was made.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.core.lock(py)?.reset();
+        Ok(())
+    }
+
+    /// All it remembers: ``controls`` (horizon, 3), what is wished at every step [m/s, m/s, rad/s]; ``cycle``, cycles so
+    /// far; ``steering``, where the joints are meant to be [rad]; ``progress``, how far along its path it is [m].
+    #[getter]
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let state = self.core.lock(py)?.state().clone();
+        let dict = PyDict::new(py);
+        dict.set_item("controls", triples(py, &state.controls)?)?;
+        dict.set_item("cycle", state.cycle)?;
+        dict.set_item("steering", PyArray1::from_vec(py, state.steering))?;
+        dict.set_item("progress", state.progress)?;
+        Ok(dict)
+    }
+
+    /// Go on from what `state` was.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : dict
+    ///     As `state` gives it.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If it is not of a planner like this one.
+    fn restore(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
+        let item = |name: &str| {
+            let found = state.get_item(name)?;
+            found.ok_or_else(|| refuse("state", &format!("have {name:?}"), "none"))
+        };
+        let controls = Rows::read_table("controls", &item("controls")?, 3)?;
+        let steering = Rows::read("steering", &item("steering")?, self.rover.get().joints())?;
+        steering.check_leading("steering", &[])?;
+        let cycle = whole("cycle", &item("cycle")?)?;
+        let state = State {
+            controls: controls.triples().to_vec(),
+            cycle: u32::try_from(cycle)
+                .map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
+            steering: steering.flat().to_vec(),
+            progress: number("progress", &item("progress")?)?,
+        };
+        self.core
+            .lock(py)?
+            .set_state(state)
+            .map_err(|error| raise(error, &[]))
+    }
+
+    /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
+    #[getter]
+    fn wishes<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let steps = self.options.horizon;
+        let mut output = Output::fresh(py, &[self.options.samples, steps, 3])?;
+        let mut core = self.core.lock(py)?;
+        let mut wishes = Vec::new();
+        for (k, rows) in output.triples().chunks_exact_mut(steps).enumerate() {
+            core.wishes(k, &mut wishes);
+            rows.copy_from_slice(&wishes);
+        }
+        output.finish()
+    }
+
+    /// The costs of the last cycle's rollouts, shape (samples,).
+    #[getter]
+    fn costs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, self.core.lock(py)?.costs()))
+    }
+
+    /// What is planned for.
+    #[getter]
+    fn rover(&self, py: Python<'_>) -> Py<Rover> {
+        self.rover.clone_ref(py)
+    }
+
+    /// What its motion may not exceed.
+    #[getter]
+    fn limits(&self) -> Limits {
+        self.limits.clone()
+    }
+
+    /// Steps of a rollout.
+    #[getter]
+    fn horizon(&self) -> usize {
+        self.options.horizon
+    }
+
+    /// Duration of a step [s].
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.options.dt
+    }
+
+    /// Rollouts of a cycle.
+    #[getter]
+    fn samples(&self) -> usize {
+        self.options.samples
+    }
+
+    /// Of the noise.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.options.seed
+    }
+
+    /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
+    #[getter]
+    fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()))
+    }
+
+    /// What counts how much.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, value) in Weights::NAMES
+            .into_iter()
+            .zip(self.options.weights.values())
+        {
+            dict.set_item(name, value)?;
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let rover = self.rover.bind(py).repr()?;
+        let Options {
+            horizon,
+            dt,
+            samples,
+            seed,
+            precision,
+            ..
+        } = &self.options;
+        let dtype = if *precision == Precision::Single {
+            ", dtype='float32'"
+        } else {
+            ""
+        };
+        let limits = self.limits.text();
+        Ok(format!(
+            "Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"
+        ))
+    }
+}
+
+impl Mppi {
+    /// Where steering angles and wheel speeds go.
+    fn outputs<'py>(
+        &self,
+        py: Python<'py>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<[Output<'py>; 2]> {
+        let rover = self.rover.get();
+        let outs = match out {
+            None => [None, None],
+            Some(out) => {
+                let pair = out.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
+                let Some(pair) = pair else {
+                    let got = out.get_type().name()?.to_string();
+                    return Err(refuse(
+                        "out",
+                        "be a tuple of two arrays, steering and speeds",
+                        &got,
+                    ));
+                };
+                [Some(pair.get_item(0)?), Some(pair.get_item(1)?)]
+            }
+        };
+        Ok([
+            Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
+            Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,
+        ])
+    }
+
+    /// Poses and motions of all rollouts.
+    fn recorded<'py>(&self, py: Python<'py>, core: &mut Core) -> PyResult<[Array<'py>; 2]> {
+        let Options {
+            horizon, samples, ..
+        } = self.options;
+        let mut poses = Output::fresh(py, &[samples, horizon + 1, 3])?;
+        let mut twists = Output::fresh(py, &[samples, horizon, 3])?;
+        let (mut way, mut motions) = (Vec::new(), Vec::new());
+        let rows = poses.triples().chunks_exact_mut(horizon + 1);
+        for (k, (poses, twists)) in rows
+            .zip(twists.triples().chunks_exact_mut(horizon))
+            .enumerate()
+        {
+            core.recorded(k, &mut way, &mut motions);
+            poses.copy_from_slice(&way);
+            twists.copy_from_slice(&motions);
+        }
+        Ok([poses.finish()?, twists.finish()?])
+    }
+}
+
+/// What a planner found.
+#[pyclass(frozen, module = "six_wheel")]
+pub struct MppiPlan {
+    /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
+    #[pyo3(get)]
+    twist: Py<PyAny>,
+    /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
+    #[pyo3(get)]
+    steering: Py<PyAny>,
+    /// How fast the wheels roll, shape (wheels,) [rad/s].
+    #[pyo3(get)]
+    speeds: Py<PyAny>,
+    /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
+    #[pyo3(get)]
+    twists: Py<PyAny>,
+    /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
+    #[pyo3(get)]
+    poses: Py<PyAny>,
+    /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
+    #[pyo3(get)]
+    controls: Py<PyAny>,
+    /// Lowest cost of a rollout.
+    #[pyo3(get)]
+    cost: f64,
+    /// How many rollouts count: one over the sum of their squared weights.
+    #[pyo3(get)]
+    effective_samples: f64,
+    /// Why the rover has to stay where it is; empty if it has not.
+    #[pyo3(get)]
+    reason: &'static str,
+}
+
+impl MppiPlan {
+    fn of(
+        py: Python<'_>,
+        outcome: &Outcome,
+        state: &State,
+        [steering, speeds]: [Array<'_>; 2],
+    ) -> PyResult<Self> {
+        Ok(Self {
+            twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
+            steering: steering.into_any().unbind(),
+            speeds: speeds.into_any().unbind(),
+            twists: triples(py, &outcome.twists)?.into_any().unbind(),
+            poses: triples(py, &outcome.poses)?.into_any().unbind(),
+            controls: triples(py, &state.controls)?.into_any().unbind(),
+            cost: outcome.cost,
+            effective_samples: outcome.effective,
+            reason: match outcome.stuck {
+                None => "",
+                Some(Stuck::Rover) => "no motion lets all wheels of this rover roll",
+                Some(Stuck::SteeringLimit) => "a steered wheel has no angle within steering_limit",
+            },
+        })
+    }
+}
+
+#[pymethods]
+impl MppiPlan {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let twist: [f64; 3] = self.twist.bind(py).extract()?;
+        let [vx, vy, omega] = twist;
+        let why = if self.reason.is_empty() {
+            String::new()
+        } else {
+            format!(", reason={:?}", self.reason)
+        };
+        let (cost, effective) = (self.cost, self.effective_samples);
+        Ok(format!(
+            "MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"
+        ))
+    }
+}
+
+/// What an object says about where the rover is.
+struct Seen<'py> {
+    pose: Bound<'py, PyAny>,
+    twist: Option<Bound<'py, PyAny>>,
+    steering: Option<Bound<'py, PyAny>>,
+    frame: Option<String>,
+}
+
+impl<'py> Seen<'py> {
+    fn of(state: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let Some(pose) = state.getattr_opt("pose")? else {
+            return Ok(Self {
+                pose: state.clone(),
+                twist: None,
+                steering: None,
+                frame: None,
+            });
+        };
+        let given =
+            |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
+        Ok(Self {
+            pose,
+            twist: given("twist")?,
+            steering: given("steering")?,
+            frame: given("frame")?.map(|frame| frame.extract()).transpose()?,
+        })
+    }
+}
+
+fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) -> PyResult<()> {
+    let (Some(map), Some(frame)) = (costmap, frame) else {
+        return Ok(());
+    };
+    match &map.get().frame {
+        Some(own) if own != frame => Err(refuse(
+            "costmap",
+            &format!("be in the frame of the state, {frame:?}"),
+            &format!("{own:?}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Rows of numbers.
+fn triples<'py>(py: Python<'py>, rows: &[[f64; 3]]) -> PyResult<Array<'py>> {
+    let mut output = Output::fresh(py, &[rows.len(), 3])?;
+    output.triples().copy_from_slice(rows);
+    output.finish()
+}
+
+/// A whole number that is not negative.
+fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let py = value.py();
+    let index = value.call_method0("__index__").map_err(|_| {
+        let got = value
+            .repr()
+            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
+    })?;
+    let _ = py;
+    index.extract::<u64>().map_err(|_| {
+        let rule = if argument == "seed" {
+            "be 0 to 2^64 - 1"
+        } else {
+            "be a whole number from 0 on"
+        };
+        refuse(argument, rule, &index.to_string())
+    })
+}
+
+fn size(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
+fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
+    let name = dtype
+        .py()
+        .import("numpy")?
+        .getattr("dtype")?
+        .call1((dtype,));
+    let name = name.and_then(|dtype| dtype.getattr("name")?.extract::<String>());
+    match name.as_deref() {
+        Ok("float32") => Ok(Precision::Single),
+        Ok("float64") => Ok(Precision::Double),
+        _ => Err(refuse(
+            "dtype",
+            "be float32 or float64",
+            &dtype.repr()?.to_string(),
+        )),
+    }
+}
+
+fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
+    let mut values = Weights::default().values();
+    for (key, value) in given.iter() {
+        let name: String = key
+            .extract()
+            .map_err(|_| refuse("weights", "have names", "another key"))?;
+        let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
+            let rule = format!("be of {}", Weights::NAMES.join(", "));
+            return Err(refuse("weights", &rule, &format!("{name:?}")));
+        };
+        values[place] = number(&name, &value)?;
+    }
+    Ok(Weights::of(values))
+}
+
+/// Points of two coordinates, of rows with two or three.
+fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+    match Rows::read_table(argument, value, 2) {
+        Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
+        Err(error) => {
+            let Ok(rows) = Rows::read_table(argument, value, 3) else {
+                return Err(error);
+            };
+            memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
+        }
+    }
+}
+
+/// A place of two coordinates, or those of a pose.
+fn place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    let first = |rows: Rows<'_>| {
+        rows.check_leading(argument, &[])?;
+        Ok([rows.flat()[0], rows.flat()[1]])
+    };
+    match Rows::read(argument, value, 2) {
+        Ok(rows) => first(rows),
+        Err(error) => match Rows::read(argument, value, 3) {
+            Ok(rows) => first(rows),
+            Err(_) => Err(error),
+        },
+    }
+}
