@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageColor
 from viewers import foxglove_figure
 
 from six_wheel import (
@@ -23,7 +23,8 @@ from six_wheel import (
     reference,
 )
 from six_wheel.calibration.files import calibrate_files
-from six_wheel.demo import drive_yard
+from six_wheel.demo import drive_yard, showing
+from six_wheel.demo.motion import ROVERS, drive_path, load_path
 from six_wheel.drive import ControlledDrive, Loop
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
@@ -35,6 +36,15 @@ from six_wheel.report.calibration import before_and_after
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
+DEMO_DPI = 57  # it is large
+STRIP = 12  # [px]
+MEANT = (
+    plot.drawing.CENTRE,
+    plot.drawing.FORBIDDEN,
+    plot.drawing.RECORDED,
+    plot.drawing.MOTION,
+    plot.drawing.AXLE,
+)
 COLOURS = 160  # few, so that the files stay small
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
@@ -88,8 +98,8 @@ def transitions() -> Figure:
     rover = Rover.preset("open_source_rover")
     plain = reference.Rover.six_wheel(d1=0.177, d2=0.310, d3=0.274, d4=0.253, wheel_radius=0.075)
     rate, end = math.radians(60.0), (0.3, 0.0, 0.5)
-    figure = Figure(figsize=(6.0, 2.9), layout="constrained")
-    starts = {"from straight": (0.3, 0.0, 0.0), "from R = -0.6 m": (0.3, 0.0, -0.5)}
+    figure = plot.drawing.new_figure(7.0, 3.2)
+    starts = {"from straight": (0.3, 0.0, 0.0), "from a right turn of 0.6 m": (0.3, 0.0, -0.5)}
     axes = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 2.0))
     for axis, (title, start) in zip(axes, starts.items(), strict=True):
         ends = rover.inverse(start), rover.inverse(end)
@@ -98,14 +108,15 @@ def transitions() -> Figure:
             for name, how in {"independent joints": "none", "synchronised joints": "time"}.items()
         }
         plans["one centre of rotation"] = profiles.icr_transition(rover, start, end, steering_rate=rate)
-        for name, plan in plans.items():
+        colours = (plot.drawing.FORBIDDEN, plot.drawing.AXLE, plot.drawing.MOTION)
+        for colour, (name, plan) in zip(colours, plans.items(), strict=True):
             times = np.linspace(0.0, plan.duration, 400)
             scrubs = [reference.profiles.angle_scrub(plain, row, 0.3) for row in plan.at(times).steering]
-            axis.plot(times, 1e3 * np.array(scrubs), label=name, lw=2)
-        axis.set(title=title, xlabel="time [s]", xlim=(0.0, None))
-        axis.grid(alpha=0.3)
-    axes[0].set_ylabel("worst side slip [mm/s]")
-    axes[1].legend(frameon=False, fontsize="small", loc="lower center")
+            axis.plot(times, 1e3 * np.array(scrubs), label=name, lw=1.8, color=colour)
+        axis.set_xlim(0.0, None)
+        plot.drawing.tidy(axis, "time [s]", "worst side slip [mm/s]" if axis is axes[0] else "")
+        axis.set_title(title, loc="left", fontsize=9, color=plot.drawing.SOFT)
+    axes[1].legend(frameon=False, fontsize=8, labelcolor=plot.drawing.INK, loc="upper right")
     return figure
 
 
@@ -185,6 +196,29 @@ def planned() -> dict[str, Figure]:
     return figures
 
 
+def demo() -> Figure:
+    """What `make demo` draws first."""
+    times, poses = load_path()
+    found = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
+    return showing.draw(found)
+
+
+def write(name: str, figure: Figure, dpi: int) -> None:
+    """As a PNG of few colours."""
+    png = io.BytesIO()
+    figure.savefig(png, dpi=dpi)
+    picture = Image.open(png).convert("RGB")
+    # A dot would lose its colour to larger things: a strip of each colour keeps those that mean something.
+    swatch = Image.new("RGB", (picture.width, picture.height + STRIP * len(MEANT)), "white")
+    swatch.paste(picture)
+    for place, colour in enumerate(MEANT):
+        top = picture.height + STRIP * place
+        swatch.paste(ImageColor.getrgb(colour), (0, top, picture.width, top + STRIP))
+    palette = swatch.quantize(COLOURS, dither=Image.Dither.NONE)
+    picture = picture.quantize(palette=palette, dither=Image.Dither.NONE)
+    picture.save(PICTURES / f"{name}.png", optimize=True)
+
+
 def main() -> None:
     figures = {
         name: plot.show_figure(rover, twist, title=name.replace("_", " "))
@@ -200,10 +234,8 @@ def main() -> None:
     figures["foxglove"] = foxglove_figure()
     figures |= planned()
     for name, figure in figures.items():
-        png = io.BytesIO()
-        figure.savefig(png, dpi=DPI)
-        picture = Image.open(png).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        picture.save(PICTURES / f"{name}.png", optimize=True)
+        write(name, figure, DPI)
+    write("demo", demo(), DEMO_DPI)
 
 
 if __name__ == "__main__":

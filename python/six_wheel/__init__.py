@@ -62,7 +62,12 @@ from six_wheel._core import (
     wrap_angle,
 )
 from six_wheel.controller import Reason
-from six_wheel.errors import ArgumentTypeError, InfeasibleMotionError, UnderdeterminedError
+from six_wheel.errors import (
+    ArgumentTypeError,
+    InfeasibleMotionError,
+    SuspiciousUnitsWarning,
+    UnderdeterminedError,
+)
 from six_wheel.geometry import Pose, Twist
 from six_wheel.lazy import attach
 from six_wheel.rollouts import RolloutCost
@@ -123,6 +128,7 @@ __all__ = [
     "StandLimits",
     "SteeringCommand",
     "Suspension",
+    "SuspiciousUnitsWarning",
     "Terrain",
     "Track",
     "Track3",

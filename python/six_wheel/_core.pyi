@@ -4,7 +4,7 @@ from typing import Any, Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
-from typing_extensions import disjoint_base
+from typing_extensions import TypeVar, disjoint_base
 
 from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
 from six_wheel.controller import Reason
@@ -75,10 +75,15 @@ __all__ = [
     "reason_bits",
     "rollout",
     "set_default_threads",
+    "unit_questions",
+    "without_questions",
     "wrap_angle",
 ]
 
 _Floats: TypeAlias = NDArray[np.float64]
+_Out: TypeAlias = NDArray[np.float64] | NDArray[np.float32]
+_T = TypeVar("_T")
+_Real = TypeVar("_Real", np.float64, np.float32, default=np.float64)
 _Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 _Driven: TypeAlias = Literal["front", "rear", "all"]
 _Steered: TypeAlias = Literal["corners", "front", "all"]
@@ -441,7 +446,8 @@ class Rover:
         start: ArrayLike = (0.0, 0.0, 0.0),
         *,
         previous: ArrayLike | None = None,
-        out: tuple[_Floats, _Floats, _Floats, _Floats, _Floats] | None = None,
+        out: tuple[_Out, _Out, _Out, _Out, _Out] | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> RolloutCost: ...
@@ -453,10 +459,11 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         centre: ArrayLike | None = None,
         previous_speeds: ArrayLike | None = None,
-        out: tuple[_Floats, _Floats] | None = None,
+        out: tuple[_Out, _Out] | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
-    ) -> tuple[_Floats, _Floats]: ...
+    ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
         steering: ArrayLike,
@@ -464,10 +471,11 @@ class Rover:
         *,
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
-        out: _Floats | None = None,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
-    ) -> _Floats: ...
+    ) -> NDArray[_Real]: ...
     def fit(
         self,
         steering: ArrayLike,
@@ -476,6 +484,7 @@ class Rover:
         method: _Method = "least_squares",
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
+        threads: int | None = None,
     ) -> Fit: ...
     def sensitivity(
         self,
@@ -484,13 +493,20 @@ class Rover:
         *,
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
+        threads: int | None = None,
     ) -> Sensitivity: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
-    def admissible(self, twist: ArrayLike) -> bool | NDArray[np.bool_]: ...
+    def admissible(self, twist: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def project(
-        self, twist: ArrayLike, keep: _Keep = "curvature", *, out: _Floats | None = None
-    ) -> _Floats: ...
-    def icr(self, twist: ArrayLike) -> _Floats: ...
+        self,
+        twist: ArrayLike,
+        keep: _Keep = "curvature",
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
+    def icr(self, twist: ArrayLike, *, threads: int | None = None) -> _Floats: ...
     def commands(
         self, twist: ArrayLike, *, previous: ArrayLike | None = None
     ) -> dict[str, float] | dict[str, _Floats]: ...
@@ -1529,16 +1545,18 @@ def integrate(
     dt: ArrayLike,
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
-    out: _Floats | None = None,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
     threads: int | None = None,
     kernel: _Kernel | None = None,
-) -> _Floats: ...
+) -> NDArray[_Real]: ...
 def rollout(
     controls: ArrayLike,
     dt: ArrayLike,
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
-    out: _Floats | None = None,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
     rover: Rover | None = None,
     limits: Limits | None = None,
     twist: ArrayLike | None = None,
@@ -1546,12 +1564,14 @@ def rollout(
     delay: float = 0.0,
     threads: int | None = None,
     kernel: _Kernel | None = None,
-) -> _Floats: ...
+) -> NDArray[_Real]: ...
 def kernels() -> list[_Kernel]: ...
 def default_threads() -> int: ...
 def set_default_threads(threads: int) -> None: ...
-def differentiate(poses: ArrayLike, dt: ArrayLike) -> _Floats: ...
-def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
-def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> _Floats: ...
-def compose(first: ArrayLike, second: ArrayLike) -> _Floats: ...
+def differentiate(poses: ArrayLike, dt: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+def exp(twist: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
+def log(pose: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
+def compose(first: ArrayLike, second: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+def unit_questions(rover: Rover) -> list[tuple[str, str, str]]: ...
+def without_questions(call: Callable[[], _T]) -> _T: ...
 def wrap_angle(angle: ArrayLike) -> float | _Floats: ...

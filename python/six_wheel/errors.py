@@ -11,3 +11,7 @@ class UnderdeterminedError(ValueError):
 
 class ArgumentTypeError(ValueError, TypeError):
     """An argument of the wrong type. Bad input like any other here, and a `TypeError` by Python's custom."""
+
+
+class SuspiciousUnitsWarning(UserWarning):
+    """A number that cannot be a rover's in metres or radians; its text says what may have been meant."""

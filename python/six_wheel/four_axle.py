@@ -146,6 +146,11 @@ class FourAxleMobility:
     margin: float
     """Slip to spare: the vehicle's tolerance less the slip. Negative where a lock is refused."""
 
+    @property
+    def degree_of_mobility(self) -> int:
+        """`degree`, by its name in `Mobility`."""
+        return self.degree
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FourAxleMotion:

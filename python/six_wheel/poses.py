@@ -1,5 +1,7 @@
 """Poses seen from poses: the few lines of SE(2) that evaluation and calibration share."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

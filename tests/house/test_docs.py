@@ -85,6 +85,7 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "ground",
         "ground_side",
         "ground_speeds",
+        "demo",
         "planner_slalom",
         "planner_gate",
         "planner_dead_end",

@@ -264,7 +264,7 @@ WARNINGS = [
     (DIFF, "min_velocity: -1.5", "min_velocity: -0.5", 28, "linear.x.min_velocity is not read"),
     (DIFF, PAIRS, "[a, b]\n    right_wheel_names: [c, d]", 11, "where the 2 wheels square (add wheelbase"),
     (DIFF, "publish_rate: 50.0", "wheels_per_side: 2", 18, "wheels_per_side is 2 (the names count"),
-    (DIFF, "wheel_radius: 0.1", "wheel_radius: 1", 14, "is an integer (write 1.0)"),
+    (DIFF, "wheel_separation: 0.4", "wheel_separation: 1", 13, "is an integer (write 1.0)"),
     (MECANUM, "half_wheelbase: 0.2", "", 11, "only a sum square (add half_wheelbase"),
     (TRICYCLE, "track_width: 0.7", "", 6, "does not say how far apart (add track_width"),
     (TRICYCLE, "traction:", "traction.max_jerk: 1.0\n    traction:", 11, "traction.max_jerk is not read"),

@@ -470,7 +470,7 @@ def test_a_node_asked_of_a_file_without_nodes():
     [
         ("    brightness: 3", "unknown key brightness is ignored"),
         ("    d2_offset: 3", "unknown key d2_offset is ignored"),
-        ("    steering_limit: 60", "60.0 degrees are 1.047 radians"),
+        ("    steering_limit: 60", "60 degrees are 1.047 radians"),
         ("    limits: {brightness: 3}", "limits.brightness"),
     ],
 )

@@ -15,7 +15,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, FancyBboxPatch
 
 from six_wheel import plot
-from six_wheel.plot.drawing import AXLE, CENTRE, new_figure
+from six_wheel.plot.drawing import AXLE, FORBIDDEN, new_figure
 
 # The six-wheel rover of design/models.md, section 2.
 ROVER = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
@@ -98,7 +98,9 @@ def test_far_centre_does_not_blow_up_the_picture():
 
 def test_forbidden_turns_are_marked_where_there_are_any():
     def marks(rover):
-        found = [line for line in lines(plot.show_figure(rover, (0.5, 0.0, 0.1)), CENTRE) if len(line) == 2]
+        found = [
+            line for line in lines(plot.show_figure(rover, (0.5, 0.0, 0.1)), FORBIDDEN) if len(line) == 2
+        ]
         return [sorted(np.abs(line[:, 0])) for line in found]
 
     assert marks(ROVER) == []
@@ -111,7 +113,7 @@ def test_labels_say_what_inverse_says():
     words = " ".join(text.get_text() for text in plot.show_figure(ROVER, twist).axes[0].texts)
     for expected in (
         "front_left\n24.4°  2.69 rad/s",
-        "rear_right\n-14.7°  4.37 rad/s",
+        "rear_right\n−14.7°  4.37 rad/s",
         "middle_left\n2.33 rad/s",
     ):
         assert expected in words

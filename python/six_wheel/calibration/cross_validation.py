@@ -151,7 +151,7 @@ def cross_validate(
     keys = list(range(len(drives))) if by_run else [sessions.index(drive.session) for drive in drives]
     if len(set(keys)) < 2:
         return None
-    parts = len({drive.name.startswith("part ") for drive in drives}) == 1 and drives[0].name == "part 1"
+    parts = all(drive.name.startswith("part ") for drive in drives)
     kind = "part" if parts else "run" if by_run else "session"
 
     empty = Model(rover, [])

@@ -53,6 +53,7 @@ class Drive:
     distance: float
     turning: float
     dropped: int
+    number: int  # of the log it comes from
 
     def truth_at(self, rows: Rows, offset: float) -> tuple[Floats, Floats]:
         """True poses and their rates at rows (...), shapes (..., 3); 0 where a truth has no such part."""
@@ -150,6 +151,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         float(along[-1]),
         float(np.abs(twists[:, 2] * dt).sum()),
         len(log) - len(stamps),
+        number,
     )
 
 

@@ -44,7 +44,7 @@ class Calibrated:
     def shown(self) -> int:
         """The run for the picture: the one whose calibrated error is the median."""
         errors = [run.after for run in self.result.runs]
-        return int(np.argsort(errors, kind="stable")[(len(errors) - 1) // 2])
+        return self.result.runs[int(np.argsort(errors, kind="stable")[(len(errors) - 1) // 2])].number
 
 
 def calibrate_files(

@@ -8,8 +8,11 @@
 Needs SciPy (``pip install "six-wheel[calibrate]"``).
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
 from six_wheel.calibration import fitting, mistakes, noise
-from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
+from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
@@ -27,6 +30,7 @@ from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.poses import Floats
 
@@ -50,7 +54,7 @@ def calibrate(
     truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None = None,
     parameters: Literal["auto"] | str | Iterable[str] = "auto",
     *,
-    loss: Loss = "soft_l1",
+    loss: Loss | Literal["auto"] = "auto",
     window: float | Sequence[float] | None = None,
     confidence: float = 0.95,
     cross_validation: bool = True,
@@ -81,22 +85,24 @@ def calibrate(
         truth less that of the log), ``sensor`` (where what the truth follows sits in the body) and
         ``origin`` (the same, and the rover comes back about it). ``"auto"`` takes those that predict drives
         best that were not fitted.
-    loss : {'soft_l1', 'linear', 'huber', 'cauchy'}
+    loss : {'auto', 'soft_l1', 'linear', 'huber', 'cauchy'}
         How much windows count in which the rover slipped: from three times the usual error on less and less.
+        ``"auto"`` is ``"soft_l1"``; where a drive slid by more than 1.5 times the rover's size at a stretch,
+        that is left out of fit and cross-validation (`Calibration.slips`) and the loss is ``"cauchy"``.
     window : float or sequence of float, optional
         Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
         10, 20 and 40 times the distance of the farthest wheel from the origin.
-    confidence : float
+    confidence : float, default 0.95
         Of the intervals.
     cross_validation : bool
         Whether to leave out one session (run, part of a run) after another and report the errors there.
-    max_time_offset : float
+    max_time_offset : float, default 0.5
         Largest time offset looked for [s]; only when ``time_offset`` is among the parameters.
     progress : callable, optional
         Called with steps done, steps in all and what is being done.
     client : distributed.Client or str, optional
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
-    workers : int, optional
+    workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
 
     Returns
@@ -117,8 +123,8 @@ def calibrate(
     `six_wheel.calibration.fitting.covariance`.
     """
     records = _with_truth([logs] if isinstance(logs, Log) else list(logs), truth)
-    if loss not in fitting.LOSSES:
-        raise ValueError(f"loss must be one of {', '.join(fitting.LOSSES)}, got {loss!r}")
+    if loss not in ("auto", *fitting.LOSSES):
+        raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
     if not 0.0 < confidence < 1.0:
         raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
     if not (np.isfinite(max_time_offset) and max_time_offset > 0.0):
@@ -134,19 +140,38 @@ def calibrate(
         raise ValueError("parameters must name one at least, got none")
     margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
 
-    def ready(parts: Sequence[Log]) -> list[Drive]:
-        return [prepare(rover, log, lengths, margin, number) for number, log in enumerate(parts)]
+    def one(log: Log, number: int = 0) -> Drive:
+        return prepare(rover, log, lengths, margin, number)
 
-    drives = ready(records)
+    def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
+        if not slides:
+            return [one(part)]
+        return [drive for _, drive in mistakes.clean(part, slides, one, part.name)]
+
+    drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
+    whole, slipped = records, list[mistakes.Slip]()
+    if loss == "auto":
+        first = Problem(Model(rover, catalogue.find(sets[0])), drives, "cauchy", lengths, margin)
+        slipped = mistakes.slipped(first, records, PIECES)
+        loss = "cauchy" if slipped else "soft_l1"
+    if slipped:
+        cut: list[tuple[Log, Drive]] = []
+        for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
+            slides = _slides(slipped, number)
+            again = partial(one, number=number)
+            cut += mistakes.clean(log, slides, again, drive.session) if slides else [(log, drive)]
+        if not cut:
+            raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
+        records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
     checked: CrossValidation | None = None
     if cross_validation or asked is None:
         folds = drives
-        if len(drives) == 1:
-            parts = pieces(records[0])
-            folds = ready(
-                [part for part, moves in zip(parts, moving(rover, parts, margin), strict=True) if moves]
-            )
+        if len(whole) == 1:
+            parts = pieces(whole[0])
+            kept = zip(parts, moving(rover, parts, margin), strict=True)
+            slides = _slides(slipped, 0)
+            folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
         checked = cross_validate(
             rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers
         )
@@ -155,9 +180,15 @@ def calibrate(
         progress(0, 1, "fitting all drives")
     model = Model(rover, catalogue.find(chosen))
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
+    result = replace(result, slips=tuple(map(str, slipped)))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
+
+
+def _slides(slipped: Sequence[mistakes.Slip], number: int) -> list[Stretch]:
+    """Those of one log."""
+    return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
 
 
 def _fit(

@@ -47,6 +47,8 @@ class Calibration:
     converged : bool
     measured_noise : MeasuredNoise or None
         How far dead reckoning with `rover` errs, with intervals and what they rest on.
+    slips : tuple of str
+        Where the drives slipped and were left out, a sentence for each log.
     """
 
     rover: Rover
@@ -65,6 +67,7 @@ class Calibration:
     loss: str = "soft_l1"
     converged: bool = True
     measured_noise: MeasuredNoise | None = None
+    slips: tuple[str, ...] = ()
 
     @property
     def noise(self) -> Noise:
@@ -124,7 +127,7 @@ class Calibration:
             lines.append(f"  {self.cross_validation!r}")
         if (measured := self.measured_noise) is not None:
             lines.append(f"  {measured!r}")
-        lines += [f"  {message}" for message in self.observability.messages]
+        lines += [f"  {sentence}" for sentence in (*self.slips, *self.observability.messages)]
         return "\n".join(lines)
 
     def to_markdown(self, *, title: str = "Calibration") -> str:
@@ -143,6 +146,8 @@ class Calibration:
         lines += ["", f"Intervals from leaving out one after another of {self.basis}. Loss: {self.loss}."]
         if not self.converged:
             lines += ["", "**The fit did not settle; do not trust these values.**"]
+        if self.slips:
+            lines += ["", "## Slip", "", *(f"- {sentence}" for sentence in self.slips)]
         if (measured := self.measured_noise) is not None:
             lines += ["", "## Noise", "", f"From {measured.basis}: `{measured.noise!r}`.", ""]
             lines += [f"| slip [m per root m] | most likely | {percent} interval |", "|---|---|---|"]

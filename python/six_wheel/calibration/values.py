@@ -13,7 +13,7 @@ from six_wheel.evaluation.paths import absolute_error
 from six_wheel.logs.recordings import Truth
 from six_wheel.poses import Floats, interpolate
 
-__all__ = ["Estimate", "RunErrors", "Windows", "path"]
+__all__ = ["Estimate", "RunErrors", "Windows", "path", "timed_path"]
 
 
 @dataclass(frozen=True)
@@ -89,21 +89,28 @@ class RunErrors:
     before: float
     after: float
     dropped: int
+    number: int = 0  # of the log it is, or is a piece of
 
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
         """Of a drive with these values; `before` with the nominal ones."""
         before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
-        return cls(drive.name, drive.session, drive.distance, before, after, drive.dropped)
+        return cls(drive.name, drive.session, drive.distance, before, after, drive.dropped, drive.number)
 
 
 def path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
     """Dead reckoning of what the truth follows, and the truth at the same times; rows where it is known."""
+    _, followed, truth = timed_path(model, drive, values)
+    return followed, truth
+
+
+def timed_path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats, Floats]:
+    """The same, behind their stamps."""
     followed = model.poses(drive, values)
     wanted = drive.stamps + model.value(values, "time_offset", 0.0)
     known = drive.truth.covers(wanted)
     truth, _ = interpolate(drive.truth.stamps, np.nan_to_num(drive.truth.poses), wanted[known])
-    return followed[known], truth
+    return drive.stamps[known], followed[known], truth
 
 
 def _error(truth: Truth, followed: Floats, poses: Floats) -> float:

@@ -20,7 +20,7 @@ TruthOption = Annotated[
 ExampleOption = Annotated[bool, typer.Option("--example", help="Use the recorded run that comes along.")]
 FormatOption = Annotated[
     str | None,
-    typer.Option(metavar="table|bag|optiodom", help="What the log is, if its name does not tell."),
+    typer.Option(metavar="table|bag|optiodom|...", help="What the log is, if its name does not tell."),
 ]
 ReadingOption = Annotated[
     str | None,

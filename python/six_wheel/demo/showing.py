@@ -14,6 +14,7 @@ from six_wheel.plot.drawing import INK, SOFT, new_figure, tidy
 from six_wheel.plot.path import draw_path
 
 # One colour per axle, from front to rear; the left wheel is drawn full, the right one lighter.
+REST = "#e3e6e9"  # opaque: a palette of few colours keeps it
 AXLE_COLORS = ("#1f6f9c", "#8a6d2f", "#a3321c", "#4c4a7d")
 
 
@@ -161,8 +162,10 @@ def _colors(result: DemoResult) -> dict[str, dict[str, Any]]:
     return {
         wheel.name: {
             "color": AXLE_COLORS[axles.index(wheel.x) % len(AXLE_COLORS)],
-            "alpha": 1.0 if wheel.y > 0 else 0.55,
+            "alpha": 1.0 if wheel.y > 0 else 0.6,
             "linewidth": 1.2,
+            # Axles that do the same lie on each other: what is under a dashed line can be seen.
+            "linestyle": "-" if axles.index(wheel.x) < len(axles) / 2 else (0, (4, 3)),
         }
         for wheel in result.rover.wheels
     }
@@ -176,7 +179,7 @@ def _shade_rests(axes: Axes, result: DemoResult) -> None:
         1,
         where=list(resting),
         transform=axes.get_xaxis_transform(),
-        color=SOFT,
-        alpha=0.12,
+        color=REST,
         lw=0,
+        zorder=0,
     )

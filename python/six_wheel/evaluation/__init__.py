@@ -13,12 +13,14 @@ if TYPE_CHECKING:
         RelativeError,
         absolute_error,
         align,
+        at_same_times,
         error_growth,
         evaluate,
         path_distance,
         relative_error,
         segments,
     )
+    from six_wheel.evaluation.slip import Stretch, slip_against
     from six_wheel.evaluation.square import SquareTest, umbmark
 
 __all__ = [
@@ -28,13 +30,16 @@ __all__ = [
     "Evaluation",
     "RelativeError",
     "SquareTest",
+    "Stretch",
     "absolute_error",
     "align",
+    "at_same_times",
     "error_growth",
     "evaluate",
     "path_distance",
     "relative_error",
     "segments",
+    "slip_against",
     "umbmark",
 ]
 
@@ -49,12 +54,15 @@ __getattr__, __dir__ = attach(
             "RelativeError",
             "absolute_error",
             "align",
+            "at_same_times",
+            "at_same_times",
             "error_growth",
             "evaluate",
             "path_distance",
             "relative_error",
             "segments",
         ),
+        "slip": ("Stretch", "slip_against"),
         "square": ("SquareTest", "umbmark"),
     },
 )

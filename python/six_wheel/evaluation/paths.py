@@ -8,6 +8,8 @@ the plane and without scale; relative errors go by distance as in Geiger, Lenz &
 autonomous driving?, CVPR 2012. The package evo computes the same numbers.
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,6 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import wrap_angle
+from six_wheel.logs.recordings import Truth
+from six_wheel.odometry.tracks import Track
 from six_wheel.poses import Floats, as_poses, between, inverse, joined
 
 __all__ = [
@@ -27,6 +31,7 @@ __all__ = [
     "RelativeError",
     "absolute_error",
     "align",
+    "at_same_times",
     "error_growth",
     "evaluate",
     "path_distance",
@@ -157,7 +162,7 @@ def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) ->
         The true path [m, m, rad].
     length : float
         Of a stretch [m]; it ends with the first pose at which that distance is reached.
-    stride : int or None
+    stride : int or None, default 5
         Every how many rows a stretch begins; None: where the one before it ended.
 
     Returns
@@ -349,23 +354,56 @@ class Evaluation:
         }
 
 
+def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Truth) -> tuple[ArrayLike, ArrayLike]:
+    """Poses of both at the same times: a `Track` and a `Truth` are brought together by their stamps.
+
+    Raises
+    ------
+    ValueError
+        If they do not overlap in time for two rows of the track, or a truth comes without a track.
+    """
+    if isinstance(truth, Truth):
+        if not isinstance(estimate, Track):
+            raise ValueError(
+                f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}"
+            )
+        real = truth.at(estimate.stamps)
+        known = np.isfinite(real).all(axis=1)
+        if np.count_nonzero(known) < 2:
+            theirs = f"{truth.stamps[0]:g} to {truth.stamps[-1]:g} s"
+            ours = f"{estimate.stamps[0]:g} to {estimate.stamps[-1]:g} s" if len(estimate) else "no rows"
+            raise ValueError(f"truth must overlap the track in time, got {theirs} and {ours}")
+        return estimate.poses[known], real[known]
+    return estimate.poses if isinstance(estimate, Track) else estimate, truth
+
+
 def evaluate(
-    estimate: ArrayLike, truth: ArrayLike, *, length: float = 0.5, stride: int | None = STRIDE
+    estimate: ArrayLike | Track,
+    truth: ArrayLike | Truth,
+    *,
+    length: float = 0.5,
+    stride: int | None = STRIDE,
 ) -> Evaluation:
     """Every measure of an estimated path against the true one.
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3)
-        Poses at the same times [m, m, rad].
+    estimate, truth : array_like, shape (n, 3), or Track and Truth
+        Poses at the same times [m, m, rad]; a `Truth` is interpolated at the stamps of a `Track`, whose rows
+        outside it are left out.
     length, stride
         Of the relative error; see `segments`.
+
+    Returns
+    -------
+    Evaluation
 
     Raises
     ------
     ValueError
-        If the shapes differ or a pose is not finite.
+        If the shapes differ, a pose is not finite, or track and truth do not overlap in time.
     """
+    estimate, truth = at_same_times(estimate, truth)
     wanted = as_poses("truth", truth)
     return Evaluation(
         float(path_distance(wanted)[-1]),

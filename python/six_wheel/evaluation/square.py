@@ -5,6 +5,8 @@ Transactions on Robotics and Automation 12(6), 1996. It needs a tape measure onl
 check of `calibrate`.
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from dataclasses import dataclass
 

@@ -1,11 +1,14 @@
-"""Any log that the command line reads, by what the file is: a table, a ROS 2 bag or an OptiOdom run."""
+"""Any log that the command line reads, by what the file is: a table, a ROS 2 bag, or what `READERS` read.
+
+A format of one's own is a function that makes a `Log` and its entry in `READERS`: OptiOdom runs for example.
+"""
 
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, Self, TypeAlias, get_args
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
@@ -20,12 +23,14 @@ from six_wheel.logs.tolerant import Findings
 from six_wheel.poses import Floats, inverse, joined
 
 __all__ = [
+    "READERS",
     "AnyLog",
-    "LogFormat",
     "LogOptions",
+    "Reader",
     "corrections",
     "example_run",
     "log_format",
+    "log_formats",
     "logs_in",
     "metadata_of",
     "open_log",
@@ -34,15 +39,49 @@ __all__ = [
 
 # Of the keys of encoders those that hold for angles too, however they were read.
 CORRECTIONS = frozenset({"scale", "steering_gain"})
-LogFormat: TypeAlias = Literal["table", "bag", "optiodom"]
-AnyLog: TypeAlias = "JointLog | OptiOdomLog"
+AnyLog: TypeAlias = "JointLog | WholeLog"
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A log format that is read whole.
+
+    Attributes
+    ----------
+    claims : callable
+        Whether a path is such a log. It is asked before tables and bags are thought of: an ending of
+        theirs is not enough.
+    read : callable
+        From the path and the rover to a `Log` in the rover's order, with its truth if it has one. Its
+        `ValueError` or `OSError` becomes the one line of the command.
+    """
+
+    claims: Callable[[Path], bool]
+    read: Callable[[Path, Rover], Log]
+
+
+def _optiodom(path: Path, rover: Rover) -> Log:
+    """An OptiOdom run, if it is one of this rover's."""
+    nominal = optiodom.read_rover(path)
+    if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
+        theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
+        raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
+    return optiodom.read(path)
+
+
+READERS: dict[str, Reader] = {"optiodom": Reader(lambda path: metadata_of(path) is not None, _optiodom)}
+
+
+def log_formats() -> tuple[str, ...]:
+    """Names of all formats."""
+    return ("table", "bag", *READERS)
 
 
 @dataclass(frozen=True)
 class LogOptions:
     """What a log does not say by itself; see `JointLog`. Encoders and truth have a parameter file's keys."""
 
-    format: LogFormat | None = None
+    format: str | None = None
     reading: Reading | None = None
     encoders: Mapping[str, Any] = field(default_factory=dict)
     steering_encoders: Mapping[str, Any] = field(default_factory=dict)
@@ -73,7 +112,7 @@ def metadata_of(path: Path) -> Path | None:
     return metadata if run and metadata.is_file() else None
 
 
-def log_format(path: Path) -> LogFormat:
+def log_format(path: Path) -> str:
     """What a file is, by its ending and what stands beside it.
 
     Raises
@@ -83,8 +122,9 @@ def log_format(path: Path) -> LogFormat:
     """
     if not path.exists():
         raise TableError(f"{path}: no such file{_instead_of(path)}")
-    if metadata_of(path) is not None:
-        return "optiodom"
+    for name, reader in READERS.items():
+        if reader.claims(path):
+            return name
     if path.is_dir() or path.suffix.lower() in BAGS:
         return "bag"
     if path.suffix.lower() in FORMATS:
@@ -119,7 +159,7 @@ def _is_log(path: Path) -> bool:
     if path.is_dir():
         return (path / "metadata.yaml").exists()
     inside_bag = (path.parent / "metadata.yaml").exists()
-    named = path.suffix.lower() in {*FORMATS, *BAGS}
+    named = path.suffix.lower() in {*FORMATS, *BAGS} or any(one.claims(path) for one in READERS.values())
     return named and not inside_bag and not path.name.startswith(".") and not path.stem.endswith("_metadata")
 
 
@@ -132,10 +172,10 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         If the file is no such log of this rover.
     """
     kind = options.format or log_format(path)
-    if kind not in get_args(LogFormat):
-        raise ValueError(f'format must be one of {", ".join(get_args(LogFormat))}, got "{kind}"')
-    if kind == "optiodom":
-        return OptiOdomLog(path, rover)
+    if kind not in log_formats():
+        raise ValueError(f'format must be one of {", ".join(log_formats())}, got "{kind}"')
+    if kind in READERS:
+        return WholeLog(path, rover, kind)
     if (path.is_dir() or path.suffix.lower() in BAGS) != (kind == "bag"):
         what = (
             "a folder or .mcap or .db3 file" if kind == "bag" else f"a file ending in {' or '.join(FORMATS)}"
@@ -250,41 +290,44 @@ def read_log(
     return replace(whole, steering=steering, wheel_angles=whole.wheel_angles * scale, truth=known), log
 
 
-class OptiOdomLog:
-    """An OptiOdom run, with the face of a `JointLog`.
+class WholeLog:
+    """A log that is read whole, with the face of a `JointLog`.
 
     Parameters
     ----------
     path : Path
-        A ``_run-NN.csv`` with its metadata beside it.
+        What one of `READERS` reads.
     rover : Rover
-        With the wheels of that robot, in its order.
+        With the wheels of that log, in its order.
+    kind : str
+        Which of them.
 
     Raises
     ------
     TableError
-        If the file is no such run, or of another robot.
+        If the file is no such log, or of another rover.
     """
 
     reading: Reading = "ticks"
     origin = 0
     truth_findings: Findings | None = None
 
-    def __init__(self, path: Path, rover: Rover) -> None:
+    def __init__(self, path: Path, rover: Rover, kind: str) -> None:
         self.path, self.rover = path, rover
         self.findings, self.warnings = Findings(path), list[str]()
         self.position = 0
         try:
-            nominal = optiodom.read_rover(path)
-            self._log = optiodom.read(path)
+            self._log = READERS[kind].read(path, rover)
+        except TableError:
+            raise
         except OSError as error:
             name = Path(error.filename or path).name
-            raise TableError(f"{path}: an OptiOdom run needs its {name}: {error.strerror}") from None
+            raise TableError(f"{path}: a log of format {kind} needs its {name}: {error.strerror}") from None
         except ValueError as error:
-            raise TableError(f"{path}: not a readable OptiOdom run: {error}") from None
-        if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
-            theirs, ours = (", ".join(each.wheel_names) for each in (nominal, rover))
-            raise TableError(f"{path}: the wheels must be {theirs}, as the run has them, got {ours}")
+            raise TableError(f"{path}: not a readable log of format {kind}: {error}") from None
+        if self._log.wheel_angles.shape[1] != len(rover.wheels):
+            wheels, found = len(rover.wheels), self._log.wheel_angles.shape[1]
+            raise TableError(f"{path}: the log must have {wheels} wheels, as the rover has, got {found}")
         self.size = len(self._log)
 
     def __enter__(self) -> Self:

@@ -1,5 +1,7 @@
 """Recordings of a drive: what the wheels reported and, where it was measured, how the rover really moved."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -174,7 +176,7 @@ class Log:
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
-    def in_radians(self, rover: Rover) -> "Log":
+    def in_radians(self, rover: Rover) -> Log:
         """The same log as running totals and angles in radians, as `options` say how to read it.
 
         Counters that start over are followed the shorter way; speeds change evenly from row to row;

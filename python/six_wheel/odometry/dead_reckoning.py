@@ -1,5 +1,7 @@
 """Whole logs: from arrays, tables or files to a `Track`, in one call or piece by piece."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal, overload
 
@@ -106,7 +108,7 @@ def dead_reckon(
         Of its body, from an IMU: roll and pitch, with yaw, or quaternions x, y, z, w; likewise.
     yaw, yaw_rate : array_like of shape (n,), or str, optional
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table.
-    start : array_like, shape (3,)
+    start : array_like, shape (3,), default (0, 0, 0)
         First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.

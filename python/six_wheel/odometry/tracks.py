@@ -2,6 +2,7 @@
 
 from __future__ import annotations  # NumPy is not loaded for its names
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,10 @@ __all__ = [
     "Track",
     "WheelSlip",
 ]
+
+
+ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
+SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
 
 
 class Health(NamedFlag):
@@ -161,9 +166,9 @@ class Track:
         ----------
         threshold : float, optional
             Residual from which on a wheel slips [m/s]; by default the rows flagged `Health.SLIP` count.
-        gap : float
+        gap : float, default 0.5
             Rows of slip that lie no further apart than this are one window [s].
-        shortest : int
+        shortest : int, default 2
             Rows that make a window: fewer are noise.
         """
         return SlipReport.of(self, threshold, gap, shortest)
@@ -213,6 +218,8 @@ class SlipReport:
     wheels: tuple[WheelSlip, ...]
     windows: tuple[SlipWindow, ...]
     rows: int
+    told: bool = True
+    """Whether the wheels can contradict each other at all: two wheels of a differential drive cannot."""
 
     @property
     def worst_wheel(self) -> str | None:
@@ -234,7 +241,7 @@ class SlipReport:
         weights = None if track.weights is None else track.weights[used].mean(axis=0)
         if not len(residuals):
             wheels = [WheelSlip(name, 0.0, 0.0, 0.0, 0, 0.0, None) for name in names]
-            return cls(tuple(wheels), (), 0)
+            return cls(tuple(wheels), (), 0, can_contradict(track.rover))
         largest = residuals.max(axis=1)
         moving = largest > 0.0
         leads = np.argmax(residuals, axis=1)
@@ -281,7 +288,8 @@ class SlipReport:
                         float(residuals[first : last + 1, wheel].max()),
                     )
                 )
-        return cls(tuple(wheels), tuple(windows), len(residuals))
+        told = can_contradict(track.rover, largest=float(largest.max()))
+        return cls(tuple(wheels), tuple(windows), len(residuals), told)
 
     def __str__(self) -> str:
         width = max(len(wheel.name) for wheel in self.wheels)
@@ -296,6 +304,29 @@ class SlipReport:
                 f"{window.start:.3f} s to {window.end:.3f} s (rows {window.first_row} to {window.last_row}): "
                 f"{window.wheel} slid {window.distance:.3f} m, at {window.worst:.3f} m/s at most"
             )
-        if not self.windows:
+        if not self.told:
+            lines.append(f"{SILENT} (a gyroscope or a truth can: six_wheel.evaluation.slip_against)")
+        elif not self.windows:
             lines.append("no stretch in which a wheel slipped")
         return "\n".join(lines)
+
+
+def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
+    """Whether the readings of a rover say more than its motion, so that slip shows in them.
+
+    Parameters
+    ----------
+    largest : float
+        Largest residual of a log [m/s]: where there is none, wheels without a motor may have had no encoder.
+    """
+    import numpy as np
+
+    numbers = np.random.default_rng(0)  # any readings that are not those of a motion
+    ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
+    steering = np.array([numbers.uniform(max(low, -1.0), min(high, 1.0)) for low, high in ranges])
+    speeds = numbers.normal(size=len(rover.wheels))
+    driven = np.array([wheel.driven for wheel in rover.wheels])
+    heard = [speeds] if largest > ROUNDING else [speeds, np.where(driven, speeds, np.nan)]
+    return all(
+        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residual) > ROUNDING for one in heard
+    )

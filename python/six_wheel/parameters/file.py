@@ -30,7 +30,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from six_wheel._core import Controller, Limits, Rover, Wheel
+from six_wheel._core import Controller, Limits, Rover, Wheel, without_questions
 from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
 from six_wheel.descriptions.joint_names import wheel_said_by
 from six_wheel.parameters import syntax
@@ -38,8 +38,8 @@ from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest
-from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, as_argument, check_values
-from six_wheel.parameters.units import question_lengths
+from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
+from six_wheel.parameters.units import question_units
 from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "dump", "load", "read_parameters"]
@@ -333,11 +333,10 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     values = check_values(found, form, log.error)
     form.check(found, values, log.error, log.warning)
     values = form.complete(found, values)
-    rover = _rover(found, form, values, log)
+    rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
         _check_encoders(found, values, rover, log)
         _check_covariance(found, values, log)
-        question_lengths(found, rover, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
@@ -413,6 +412,7 @@ def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | N
     layout = _layout(section, form, values, log)
     if layout is None:
         return None  # whose wheels are not known
+    question_units(section, layout, log.warning)
     joints = _joints(section, form, values, layout, log)
     if log.has_errors:
         return None
@@ -433,13 +433,6 @@ def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | N
 
 def _layout(section: Section, form: Form, values: Values, log: _Log) -> Rover | None:
     """Wheels without the file's joints; None, with the reason reported, if the file does not say enough."""
-    limit = as_argument(values.get("steering_limit"))
-    largest = max(map(abs, limit)) if isinstance(limit, tuple) else limit or 0.0
-    if largest > math.pi * (10 if form.kind == "swerve" else 1):  # a module may count its turns
-        at = ("steering_limit",)
-        degrees = f"{largest:g} degrees are {math.radians(largest):.4g} radians"
-        turns = f"{largest / math.tau:.3g} turns"
-        log.warning(section.line_of(at), at, f"steering_limit is {turns}, got {limit}", degrees)
     if not form.needed <= form.stand_in.keys() | values.keys():
         return None
     try:

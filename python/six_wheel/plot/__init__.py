@@ -1,10 +1,16 @@
 """Pictures of rovers, drives, tracks and limits: each takes a result and returns a figure.
 
+>>> import six_wheel as sw
+>>> picture = sw.plot(sw.Rover.preset("perseverance"), twist=(0.04, 0.0, 0.02))
+>>> sw.plot.save(picture, "perseverance.png")  # doctest: +SKIP
+
 Only matplotlib's object interface is used: no global state and no display, so the figures can be made in any
 thread and on any machine. `save` writes them as PNG, SVG or PDF.
 """
 
-from typing import TYPE_CHECKING
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 try:
     import matplotlib  # noqa: F401
@@ -14,6 +20,8 @@ except ImportError as missing:
 from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from six_wheel.plot.drawing import draw_rover
     from six_wheel.plot.drive import drive_figure, engine_figure
     from six_wheel.plot.four_axle import four_axle_figure
@@ -25,6 +33,7 @@ if TYPE_CHECKING:
     from six_wheel.plot.planning import draw_costmap, plan_figure
     from six_wheel.plot.reckoning import reckoning_figure
     from six_wheel.plot.replay import replay_figure
+    from six_wheel.plot.results import figure
     from six_wheel.plot.saving import picture_path, save
     from six_wheel.plot.tracks import residual_figure, track_figure
     from six_wheel.plot.twist import show_figure
@@ -35,6 +44,7 @@ __all__ = [
     "draw_rover",
     "drive_figure",
     "engine_figure",
+    "figure",
     "film_figure",
     "four_axle_figure",
     "ground_figure",
@@ -67,8 +77,21 @@ __getattr__, __dir__ = attach(
         "planning": ("draw_costmap", "plan_figure"),
         "reckoning": ("reckoning_figure",),
         "replay": ("replay_figure",),
+        "results": ("figure",),
         "saving": ("picture_path", "save"),
         "tracks": ("residual_figure", "track_figure"),
         "twist": ("show_figure",),
     },
 )
+
+
+class _Pictures(ModuleType):
+    """This package, which can be called: ``six_wheel.plot(track)`` is ``six_wheel.plot.figure(track)``."""
+
+    def __call__(self, result: Any, **options: Any) -> "Figure":
+        from six_wheel.plot.results import figure
+
+        return figure(result, **options)
+
+
+sys.modules[__name__].__class__ = _Pictures

@@ -1,5 +1,7 @@
 """What every picture shares: colours, a quiet frame, a rover's sizes, and the rover itself from above."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -8,6 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.ticker import ScalarFormatter
 from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,7 +20,9 @@ Floats = NDArray[np.float64]
 
 INK, SOFT, FAINT = "#22303c", "#7d8a96", "#d5dbe0"
 BODY, WHEEL, AXLE = "#e9e3d8", "#33424f", "#4a7fa7"
-MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"
+MOTION, CENTRE, TRACK = "#2a7f62", "#c1440e", "#ddd2bf"  # CENTRE is a centre of rotation in every picture
+FORBIDDEN, RECORDED = "#8e2f5b", "#e0a050"
+
 
 FORWARD_UP = np.pi / 2  # yaw that turns x forward to the top of the page, so that left is left
 WHEEL_WIDTH = 0.45  # of its diameter; a Rover does not know how wide its wheels are
@@ -188,8 +193,16 @@ def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
     axes.tick_params(colors=SOFT, labelsize=8, length=0)
     for spine in axes.spines.values():
         spine.set_visible(False)
+    for axis in (axes.xaxis, axes.yaxis):
+        if isinstance(axis.get_major_formatter(), ScalarFormatter) and axis.get_scale() == "linear":
+            axis.set_major_formatter(lambda value, _: number(value))
     axes.set_xlabel(xlabel, fontsize=8, color=SOFT)
     axes.set_ylabel(ylabel, fontsize=8, color=SOFT)
+
+
+def number(value: float, form: str = "g") -> str:
+    """A number as every tick and word of a picture has it: no needless digits, a minus sign that is one."""
+    return f"{round(value, 12) + 0.0:{form}}".replace("-", "\N{MINUS SIGN}")
 
 
 def headings(rover: Rover, steering: ArrayLike | None = None) -> Floats:

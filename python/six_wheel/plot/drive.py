@@ -1,5 +1,7 @@
 """Picture of a drive through a controller: the path, and commands, joints and reasons over time."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,21 +18,32 @@ from six_wheel.controller import Reason
 from six_wheel.drive.controlled import ControlledDrive
 from six_wheel.drive.course import Course
 from six_wheel.drive.direct import Drive
-from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, Floats, new_figure, tidy
+from six_wheel.plot.drawing import AXLE, FAINT, INK, MOTION, RECORDED, SOFT, Floats, new_figure, tidy
 from six_wheel.plot.path import draw_path, path_figure
 
-WHEELS = (AXLE, CENTRE, MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
-ASKED, DONE = CENTRE, INK
+WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
+ASKED, DONE = RECORDED, INK
 NEAR = 2.5  # a limit this many times as far away as the values is not in the picture, but said beside it
 SIDE = 0.2  # share of the largest value that makes the limit of a side worth its room
 STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELERATION
 ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
 STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
+BODILY = "#b5651d"  # of what limits the body
+DASHES: tuple[Any, Any] = (
+    "-",
+    (0, (4, 3)),
+)  # of the rear half: where a front wheel does the same, both are seen
 TIME_UNITS = ((600.0, 1.0, "s"), (10_800.0, 60.0, "min"), (math.inf, 3600.0, "h"))
 
 
 def draw_course(
-    figure: Figure, grid: Any, rover: Rover, course: Course, limits: Limits, shares: Mapping[str, float]
+    figure: Figure,
+    grid: Any,
+    rover: Rover,
+    course: Course,
+    limits: Limits,
+    shares: Mapping[str, float],
+    below: Any = None,
 ) -> list[Axes]:
     """Draw panels over time below each other: twists, joints against their limits, reasons.
 
@@ -38,6 +51,8 @@ def draw_course(
     ----------
     figure, grid
         A figure, and the place in a grid of it where the panels go.
+    below
+        Another place, for those of the body's motion.
     rover, course, limits
         What was driven, what came of it, and what it was not to exceed.
     shares : mapping of str to float
@@ -64,6 +79,7 @@ def draw_course(
     ]
     colours = [WHEELS[k % len(WHEELS)] for k in wheels]
     steering = [colours[k] for k in steered]
+    dashed = set(colours[(len(colours) + 1) // 2 :])
     if joints:
         all_ends = sorted({min(max(end, -widest), widest) for ends in ranges for end in ends})
         panels.append(("steering [rad]", list(range(6, 6 + joints)), steering, all_ends))
@@ -73,20 +89,24 @@ def draw_course(
     panels.append(("wheel speed\n[rad/s]", speeds, colours, both(limits.wheel_speed)))
 
     reasons = [each for each in Reason if each.name in shares]
-    heights = [1.0] * len(panels) + [max(0.17 * len(reasons), 0.17)]
-    rows = grid.subgridspec(len(heights), 1, height_ratios=heights)
+    ahead = 0 if below is None else sum(len(columns) == 2 and columns[0] < 3 for _, columns, *_ in panels)
+    heights = [1.0] * (len(panels) - ahead) + [max(0.17 * len(reasons), 0.17)]
+    rows = [*grid.subgridspec(len(heights), 1, height_ratios=heights)]
+    if ahead:
+        rows = [*below.subgridspec(ahead, 1), *rows]
     found: list[Axes] = []
     for number, (name, columns, hues, lines) in enumerate(panels):
         axes = figure.add_subplot(rows[number], sharex=found[0] if found else None)
         found.append(axes)
-        for column, hue in zip(columns, hues, strict=True):
+        for place, (column, hue) in enumerate(zip(columns, hues, strict=True)):
             x, y = _line(begin, low[:, column], high[:, column], course.stride)
             # What was asked for is a broad pale line, on which what was done lies.
             asked = hue == ASKED and column < 3
             width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
             axes.plot(
                 x, y, color=hue, linewidth=width, alpha=0.4 if asked else 0.95,
-                zorder=2 if asked else 3, solid_joinstyle="round",
+                zorder=2 if asked else 3 + 0.01 * place, solid_joinstyle="round",
+                linestyle=DASHES[column >= 6 and hue in dashed],
             )  # fmt: skip
         _draw_limits(axes, lines, low[:, columns], high[:, columns])
         tidy(axes, "", name)
@@ -98,7 +118,11 @@ def draw_course(
     strip.grid(False, axis="y")
     end = max(float(begin[-1]), float(begin[0]) + 1e-9) if len(begin) else 1.0
     strip.set_xlim(0.0, end)
-    figure.align_ylabels(found)
+    figure.align_ylabels(found[:ahead])
+    figure.align_ylabels(found[ahead:])
+    if ahead:
+        found[ahead - 1].tick_params(labelbottom=True)
+        found[ahead - 1].set_xlabel(f"time [{unit}]", fontsize=8, color=SOFT)
     return [*found, strip]
 
 
@@ -109,8 +133,16 @@ def draw_key(axes: Axes, rover: Rover) -> None:
         Line2D([], [], color=DONE, linewidth=1.1, label="limited"),
         Line2D([], [], color=SOFT, linewidth=0.9, linestyle=(0, (5, 3)), label="limit"),
     ]
+    count = len(rover.wheels)
     lines += [
-        Line2D([], [], color=WHEELS[k % len(WHEELS)], linewidth=2.0, label=name.replace("_", " "))
+        Line2D(
+            [],
+            [],
+            color=WHEELS[k % len(WHEELS)],
+            linewidth=2.0,
+            linestyle=DASHES[k >= (count + 1) // 2],
+            label=name.replace("_", " "),
+        )
         for k, name in enumerate(rover.wheel_names)
     ]
     axes.axis("off")
@@ -150,12 +182,12 @@ def drive_figure(
     """
     figure = new_figure(14.0, 8.6 + 0.12 * len(shares))
     grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.5), wspace=0.04)
-    left = grid[0].subgridspec(2, 1, height_ratios=(0.14, 1.0))
+    left = grid[0].subgridspec(3, 1, height_ratios=(0.14, 1.0, 0.75))
     draw_key(figure.add_subplot(left[0]), rover)
-    path = figure.add_subplot(left[1], anchor="N")
+    path = figure.add_subplot(left[1])
     length = draw_path(path, rover, poses, steering)
     path.set_title(f"{length:.2f} m", loc="left", fontsize=9, color=SOFT)
-    draw_course(figure, grid[1], rover, course, limits, shares)
+    draw_course(figure, grid[1], rover, course, limits, shares, left[2])
     if title is not None:
         figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
     return figure
@@ -232,7 +264,7 @@ def _colour(reason: Reason) -> str:
         return AXLE
     if reason & ROLLING:
         return MOTION
-    return SOFT if reason.value & STATES else CENTRE
+    return SOFT if reason.value & STATES else BODILY
 
 
 def _percent(share: float) -> str:

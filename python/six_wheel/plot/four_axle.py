@@ -10,7 +10,7 @@ except ImportError as missing:
 
 from six_wheel.four_axle import FourAxleSimulation
 from six_wheel.plot.drawing import (
-    CENTRE,
+    AXLE,
     FAINT,
     INK,
     MOTION,
@@ -26,9 +26,9 @@ from six_wheel.plot.drawing import (
 )
 
 WIDTH, TIMELINE, STRIPS = 9.0, 1.9, 0.5  # [in]
-FREE = {"front": MOTION, "rear": CENTRE}
+FREE = {"front": MOTION, "rear": AXLE}
 NAMES = ("front left", "front right", "rear left", "rear right")
-STYLES = ((MOTION, "-"), (MOTION, "--"), (CENTRE, "-"), (CENTRE, "--"))
+STYLES = ((MOTION, "-"), (MOTION, "--"), (AXLE, "-"), (AXLE, "--"))
 SAME_PLACE = 0.02  # rover sizes: nearer than this, two poses are one
 
 
@@ -90,7 +90,7 @@ def _draw_path(axes: Axes, result: FourAxleSimulation, size: float) -> None:
     for end in np.unique(result.ends)[:-1]:
         axes.plot(*poses[end, :2], "o", color="white", markeredgecolor=INK, markersize=5, zorder=6)
     axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=7, zorder=6)
-    axes.plot(*poses[-1, :2], "o", color=CENTRE, markeredgecolor="white", markersize=8, zorder=6)
+    axes.plot(*poses[-1, :2], "o", color=INK, markeredgecolor="white", markersize=8, zorder=6)
     _write_actions(axes, result, size)
 
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Polygon
 from six_wheel._core import Limits, Rover
 from six_wheel.controller import Reason
 from six_wheel.drive.abilities import Rim, rim
-from six_wheel.plot.drawing import CENTRE, INK, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.plot.drawing import FORBIDDEN, INK, SOFT, Floats, new_figure, tidy, write_title
 
 __all__ = ["limits_figure"]
 
@@ -88,7 +88,8 @@ def _fill(axes: Axes, found: Rim) -> list[Patch]:
         )
         label = WORDS.get(kind, str(kind.name).lower().replace("_", " "))
         patches.setdefault(kind, Patch(facecolor=color, label=label))
-    return [patches[kind] for kind in (*COLORS, *SHADES) if kind in patches]
+    beyond = Patch(facecolor="white", edgecolor=SOFT, linewidth=0.6, label="faster than a limit allows")
+    return [*(patches[kind] for kind in (*COLORS, *SHADES) if kind in patches), beyond]
 
 
 def _binding(reasons: Reason) -> Reason:
@@ -106,7 +107,7 @@ def _write_radii(axes: Axes, rover: Rover, reach: Floats) -> None:
             continue
         for side in (1.0, -1.0):
             ends = np.array([-1.0, 1.0]) * 2.0 * reach[0]
-            axes.plot(ends, ends * radius * side, color=CENTRE, linewidth=0.8, zorder=4)
+            axes.plot(ends, ends * radius * side, color=FORBIDDEN, linewidth=0.8, zorder=4)
         right = min(reach[0], reach[1] / radius)
         axes.annotate(
             f"{words} {radius:.3g} m", (-right, right * radius), color=INK, fontsize=8, annotation_clip=False,

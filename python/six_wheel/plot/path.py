@@ -1,5 +1,7 @@
 """Pictures of a driven path with the rover drawn along it."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -7,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
 from six_wheel.plot.drawing import (
-    CENTRE,
     INK,
+    RECORDED,
     SOFT,
     TRACK,
     Floats,
@@ -100,7 +102,7 @@ def draw_path(
     if recorded is not None:
         asked = np.asarray(recorded, dtype=np.float64)
         axes.plot(
-            asked[:, 0], asked[:, 1], color=CENTRE, linewidth=3.2, alpha=0.35, zorder=1.5, label="recorded"
+            asked[:, 0], asked[:, 1], color=RECORDED, linewidth=5.5, alpha=0.8, zorder=4.5, label="recorded"
         )
     axes.plot(track[:, 0], track[:, 1], color=INK, linewidth=1.2, zorder=5, label="driven")
 
@@ -110,7 +112,7 @@ def draw_path(
         pose, height = track[row], 3 + 0.01 * number
         draw_rover(axes, rover, pose, angles[row], fade=fade, scale=scale, treads=False, zorder=height)
     axes.plot(*track[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
-    axes.plot(*track[-1, :2], "o", color=CENTRE, markeredgecolor="white", markersize=8, zorder=6)
+    axes.plot(*track[-1, :2], "o", color=INK, markeredgecolor="white", markersize=8, zorder=6)
 
     reach = 1.1 * size * scale
     axes.set_xlim(track[:, 0].min() - reach, track[:, 0].max() + reach)

@@ -2,18 +2,21 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from six_wheel.evaluation.paths import absolute_error, align, path_distance
-from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
+from six_wheel.odometry.tracks import ROUNDING, SILENT
+from six_wheel.plot.drawing import AXLE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats
-from six_wheel.reckoning.running import ROUNDING, Reckoned
+from six_wheel.reckoning.running import Reckoned
 
 LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
 ELLIPSES = 14
 DRAWN = 5000  # points of a line at most, more than any screen shows
-WHEELS = (AXLE, CENTRE, MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
+LIKELY_FACE = to_rgb(AXLE)
+WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
 
 
 def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
@@ -70,11 +73,16 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
         turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
         label = {} if number else {"label": "95 % of where it may be"}
         ellipse = Ellipse(
-            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=CENTRE, alpha=0.10, **label
-        )
+            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.22),
+            edgecolor=(*LIKELY_FACE, 0.9), linewidth=0.8, zorder=2.5, **label,
+        )  # fmt: skip
         axes.add_patch(ellipse)
     axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
-    axes.plot(*poses[-1, :2], "o", color=CENTRE, markeredgecolor="white", markersize=8, zorder=6)
+    axes.plot(*poses[-1, :2], "o", color=INK, markeredgecolor="white", markersize=8, zorder=6, label="end")
+    if result.evaluation is not None:
+        axes.plot(
+            *truth[-1, :2], "X", color=INK, markeredgecolor="white", markersize=9, zorder=7, label="true end"
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(frameon=False, fontsize=8, labelcolor=INK)
     tidy(axes, "x [m]", "y [m]")
@@ -86,7 +94,7 @@ def _draw_error(axes: Axes, result: Reckoned) -> None:
     largest = np.linalg.eigvalsh(covariances[:, :2, :2])[:, -1]
     bound = np.sqrt(LIKELY * np.maximum(largest, 0.0))
     distance, bound = _thin(path_distance(poses), bound)
-    axes.fill_between(distance, 0.0, bound, color=CENTRE, alpha=0.10, linewidth=0, label="95 % bound")
+    axes.fill_between(distance, 0.0, bound, color=AXLE, alpha=0.22, linewidth=0, label="95 % bound")
     if result.evaluation is not None:
         error = absolute_error(result.estimate, result.truth, "first").position
         along, error = _thin(path_distance(result.estimate), error)
@@ -113,14 +121,17 @@ def _draw_residuals(axes: Axes, result: Reckoned) -> None:
     names = result.rover.wheel_names
     stamps, residuals = _thin(stamps, residuals)
     if not np.nan_to_num(residuals).max() > ROUNDING:
-        axes.text(0.5, 0.5, "no wheel contradicts another", transform=axes.transAxes, ha="center", color=SOFT)
+        said = "no wheel contradicts another" if result.slip.told else SILENT.replace(": ", ":\n")
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9}
+        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", color=SOFT, bbox=box, zorder=4)
     order = np.argsort(-np.nan_to_num(residuals).max(axis=0), kind="stable")
     for number, wheel in enumerate(order):
         colour = WHEELS[number] if number < len(WHEELS) else SOFT
         label = {"label": names[wheel].replace("_", " ")} if number < len(WHEELS) else {}
         axes.plot(stamps, 1000.0 * residuals[:, wheel], color=colour, linewidth=0.8, **label)
-    for window in result.slip.windows:
-        axes.axvspan(window.start, window.end, color=FAINT, alpha=0.6, zorder=0)
+    told = [(window.start, window.end) for window in result.slip.windows]
+    for start, end in [*told, *((stretch.start, stretch.end) for stretch in result.lost)]:
+        axes.axvspan(start, end, color=FAINT, alpha=0.6, zorder=0)
     axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
     axes.set_xlim(stamps[0], stamps[-1])
     axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper right", ncols=2)

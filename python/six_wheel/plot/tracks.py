@@ -1,5 +1,7 @@
 """Pictures of paths against the truth, of how their errors grow, and of what a calibration leaves."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Mapping
 
 import numpy as np
@@ -7,17 +9,26 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from six_wheel.evaluation.paths import Alignment, absolute_error, align, error_growth, path_distance
-from six_wheel.plot.drawing import AXLE, CENTRE, INK, MOTION, SOFT, new_figure, tidy, write_title
+from six_wheel.evaluation.paths import (
+    Alignment,
+    absolute_error,
+    align,
+    at_same_times,
+    error_growth,
+    path_distance,
+)
+from six_wheel.logs.recordings import Truth
+from six_wheel.odometry.tracks import Track
+from six_wheel.plot.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
 from six_wheel.poses import Floats, as_poses
 
-# The last one drawn is the one that matters: it is green, what came before is red, then quieter.
-COLOURS = (MOTION, CENTRE, AXLE, SOFT)
+# The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
+COLOURS = (MOTION, FORBIDDEN, AXLE, SOFT)
 
 
 def track_figure(
-    tracks: ArrayLike | Mapping[str, ArrayLike],
-    truth: ArrayLike,
+    tracks: ArrayLike | Track | Mapping[str, ArrayLike | Track],
+    truth: ArrayLike | Truth,
     *,
     how: Alignment = "first",
     title: str | None = None,
@@ -26,10 +37,10 @@ def track_figure(
 
     Parameters
     ----------
-    tracks : array_like of shape (n, 3), or mapping of names to such
+    tracks : array_like of shape (n, 3), or Track, or mapping of names to such
         Poses at the times of the truth [m, m, rad]; from the worst to the best.
-    truth : array_like, shape (n, 3)
-        The true poses [m, m, rad].
+    truth : array_like of shape (n, 3), or Truth
+        The true poses [m, m, rad]; a `Truth` is brought to the stamps of tracks that share them.
     how : {'first', 'se2', 'none'}
         Alignment of each path, as in `six_wheel.evaluation.paths.align`.
     title : str, optional
@@ -45,7 +56,8 @@ def track_figure(
         If the shapes differ or a pose is not finite.
     """
     named = dict(tracks) if isinstance(tracks, Mapping) else {"estimate": tracks}
-    wanted = as_poses("truth", truth)
+    pairs = {name: at_same_times(track, truth) for name, track in named.items()}
+    wanted = as_poses("truth", next(iter(pairs.values()))[1])
     figure = new_figure(11.0, 6.2)
     grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1.0))
     path = figure.add_subplot(grid[:, 0])
@@ -53,8 +65,8 @@ def track_figure(
 
     path.plot(wanted[:, 0], wanted[:, 1], color=INK, linewidth=3.0, alpha=0.25, label="truth")
     distance, said = path_distance(wanted), []
-    for number, (name, track) in enumerate(named.items()):
-        colour = COLOURS[(len(named) - 1 - number) % len(COLOURS)]
+    for number, (name, (track, _)) in enumerate(pairs.items()):
+        colour = COLOURS[(len(pairs) - 1 - number) % len(COLOURS)]
         moved = align(track, wanted, how)
         error = absolute_error(moved, wanted, "none")
         said.append(f"{name} {error.rmse:.3f} m")
@@ -103,7 +115,7 @@ def _histogram(axes: Axes, before: Floats, after: Floats) -> None:
     both = np.concatenate((before, after))
     low, high = np.quantile(both, (0.01, 0.99)) if len(both) else (0.0, 0.0)
     bins = np.linspace(low, high, 41) if low < high else np.linspace(low - 1.0, low + 1.0, 41)
-    for values, colour, name in ((before, CENTRE, "before"), (after, MOTION, "after")):
+    for values, colour, name in ((before, FORBIDDEN, "before"), (after, MOTION, "after")):
         kept = np.clip(values, bins[0], bins[-1])
         axes.hist(kept, bins=bins.tolist(), color=colour, alpha=0.55, label=name)
     axes.axvline(0.0, color=SOFT, linewidth=0.8)

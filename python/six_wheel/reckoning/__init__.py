@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from six_wheel.reckoning.fleet import FleetLog, reckon_all
     from six_wheel.reckoning.running import Count, Reckoned, Settings, reckon
     from six_wheel.reckoning.slip import SlipSum
+    from six_wheel.reckoning.tracks import of_track
 
 __all__ = [
     "Count",
@@ -15,6 +16,7 @@ __all__ = [
     "Reckoned",
     "Settings",
     "SlipSum",
+    "of_track",
     "reckon",
     "reckon_all",
 ]
@@ -25,5 +27,6 @@ __getattr__, __dir__ = attach(
         "fleet": ("FleetLog", "reckon_all"),
         "running": ("Count", "Reckoned", "Settings", "reckon"),
         "slip": ("SlipSum",),
+        "tracks": ("of_track",),
     },
 )

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Odometry, Rover
 from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.joints import JointRows, read_truth
 from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
@@ -22,7 +23,7 @@ from six_wheel.logs.recordings import Truth
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
-from six_wheel.odometry.tracks import Health, SlipReport, Track
+from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.onboard.settings import text_of
 from six_wheel.poses import Floats
 from six_wheel.reckoning.recording import TrackRecord
@@ -31,7 +32,6 @@ from six_wheel.reckoning.slip import SlipSum
 __all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 
 FIRST_ROWS = 5  # of every kind of finding, that are named
-ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
 UPPER = tuple(zip(*np.triu_indices(3), strict=True))  # of a covariance, which is symmetric
 RECORD = ".mcap"
 COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
@@ -84,6 +84,8 @@ class Reckoned:
     flags : dict of Health to Count
         Rows that were used and that there is something to say about.
     slip : SlipReport
+    lost : tuple of Stretch
+        When the wheels did not say what the rover did, if the truth is known.
     evaluation : Evaluation or None
         Against the truth, if it is known.
     estimate, truth : ndarray, shape (n, 3)
@@ -103,6 +105,7 @@ class Reckoned:
     left_out: dict[str, Count] = field(default_factory=dict)
     flags: dict[Health, Count] = field(default_factory=dict)
     slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
+    lost: tuple[Stretch, ...] = ()
     evaluation: Evaluation | None = None
     estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
     truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -151,7 +154,7 @@ class _Run:
         self._last = np.array(settings.start)
         self._begin: float | None = None
         self._slip = SlipSum()
-        self._known: list[tuple[Floats, Floats]] = []
+        self._known: list[tuple[Floats, Floats, Floats]] = []
         self._own: list[tuple[Floats, Floats]] = []
         self._reckoned: list[tuple[Floats, Floats]] = []
         self._used = 0
@@ -216,7 +219,7 @@ class _Run:
             return
         wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
         if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
-            self._known.append((poses[there], wanted[there]))
+            self._known.append((chunk.stamps[there], poses[there], wanted[there]))
 
     def _compare(self) -> None:
         """What was kept for the end."""
@@ -228,7 +231,7 @@ class _Run:
         for times, estimate in self._reckoned:
             wanted = truth.at(times)
             there = np.isfinite(wanted).all(axis=1)
-            self._known.append((estimate[there], wanted[there]))
+            self._known.append((times[there], estimate[there], wanted[there]))
 
     def _times(self, stamps: Floats) -> NDArray[Any]:
         if not self.log.origin:
@@ -264,7 +267,8 @@ class _Run:
         if self._own:
             self._compare()
         if self._known:
-            result.estimate, result.truth = (np.concatenate(part) for part in zip(*self._known, strict=True))
+            stamps, result.estimate, result.truth = map(np.concatenate, zip(*self._known, strict=True))
+            result.lost = lost_stretches(stamps, result.estimate, result.truth, reach(result.rover))
         if truth is not None and len(result.truth) < 2:
             ours = (
                 f"{self._begin:g} to {self._begin + result.duration:g} s" if self._begin is not None else ""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
+from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip, can_contradict
 from six_wheel.poses import Floats
 
 GAP = 0.5  # [s], below which two stretches of slip are one
@@ -68,7 +68,7 @@ class SlipSum:
     def report(self, rover: Rover) -> SlipReport:
         """The report of all pieces."""
         if not self._rows:
-            return SlipReport((), (), 0)
+            return SlipReport((), (), 0, can_contradict(rover))
         rms, mean = np.sqrt(self._squares / self._rows), self._sums / self._rows
         share = self._leads / max(self._moving, 1)
         weights = self._weights / self._rows if self._weighted else [None] * len(self._worst)
@@ -77,4 +77,5 @@ class SlipSum:
             WheelSlip(name, float(r), float(m), worst, row, float(s), None if w is None else float(w))
             for name, r, m, (worst, row), s, w in figures
         )
-        return SlipReport(wheels, tuple(self._windows), self._rows)
+        largest = max(worst for worst, _ in self._worst)
+        return SlipReport(wheels, tuple(self._windows), self._rows, can_contradict(rover, largest))

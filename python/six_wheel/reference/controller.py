@@ -5,6 +5,8 @@ its rate and of the change of that, found by halving the peak of the rate. `Step
 motion under first-order limits by trying how far it can. `excess` holds a log against every limit.
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -3,6 +3,8 @@
 It shares no code with the core. Axles come in the order front left, front right, rear left, rear right.
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

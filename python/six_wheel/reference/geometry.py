@@ -1,5 +1,7 @@
 """Poses and twists in the plane, and how arrays of them are read."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias

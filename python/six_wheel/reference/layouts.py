@@ -1,5 +1,7 @@
 """The named vehicles: each is a list of wheels and nothing else."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

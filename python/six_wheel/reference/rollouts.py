@@ -1,5 +1,7 @@
 """Rollouts of a sampling planner: where they lead, and what they ask of the wheels."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """A rover: a list of wheels and what follows from the wheel equation of each."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from functools import cached_property
 from typing import Any, Literal, TypeAlias, get_args

@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 
 from six_wheel.evaluation.paths import Evaluation
-from six_wheel.reckoning.running import REMARKS, ROUNDING, Reckoned
+from six_wheel.odometry.tracks import ROUNDING, SILENT
+from six_wheel.reckoning.running import REMARKS, Reckoned
 from six_wheel.report.pages import picture, table
 
 __all__ = ["facts", "judged", "slipped", "written"]
@@ -34,9 +35,12 @@ def facts(result: Reckoned) -> Rows:
 def slipped(result: Reckoned) -> Rows:
     """Which wheel disagrees with the others, and when; nothing where no wheel can."""
     slip = result.slip
+    if not slip.told:
+        known = _lost(result)
+        return [("wheels", SILENT + ("" if known else "; a gyroscope or a truth can tell")), *known]
     worst = max(slip.wheels, key=lambda wheel: wheel.rms, default=None)
     if worst is None or worst.worst <= ROUNDING:
-        return [("wheels", "none contradicts another")]
+        return [("wheels", "none contradicts another"), *_lost(result)]
     rows = [
         (
             "most at odds",
@@ -53,7 +57,22 @@ def slipped(result: Reckoned) -> Rows:
     more = len(slip.windows) - len(windows)
     if more > 0:
         lines.append(f"and {more} more")
-    return [*rows, ("slip", "\n".join(lines) if lines else "no stretch in which a wheel slipped")]
+    return [
+        *rows,
+        ("slip", "\n".join(lines) if lines else "no stretch in which a wheel slipped"),
+        *_lost(result),
+    ]
+
+
+def _lost(result: Reckoned) -> Rows:
+    """When the truth moved otherwise than the wheels said; nothing without a truth."""
+    if result.evaluation is None:
+        return []
+    longest = sorted(result.lost, key=lambda one: -one.distance)[:WINDOWS]
+    lines = [f"{one}: {1e3 * one.distance:.3g} mm" for one in longest]
+    if (more := len(result.lost) - len(longest)) > 0:
+        lines.append(f"and {more} more")
+    return [("slip by the truth", "\n".join(lines) if lines else "no stretch")]
 
 
 def judged(evaluation: Evaluation | None) -> Rows:
@@ -124,6 +143,11 @@ def written(result: Reckoned, picture_name: str) -> str:
         "How fast a contact slides if the fitted motion is the true one.",
         table(heads, wheels),
     ]
+    if not result.slip.told:
+        parts.append(f"{SILENT[0].upper()}{SILENT[1:]}.")
+    if result.lost:
+        rows = [(f"{one.start:.2f} to {one.end:.2f}", f"{1e3 * one.distance:.1f}") for one in result.lost]
+        parts += ["## Slip by the truth", table(("time [s]", "slid [mm]"), rows)]
     if windows:
         parts += ["## Slip", table(("time [s]", "rows", "wheel", "slid [mm]"), windows)]
     if result.warnings:

@@ -1,5 +1,7 @@
 """`simulate` on ground: a suspension driven over a map, every wheel on it, with what its sensors report."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -53,7 +55,7 @@ class GroundSimulation(Simulation):
     flat_speeds: Floats | None = None
     twists: Floats | None = None
     joint_rates: Floats | None = None
-    slip: "WheelSlip | None" = None
+    slip: WheelSlip | None = None
     orientations: Floats | None = None
     angular_velocity: Floats | None = None
 

@@ -1,5 +1,7 @@
 """`simulate`: a drive that never was, as a log with its truth."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -82,19 +84,19 @@ def simulate(
         Stretches in which wheels spin or the body drifts.
     gyroscope : Gyroscope, optional
         Its bias starts at random within its deviation, and wanders.
-    rate : float
+    rate : float, default 50.0
         Samples per second.
-    jitter : float
+    jitter : float, default 0.0
         Standard deviation of the time between samples [s]; the stamps are right.
-    dropped : float
+    dropped : float, default 0.0
         Share of the rows that get lost.
-    speed : float
+    speed : float, default 0.5
         Along poses [m/s].
-    start : array_like, shape (3,)
+    start : array_like, shape (3,), default (0, 0, 0)
         First pose [m, m, rad].
-    truth_noise : tuple of float
+    truth_noise : tuple of float, default (0, 0)
         Standard deviation of the truth's places [m] and headings [rad].
-    seed : int
+    seed : int, default 0
         Of all that is random.
     name, session : str
         Of the log.

@@ -3,9 +3,15 @@
 use std::str::FromStr;
 
 use pyo3::prelude::*;
-use six_wheel_core::{Keep, Twist, batch};
+use pyo3::types::PyTuple;
+use six_wheel_core::batch::{self, Workers};
+use six_wheel_core::{Keep, Twist};
 
-use crate::convert::{Array, Output, Rows, compute, joined, memory, raise, scalar_or_array};
+use crate::batch::any_workers;
+use crate::convert::{
+    AnyArray, Array, Output, Precision, Rows, compute, joined, memory, name, one_twist, raise,
+    scalar_or_array,
+};
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
 use crate::rover::Rover;
 
@@ -78,6 +84,8 @@ impl Rover {
     /// ----------
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
     /// Returns
     /// -------
@@ -88,12 +96,24 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a value is not finite.
-    fn admissible<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+    #[pyo3(
+        signature = (twist, *more, threads=None),
+        text_signature = "($self, twist, *, threads=None)"
+    )]
+    fn admissible<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        threads: Option<i64>,
+    ) -> PyResult<Py<PyAny>> {
+        one_twist("admissible", 1, more)?;
+        let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
         let mut answers = memory::filled(false, rows.len())?;
         compute(py, rows.len(), || {
-            batch::admissible(&self.core, rows, &mut answers)
+            batch::admissible(&self.core, rows, &mut answers, workers)
         })
         .map_err(|error| raise(error, &twists.leading))?;
         scalar_or_array(py, answers, &twists.leading)
@@ -112,6 +132,10 @@ impl Rover {
     ///     by the root mean square change of the wheel pivots' velocities.
     /// out : ndarray, shape (..., 3), optional
     ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
     /// Returns
     /// -------
@@ -124,23 +148,37 @@ impl Rover {
     ///     If no admissible twist keeps what was asked for.
     /// ValueError
     ///     If a value is not finite.
-    #[pyo3(signature = (twist, keep="curvature", *, out=None))]
+    #[pyo3(
+        signature = (twist, keep=None, *more, out=None, dtype=None, threads=None),
+        text_signature = "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn project<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
-        keep: &str,
+        keep: Option<&Bound<'py, PyAny>>,
+        more: &Bound<'py, PyTuple>,
         out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Array<'py>> {
-        let keep = Keep::from_str(keep).map_err(|error| raise(error, &[]))?;
+        dtype: Option<&Bound<'py, PyAny>>,
+        threads: Option<i64>,
+    ) -> PyResult<AnyArray<'py>> {
+        one_twist("project", 2, more)?;
+        let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
+        let keep = keep.map_err(|error| raise(error, &[]))?;
+        let precision = Precision::read(py, dtype, out)?;
         let twists = Rows::read("twist", twist, 3)?;
-        let mut projected = Output::new(py, "out", out, &twists.shape())?;
-        let (rows, target, fresh) = (twists.triples(), projected.triples(), out.is_none());
+        let mut projected = Output::of(py, "out", out, precision, &twists.shape())?;
+        let workers = Workers {
+            fresh: out.is_none(),
+            ..any_workers(threads, None)?
+        };
+        let (rows, target) = (twists.triples(), projected.triples());
         compute(py, rows.len(), || {
-            batch::project(&self.core, rows, keep, target, fresh)
+            batch::project(&self.core, rows, keep, target, workers)
         })
         .map_err(|error| raise(error, &twists.leading))?;
-        projected.finish()
+        projected.finish_any()
     }
 
     /// Instantaneous centre of rotation of a twist: the point of the body that stands still.
@@ -149,6 +187,8 @@ impl Rover {
     /// ----------
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
     /// Returns
     /// -------
@@ -160,17 +200,27 @@ impl Rover {
     /// ------
     /// ValueError
     ///     If a value is not finite.
-    fn icr<'py>(&self, py: Python<'py>, twist: &Bound<'py, PyAny>) -> PyResult<Array<'py>> {
+    #[pyo3(
+        signature = (twist, *more, threads=None),
+        text_signature = "($self, twist, *, threads=None)"
+    )]
+    fn icr<'py>(
+        &self,
+        py: Python<'py>,
+        twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
+        threads: Option<i64>,
+    ) -> PyResult<Array<'py>> {
+        one_twist("icr", 1, more)?;
+        let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_finite("twist")?;
         let mut centres = Output::fresh(py, &joined(&twists.leading, 2))?;
-        for (twist, centre) in twists
-            .triples()
-            .iter()
-            .zip(centres.flat().as_chunks_mut().0)
-        {
-            *centre = Twist::from(*twist).icr();
-        }
+        let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
+        compute(py, rows.len(), || {
+            batch::fill(target, workers, |k| Twist::from(rows[k]).icr())
+        })
+        .map_err(|error| raise(error, &twists.leading))?;
         centres.finish()
     }
 }

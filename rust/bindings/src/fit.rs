@@ -5,6 +5,7 @@ use std::str::FromStr;
 use pyo3::prelude::*;
 use six_wheel_core::{Fit as CoreFit, Method, Twist, batch};
 
+use crate::batch::any_workers;
 use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
 use crate::kinematics::unseen;
 use crate::rover::Rover;
@@ -106,6 +107,8 @@ impl Rover {
     ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
     /// allow_underdetermined : bool
     ///     Take a motion that no wheel sees to be zero instead of raising.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
     /// Returns
     /// -------
@@ -118,7 +121,8 @@ impl Rover {
     ///     If the wheels that count do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or the method is unknown.
-    #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false))]
+    #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn fit<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
@@ -127,7 +131,9 @@ impl Rover {
         method: &str,
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
+        threads: Option<i64>,
     ) -> PyResult<Fit> {
+        let workers = any_workers(threads, None)?;
         let this = slf.get();
         let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
         let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
@@ -144,7 +150,9 @@ impl Rover {
         let unseen = unseen(allow_underdetermined);
         let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
         compute(py, fits.len(), || {
-            batch::fit(&this.core, log, method, unseen, &mut fits, slips, says)
+            batch::fit(
+                &this.core, log, method, unseen, &mut fits, slips, says, workers,
+            )
         })
         .map_err(|error| raise(error, leading))?;
         for (fit, target) in fits.iter().zip(twist.triples()) {

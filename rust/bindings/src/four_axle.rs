@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
-use crate::convert::{Array, Output, Rows, number, raise, refuse};
+use crate::convert::{AnyArray, Array, Output, Rows, number, raise, refuse};
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
 use values::{array, axles, brake, drives, raised, value, vector};
@@ -109,12 +109,13 @@ impl FourAxle {
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Array<'py>, Array<'py>)> {
+    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(
             py,
             twist,
             &PyTuple::empty(py),
             previous,
+            None,
             None,
             None,
             None,

@@ -10,8 +10,8 @@ use six_wheel_core::{Error, Pose, Twist};
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;
 use crate::convert::{
-    Array, Blocks, Broadcast, Output, Rows, Scalars, compute, joined, joint, memory, named, number,
-    raise, refuse, shape_text, together,
+    AnyArray, Array, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
+    memory, named, number, raise, refuse, shape_text, together,
 };
 use crate::rover::Rover;
 
@@ -26,10 +26,12 @@ use crate::rover::Rover;
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
 /// dt : float or array_like, shape (n,)
 ///     Duration of the steps [s].
-/// start : array_like, shape (3,) or (..., 3)
+/// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
 ///     Where to write the poses.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64; it is computed in double precision.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
 /// kernel : str, optional
@@ -48,21 +50,23 @@ use crate::rover::Rover;
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
 #[pyo3(
-    signature = (twists, dt, start=None, *, out=None, threads=None, kernel=None),
-    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, threads=None, kernel=None)"
+    signature = (twists, dt, start=None, *, out=None, dtype=None, threads=None, kernel=None),
+    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, kernel=None)"
 )]
+#[allow(clippy::too_many_arguments)] // they are keywords
 pub fn integrate<'py>(
     py: Python<'py>,
     twists: &Bound<'py, PyAny>,
     dt: &Bound<'py, PyAny>,
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
     kernel: Option<&str>,
-) -> PyResult<Array<'py>> {
+) -> PyResult<AnyArray<'py>> {
     let twists = Blocks::read("twists", twists, 3)?;
     let course = Course::read("twists", twists, dt, start)?;
-    poses_along(py, &course, out, (threads, kernel))
+    poses_along(py, &course, (out, dtype), (threads, kernel))
 }
 
 /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
@@ -73,10 +77,12 @@ pub fn integrate<'py>(
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
 /// dt : float or array_like, shape (t,)
 ///     Duration of the steps [s].
-/// start : array_like, shape (3,) or (..., k, 3)
+/// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
 /// out : ndarray, shape (..., k, t + 1, 3), optional
 ///     Where to write the poses.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64; it is computed in double precision.
 /// rover : Rover, optional
 ///     Whose motions they are: controls are then wishes, as those of `Mppi`, and what the rover cannot do at once becomes
 ///     what it does instead. The steps take one time, `dt`.
@@ -86,7 +92,7 @@ pub fn integrate<'py>(
 ///     How the rover moves at the start, in body axes [m/s, m/s, rad/s]; default at rest.
 /// steering : array_like, shape (steered wheels,), optional
 ///     Where its steering joints are then [rad]; default straight ahead.
-/// delay : float
+/// delay : float, default 0.0
 ///     How long it goes on as it does before a control has an effect [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
@@ -104,8 +110,8 @@ pub fn integrate<'py>(
 ///     If a value is not finite or a duration is not positive.
 #[pyfunction]
 #[pyo3(
-    signature = (controls, dt, start=None, *, out=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
-    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None)"
+    signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
+    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None)"
 )]
 #[allow(clippy::too_many_arguments)] // they are keywords
 pub fn rollout<'py>(
@@ -114,6 +120,7 @@ pub fn rollout<'py>(
     dt: &Bound<'py, PyAny>,
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     rover: Option<&Bound<'py, Rover>>,
     limits: Option<Limits>,
     twist: Option<&Bound<'py, PyAny>>,
@@ -121,7 +128,7 @@ pub fn rollout<'py>(
     delay: f64,
     threads: Option<i64>,
     kernel: Option<&str>,
-) -> PyResult<Array<'py>> {
+) -> PyResult<AnyArray<'py>> {
     let course = Course::read_controls(controls, dt, start)?;
     let Some(rover) = rover else {
         let given = [
@@ -133,7 +140,7 @@ pub fn rollout<'py>(
         if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
             return Err(refuse(name, "come with a rover", "none"));
         }
-        return poses_along(py, &course, out, (threads, kernel));
+        return poses_along(py, &course, (out, dtype), (threads, kernel));
     };
     let dt = number("dt", dt)?;
     let twist = Rows::read_beside("twist", twist, 3, &[])?;
@@ -147,7 +154,7 @@ pub fn rollout<'py>(
             &buffer
         }
     };
-    let mut poses = course.poses(py, "out", out)?;
+    let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
     let workers = any_workers(threads, kernel)?;
     let present = Present {
         twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
@@ -163,7 +170,7 @@ pub fn rollout<'py>(
         )
     })
     .map_err(|error| raise(error, &[]))?;
-    poses.finish()
+    poses.finish_any()
 }
 
 /// Logs of twists, with what goes with them.
@@ -238,10 +245,11 @@ impl<'py> Course<'py> {
         py: Python<'py>,
         argument: &str,
         out: Option<&Bound<'py, PyAny>>,
+        precision: Option<Precision>,
     ) -> PyResult<Output<'py>> {
         let logs = self.logs().iter().copied();
         let shape: Vec<usize> = logs.chain([self.count + 1, 3]).collect();
-        Output::new(py, argument, out, &shape)
+        Output::of(py, argument, out, precision, &shape)
     }
 
     pub fn durations(&self) -> Durations<'_> {
@@ -271,10 +279,11 @@ impl<'py> Course<'py> {
 fn poses_along<'py>(
     py: Python<'py>,
     course: &Course<'py>,
-    out: Option<&Bound<'py, PyAny>>,
+    (out, dtype): (Option<&Bound<'py, PyAny>>, Option<&Bound<'py, PyAny>>),
     (threads, kernel): (Option<i64>, Option<&str>),
-) -> PyResult<Array<'py>> {
-    let mut poses = course.poses(py, "out", out)?;
+) -> PyResult<AnyArray<'py>> {
+    let precision = Precision::read(py, dtype, out)?;
+    let mut poses = course.poses(py, "out", out, precision)?;
     let rows = course.twists.count();
     let workers = Workers {
         fresh: out.is_none(),
@@ -286,7 +295,7 @@ fn poses_along<'py>(
         batch::integrate(twists, count, steps, starts, target, workers)
     })
     .map_err(|error| course.raise(error))?;
-    poses.finish()
+    poses.finish_any()
 }
 
 /// The twists that, each held over its step, pass through the poses: the inverse of `integrate`.
@@ -297,6 +306,8 @@ fn poses_along<'py>(
 ///     Rows ``[x, y, yaw]`` [m, m, rad].
 /// dt : float or array_like, shape (n,)
 ///     Duration of the steps [s].
+/// threads : int, optional
+///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
 /// Returns
 /// -------
@@ -308,11 +319,14 @@ fn poses_along<'py>(
 /// ValueError
 ///     If there is no pose, a value is not finite or a duration is not positive.
 #[pyfunction]
+#[pyo3(signature = (poses, dt, *, threads=None))]
 pub fn differentiate<'py>(
     py: Python<'py>,
     poses: &Bound<'py, PyAny>,
     dt: &Bound<'py, PyAny>,
+    threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
+    let workers = any_workers(threads, None)?;
     let poses = Rows::read("poses", poses, 3)?;
     let &[count] = poses.leading.as_slice() else {
         let got = format!("leading axes {}", shape_text(&poses.leading));
@@ -325,8 +339,10 @@ pub fn differentiate<'py>(
     dt.fit("dt", steps)?;
     let mut twists = Output::fresh(py, &[steps, 3])?;
     let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
-    compute(py, count, || core::differentiate(rows, steps, target))
-        .map_err(|error| raise(error, &[count]))?;
+    compute(py, count, || {
+        batch::differentiate(rows, steps, target, workers)
+    })
+    .map_err(|error| raise(error, &[count]))?;
     twists.finish()
 }
 
@@ -336,21 +352,24 @@ pub fn differentiate<'py>(
 /// ----------
 /// twist : array_like, shape (..., 3)
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-/// dt : float or array_like, shape (...)
+/// dt : float or array_like, shape (...), default 1.0
 ///     For how long [s].
+/// threads : int, optional
+///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
 /// Returns
 /// -------
 /// ndarray, shape (..., 3)
 ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
 #[pyfunction]
-#[pyo3(signature = (twist, dt=None), text_signature = "(twist, dt=1.0)")]
+#[pyo3(signature = (twist, dt=None, *, threads=None), text_signature = "(twist, dt=1.0, *, threads=None)")]
 pub fn exp<'py>(
     py: Python<'py>,
     twist: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
+    threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, "twist", twist, dt, |row, dt| {
+    over_time(py, ("twist", twist), dt, threads, |row, dt| {
         Twist::from(row).exp(dt).into()
     })
 }
@@ -361,21 +380,24 @@ pub fn exp<'py>(
 /// ----------
 /// pose : array_like, shape (..., 3)
 ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
-/// dt : float or array_like, shape (...)
+/// dt : float or array_like, shape (...), default 1.0
 ///     In how long [s].
+/// threads : int, optional
+///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
 /// Returns
 /// -------
 /// ndarray, shape (..., 3)
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
 #[pyfunction]
-#[pyo3(signature = (pose, dt=None), text_signature = "(pose, dt=1.0)")]
+#[pyo3(signature = (pose, dt=None, *, threads=None), text_signature = "(pose, dt=1.0, *, threads=None)")]
 pub fn log<'py>(
     py: Python<'py>,
     pose: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
+    threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, "pose", pose, dt, |row, dt| {
+    over_time(py, ("pose", pose), dt, threads, |row, dt| {
         Pose::from(row).log(dt).into()
     })
 }
@@ -383,11 +405,12 @@ pub fn log<'py>(
 /// Applies a map of three numbers and a duration to every row.
 fn over_time<'py>(
     py: Python<'py>,
-    argument: &'static str,
-    value: &Bound<'py, PyAny>,
+    (argument, value): (&'static str, &Bound<'py, PyAny>),
     dt: Option<&Bound<'py, PyAny>>,
-    map: impl Fn([f64; 3], f64) -> [f64; 3],
+    threads: Option<i64>,
+    map: impl Fn([f64; 3], f64) -> [f64; 3] + Sync + Send,
 ) -> PyResult<Array<'py>> {
+    let workers = any_workers(threads, None)?;
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
@@ -397,9 +420,11 @@ fn over_time<'py>(
         .map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
     let mut result = Output::fresh(py, &rows.shape())?;
-    for (k, (row, target)) in rows.triples().iter().zip(result.triples()).enumerate() {
-        *target = map(*row, dt.steps().get(k));
-    }
+    let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
+    compute(py, triples.len(), || {
+        batch::fill(target, workers, |k| map(triples[k], steps.get(k)))
+    })
+    .map_err(|error| raise(error, &rows.leading))?;
     result.finish()
 }
 
@@ -409,27 +434,35 @@ fn over_time<'py>(
 /// ----------
 /// first, second : array_like, shape (..., 3)
 ///     ``[x, y, yaw]`` [m, m, rad].
+/// threads : int, optional
+///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
 /// Returns
 /// -------
 /// ndarray, shape (..., 3)
 ///     The end of `second` seen from the start of `first`.
 #[pyfunction]
+#[pyo3(signature = (first, second, *, threads=None))]
 pub fn compose<'py>(
     py: Python<'py>,
     first: &Bound<'py, PyAny>,
     second: &Bound<'py, PyAny>,
+    threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
+    let workers = any_workers(threads, None)?;
     let mut first = Rows::read("first", first, 3)?;
     first.check_finite("first")?;
     let mut second = Rows::read("second", second, 3)?;
     second.check_finite("second")?;
     together([named("first", &mut first), named("second", &mut second)])?;
     let mut result = Output::fresh(py, &first.shape())?;
-    let pairs = first.triples().iter().zip(second.triples());
-    for ((first, second), target) in pairs.zip(result.triples()) {
-        *target = Pose::from(*first).compose(Pose::from(*second)).into();
-    }
+    let (from, then, target) = (first.triples(), second.triples(), result.triples());
+    compute(py, from.len(), || {
+        batch::fill(target, workers, |k| {
+            Pose::from(from[k]).compose(Pose::from(then[k])).into()
+        })
+    })
+    .map_err(|error| raise(error, &first.leading))?;
     result.finish()
 }
 

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyFloat, PyMapping, PyTuple};
 use six_wheel_core::Rover as Core;
 
-use crate::convert::refuse;
+use crate::convert::{one_twist, refuse};
 use crate::rover::Rover;
 
 /// A joint of the robot: what it is called there, the index of its wheel, and which way it counts.
@@ -180,18 +180,22 @@ impl Rover {
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `inverse`.
-    #[pyo3(signature = (twist, *, previous=None))]
+    #[pyo3(
+        signature = (twist, *more, previous=None),
+        text_signature = "($self, twist, *, previous=None)"
+    )]
     fn commands<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let alone = &PyTuple::empty(py);
+        one_twist("commands", 1, more)?;
         let (steering, speeds) = self.inverse(
-            py, twist, alone, previous, None, None, None, None, None, None,
+            py, twist, more, previous, None, None, None, None, None, None, None,
         )?;
-        self.named_values(py, &steering, &speeds)
+        self.named_values(py, steering.as_any(), speeds.as_any())
     }
 
     /// What the joints say, as the arrays of steering and wheels: the other way round than `commands`.

@@ -2,15 +2,15 @@
 
 mod quick;
 
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
-use six_wheel_core::{Twist, Unseen};
+use six_wheel_core::{Twist, Unseen, units};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    Array, Blocks, Output, Rows, compute, given, joined, named, raise, refuse, together,
+    AnyArray, Blocks, Output, Precision, Rows, ask, compute, given, joined, named, one_twist,
+    raise, refuse, together,
 };
 use crate::rover::Rover;
 
@@ -85,6 +85,7 @@ impl Rover {
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Tables<'py>> {
+        let py = speeds.py();
         let mut speeds = Blocks::read("speeds", speeds, self.count())?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>| {
             value
@@ -106,6 +107,10 @@ impl Rover {
             given("steering_rates", &mut rates),
         ];
         let leading = together(all.into_iter().flatten())?;
+        if let Some(angles) = &angles {
+            let asked = units::angles(&self.core, angles.table(), angles.count());
+            ask(py, asked)?;
+        }
         Ok(Tables {
             steering: angles,
             speeds,
@@ -139,6 +144,8 @@ impl Rover {
     ///     with the others of its kind: the way they roll already, otherwise the shorter one for all.
     /// out : (ndarray, ndarray), optional
     ///     Where to write the results; they may be `previous` and `previous_speeds` themselves.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
@@ -161,8 +168,8 @@ impl Rover {
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[pyo3(
-        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None),
-        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, threads=None, kernel=None)"
+        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None),
+        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     pub fn inverse<'py>(
@@ -175,15 +182,12 @@ impl Rover {
         centre: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         threads: Option<i64>,
         kernel: Option<&str>,
-    ) -> PyResult<(Array<'py>, Array<'py>)> {
-        if !more.is_empty() {
-            let count = 1 + more.len();
-            return Err(PyTypeError::new_err(format!(
-                "twist must be one argument, as in inverse((vx, vy, omega)), got {count} arguments"
-            )));
-        }
+    ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
+        one_twist("inverse", 1, more)?;
+        let precision = Precision::read(py, dtype, out)?;
         let mut twists = Blocks::read("twist", twist, 3)?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
             value
@@ -217,7 +221,13 @@ impl Rover {
         }
         let [out_steering, out_speeds] = &outputs;
         let output = |argument, out: &Option<Bound<'py, PyAny>>, width| {
-            Output::new(py, argument, out.as_ref(), &joined(&leading, width))
+            Output::of(
+                py,
+                argument,
+                out.as_ref(),
+                precision,
+                &joined(&leading, width),
+            )
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
@@ -236,7 +246,7 @@ impl Rover {
             batch::inverse(&self.core, rows, beside, angles, rotations, workers)
         })
         .map_err(|error| raise(error, &leading))?;
-        Ok((steering.finish()?, speeds.finish()?))
+        Ok((steering.finish_any()?, speeds.finish_any()?))
     }
 
     /// The twist that angles and speeds of all wheels report, by least squares.
@@ -253,6 +263,8 @@ impl Rover {
     ///     Take a motion that no wheel sees to be zero instead of raising.
     /// out : ndarray, shape (..., 3), optional
     ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
@@ -270,7 +282,7 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, threads=None, kernel=None))]
+    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
@@ -280,12 +292,14 @@ impl Rover {
         steering_rates: Option<&Bound<'py, PyAny>>,
         allow_underdetermined: bool,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         threads: Option<i64>,
         kernel: Option<&str>,
-    ) -> PyResult<Array<'py>> {
+    ) -> PyResult<AnyArray<'py>> {
+        let precision = Precision::read(py, dtype, out)?;
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
-        let mut twists = Output::new(py, "out", out, &joined(leading, 3))?;
+        let mut twists = Output::of(py, "out", out, precision, &joined(leading, 3))?;
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers {
@@ -296,7 +310,7 @@ impl Rover {
             batch::forward(&self.core, tables, unseen, target, workers)
         })
         .map_err(|error| raise(error, leading))?;
-        twists.finish()
+        twists.finish_any()
     }
 }
 

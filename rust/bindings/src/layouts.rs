@@ -153,14 +153,14 @@ impl Rover {
     ///     Left to right wheel [m].
     /// wheel_radius : float or (float, float)
     ///     Hub to ground, of both sides or of left and right [m].
-    /// wheels_per_side : int
+    /// wheels_per_side : int, default 1
     ///     Axles; they are spread over `wheelbase`, front to rear, the origin in their middle.
     /// wheelbase : float, optional
     ///     First to last axle [m]; needed for more than one.
     /// icr_left, icr_right : float, optional
     ///     Lateral positions of the treads' centres of rotation [m]; default half the track width to either
     ///     side. Their distance is the effective track.
-    /// icr_forward : float
+    /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
     ///
     /// Raises
@@ -217,7 +217,7 @@ impl Rover {
     /// icr_left, icr_right : float, optional
     ///     Lateral positions of the tracks' centres of rotation [m]; default half the track width to either
     ///     side, as without slip. Their distance is the effective track.
-    /// icr_forward : float
+    /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
     ///
     /// Raises

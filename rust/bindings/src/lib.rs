@@ -40,6 +40,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<wheel::Wheel>()?;
     module.add_class::<rover::Rover>()?;
+    module.add_function(wrap_pyfunction!(rover::unit_questions, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::without_questions, module)?)?;
     kinematics::install(module.py())?;
     admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;

@@ -58,11 +58,11 @@ use values::Noise;
 ///     Rim speed beyond which a sample is refused [m/s].
 /// max_steering_rate : float, optional
 ///     Steering rate beyond which a sample is refused [rad/s].
-/// smoothing : float
+/// smoothing : float, default 0.0
 ///     Time constant of the first-order filter of `velocity` [s]; 0: none.
-/// lag : float
+/// lag : float, default 0.0
 ///     How late a pose may come to `correct` [s]; 0: not before the last step.
-/// history : int
+/// history : int, default 1024
 ///     Samples that are kept for that at most.
 /// gyroscope : Gyroscope, optional
 ///     Of the `yaw_rate` that comes with the samples: its bias is a state, learnt while wheels and gyroscope agree that the

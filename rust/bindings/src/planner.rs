@@ -37,19 +37,19 @@ const FOOTPRINT: usize = 64;
 /// limits : Limits, optional
 ///     What its motion may not exceed. All but the jerks count here, which are a controller's matter; steering angles
 ///     may speed up by no more than `steering_acceleration` where they turn on the spot.
-/// horizon : int
+/// horizon : int, default 56
 ///     Steps of a rollout.
-/// dt : float
+/// dt : float, default 0.05
 ///     Their duration, and the time from cycle to cycle [s].
-/// samples : int
+/// samples : int, default 2000
 ///     Rollouts of a cycle.
-/// seed : int
+/// seed : int, default 0
 ///     Of the noise, 0 to 2^64 - 1.
 /// noise : array_like, shape (3,), optional
 ///     Standard deviation of the wishes [m/s, m/s, rad/s]; default half of what the limits allow.
-/// correlation : float
+/// correlation : float, default 0.5
 ///     Time in which the noise of a rollout forgets itself, to 1/e [s].
-/// temperature : float
+/// temperature : float, default 1.0
 ///     Cost by which a rollout counts 1/e as much.
 /// weights : dict, optional
 ///     What counts how much, over the defaults: ``map`` 1 (cost of the map, per second), ``collision`` 1000 (a rollout
@@ -60,7 +60,7 @@ const FOOTPRINT: usize = 64;
 ///     second).
 /// smoothing : bool
 ///     Whether the new plan is smoothed by a quadratic over five steps (Savitzky-Golay).
-/// delay : float
+/// delay : float, default 0.0
 ///     Dead time of the rover [s]: what is wished that far ahead is on its way already, and stays.
 /// dtype : {'float64', 'float32'}
 ///     What rollouts are computed in.

@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Costs, Workers};
 
 use crate::batch::workers;
-use crate::convert::{Output, Rows, compute, refuse};
+use crate::convert::{Output, Precision, Rows, compute, refuse};
 use crate::geometry::Course;
 use crate::rover::Rover;
 
@@ -27,12 +27,14 @@ impl Rover {
     ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]: k rollouts of t steps.
     /// dt : float or array_like, shape (t,)
     ///     Duration of the steps [s].
-    /// start : array_like, shape (3,) or (..., k, 3)
+    /// start : array_like, shape (3,) or (..., k, 3), default (0, 0, 0)
     ///     First pose ``[x, y, yaw]`` [m, m, rad], of all rollouts or of each.
     /// previous : array_like, shape (steered wheels,), optional
     ///     Present steering angles [rad]; without them the first step costs no steering rate.
     /// out : RolloutCost or tuple of ndarray, optional
     ///     Five arrays of the shapes below to write to, such as the result of an earlier call.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`: rollouts are shared out among them. No result depends on
     ///     it.
@@ -54,8 +56,8 @@ impl Rover {
     ///
     /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.
     #[pyo3(
-        signature = (controls, dt, start=None, *, previous=None, out=None, threads=None, kernel=None),
-        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, threads=None, kernel=None)"
+        signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, kernel=None),
+        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, kernel=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn rollout_cost<'py>(
@@ -66,17 +68,19 @@ impl Rover {
         start: Option<&Bound<'py, PyAny>>,
         previous: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         threads: Option<i64>,
         kernel: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
-        let outs = five(out)?;
-        let mut poses = course.poses(py, "out.poses", outs[0].as_ref())?;
+        let (outs, precision) = (five(out)?, Precision::read(py, dtype, out)?);
+        let mut poses = course.poses(py, "out.poses", outs[0].as_ref(), precision)?;
         let mut costs = Vec::with_capacity(COSTS.len());
         for (name, out) in COSTS.iter().zip(&outs[1..]) {
             let argument = format!("out.{name}");
-            costs.push(Output::new(py, &argument, out.as_ref(), course.logs())?);
+            let output = Output::of(py, &argument, out.as_ref(), precision, course.logs());
+            costs.push(output?);
         }
         let [wheel_speed, steering_angle, steering_rate, scrub] = costs.as_mut_slice() else {
             return Err(refuse("out", "hold five arrays", "another number"));
@@ -102,9 +106,9 @@ impl Rover {
             )
         })
         .map_err(|error| course.raise(error))?;
-        let mut arrays = vec![poses.finish()?.into_any()];
+        let mut arrays = vec![poses.finish_any()?.into_any()];
         for cost in costs {
-            arrays.push(cost.finish()?.into_any());
+            arrays.push(cost.finish_any()?.into_any());
         }
         result(py, PyTuple::new(py, arrays)?)
     }

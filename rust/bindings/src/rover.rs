@@ -6,9 +6,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_core::suspension::WHEELS;
-use six_wheel_core::{Rover as Core, SteeringRange};
+use six_wheel_core::{Rover as Core, SteeringRange, units};
 
-use crate::convert::{items, raise, refuse};
+use crate::convert::{ArgumentTypeError, ask, items, raise, refuse, short_repr};
 use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
 use crate::suspension::RockerBogie;
 use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
@@ -72,6 +72,7 @@ impl Rover {
     /// The rover of a core one, with joints under their default names.
     pub fn named(py: Python<'_>, core: Result<Core, six_wheel_core::Error>) -> PyResult<Self> {
         let core = core.map_err(|error| raise(error, &[]))?;
+        ask(py, units::dimensions(&core))?;
         Self::build(py, core, Fittings::default())
     }
 
@@ -160,6 +161,34 @@ impl Rover {
     }
 }
 
+/// The wheels of a sequence.
+fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
+    let refused = |place: &str, value: &Bound<'_, PyAny>| {
+        let got = short_repr(value);
+        ArgumentTypeError::new_err(format!(
+            "wheels must be a sequence of Wheel, got {got}{place}"
+        ))
+    };
+    if wheels.is_none() || wheels.is_instance_of::<PyDict>() {
+        return Err(refused("", wheels));
+    }
+    let items = items("wheels", wheels, MOST_ITEMS)?;
+    let wheel = |(k, item): (usize, &Bound<'_, PyAny>)| {
+        let wheel = item.extract::<Wheel>();
+        wheel.map_err(|_| refused(&format!(" at [{k}]"), item))
+    };
+    items.iter().enumerate().map(wheel).collect()
+}
+
+/// What is odd about a rover's dimensions: each the key it is about, what it is, and what is likely.
+#[pyfunction]
+pub fn unit_questions(rover: &Rover) -> Vec<(&'static str, String, String)> {
+    let questions = units::dimensions(&rover.core).into_iter();
+    questions
+        .map(|question| (question.about, question.says, question.likely))
+        .collect()
+}
+
 #[pymethods]
 impl Rover {
     #[new]
@@ -174,13 +203,10 @@ impl Rover {
         reversed_joints: Option<Vec<String>>,
         suspension: Option<Py<RockerBogie>>,
     ) -> PyResult<Self> {
-        let wheels = items("wheels", wheels, MOST_ITEMS)?;
-        let wheels: Vec<Wheel> = wheels
-            .iter()
-            .map(|item| Ok(item.extract()?))
-            .collect::<PyResult<_>>()?;
+        let wheels = read_wheels(wheels)?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
         let core = core.map_err(|error| raise(error, &[]))?;
+        ask(py, units::dimensions(&core))?;
         let fittings = Fittings {
             traction: traction_joints,
             steering: steering_joints,

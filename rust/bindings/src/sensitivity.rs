@@ -5,6 +5,7 @@ use pyo3::types::PyString;
 use six_wheel_core::batch;
 use six_wheel_core::estimate::sensitivity::Quantity;
 
+use crate::batch::any_workers;
 use crate::convert::{Output, compute, items, joined, raise, refuse};
 use crate::rover::Rover;
 
@@ -171,6 +172,8 @@ impl Rover {
     ///     Rates of the steering angles [rad/s], default 0; they matter to wheels with scrub or trail.
     /// quantities : sequence of str, optional
     ///     Names of the attributes to compute, default all of them.
+    /// threads : int, optional
+    ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
     /// Returns
     /// -------
@@ -183,7 +186,8 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite, a shape does not fit or a quantity is unknown.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, quantities=None))]
+    #[pyo3(signature = (steering, speeds, *, steering_rates=None, quantities=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn sensitivity<'py>(
         &self,
         py: Python<'py>,
@@ -191,7 +195,9 @@ impl Rover {
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         quantities: Option<&Bound<'py, PyAny>>,
+        threads: Option<i64>,
     ) -> PyResult<Sensitivity> {
+        let workers = any_workers(threads, None)?;
         let wanted = wanted(quantities)?;
         let readings = self.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
@@ -212,7 +218,7 @@ impl Rover {
             .collect();
         let (log, rows) = (readings.log(), twists.triples());
         compute(py, rows.len(), || {
-            batch::sensitivity(&self.core, log, rows, &mut targets)
+            batch::sensitivity(&self.core, log, rows, &mut targets, workers)
         })
         .map_err(|error| raise(error, leading))?;
         let columns = wanted

@@ -198,15 +198,15 @@ impl Terrain {
     /// ----------
     /// size : float or (float, float)
     ///     Along x and along y [m].
-    /// spacing : float
+    /// spacing : float, default 0.05
     ///     Between heights [m].
-    /// cover : float
+    /// cover : float, default 0.1
     ///     Share of the ground that rocks cover, 0 to 0.5. Those of diameter D [m] and more cover
     ///     ``cover exp(-q D)`` with ``q = 1.79 + 0.152 / cover``; they are half as high, from 0.05 to 3 m large, and
     ///     where they overlap the higher one is seen.
     /// seed : int
     ///     The same seed makes the same ground on every platform.
-    /// roughness : float
+    /// roughness : float, default 0.1
     ///     Root mean square of the fractal heights over 40 m [m].
     ///
     /// Returns

@@ -21,14 +21,14 @@ use crate::convert::{number, raise, refuse};
 ///     Hub to ground [m].
 /// steered : bool
 ///     Whether it turns about a vertical axis at the pivot.
-/// heading : float
+/// heading : float, default 0.0
 ///     Direction in which it rolls at steering angle 0 [rad].
 /// steering_limit : float or (float, float), optional
 ///     Largest steering angle to either side, or smallest and largest [rad]. Without it a quarter turn to
 ///     either side, enough to roll in every direction, backwards if need be.
-/// scrub : float
+/// scrub : float, default 0.0
 ///     Contact to the left of the steering axis [m].
-/// trail : float
+/// trail : float, default 0.0
 ///     Contact behind the steering axis [m].
 /// roller_angle : float, optional
 ///     Between the axes of its rollers and its own [rad]: a quarter turn for an omni wheel, an eighth for a

@@ -202,7 +202,7 @@ fn integrate(drive: &Drive, poses: &mut [[f64; 3]]) -> Result<(), Error> {
 #[inline(never)]
 fn admissible(drive: &Drive, answers: &mut [bool]) -> Result<(), Error> {
     for _ in 0..RUNS {
-        batch::admissible(&drive.rover, black_box(&drive.twists), answers)?;
+        batch::admissible(&drive.rover, black_box(&drive.twists), answers, WORKERS)?;
     }
     Ok(())
 }
@@ -215,7 +215,7 @@ fn project(drive: &Drive, beyond: &[[f64; 3]], twists: &mut [[f64; 3]]) -> Resul
             black_box(beyond),
             Keep::Nearest,
             twists,
-            false,
+            WORKERS,
         )?;
     }
     Ok(())
@@ -238,6 +238,7 @@ fn fit(
             fits,
             residual,
             weights,
+            WORKERS,
         )?;
     }
     Ok(())

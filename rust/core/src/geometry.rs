@@ -338,26 +338,6 @@ impl Bound {
     }
 }
 
-/// The twists that, each held over its step, pass through the poses: the inverse of [`crate::batch::integrate`].
-pub fn differentiate(
-    poses: &[[f64; 3]],
-    steps: Steps<'_>,
-    twists: &mut [[f64; 3]],
-) -> Result<(), Error> {
-    debug_assert_eq!(poses.len(), twists.len() + 1);
-    steps.check(twists.len())?;
-    for (k, pose) in poses.iter().enumerate() {
-        finite("poses", pose).map_err(|error| error.at_row(k))?;
-    }
-    for (k, (pair, twist)) in poses.windows(2).zip(twists).enumerate() {
-        *twist = Pose::from(pair[0])
-            .between(Pose::from(pair[1]))
-            .log(steps.get(k))
-            .into();
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,7 +39,7 @@ impl std::str::FromStr for Drive {
 
 /// Where the treads of a skidding vehicle have their centres of rotation, in body axes [m].
 ///
-/// A. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
+/// J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SkidCentres {
     /// Lateral position for the left side; `None` where the tread is.

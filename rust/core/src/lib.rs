@@ -14,7 +14,7 @@
 //! vehicles), [`estimate`] (forward, fit, derivatives), [`odometry`] (dead reckoning), [`admissible`] (limits,
 //! projection), [`mobility`] (rank of the constraints), [`batch`] (whole arrays), [`profiles`] (values over time,
 //! transitions), [`controller`] (limits, steps), [`suspension`] (rocker-bogies and other chains),
-//! [`terrain`] (ground as a grid of heights), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
+//! [`units`] (numbers that cannot be metres and radians), [`terrain`] (ground as a grid of heights), [`four_axle`] (axles on lockable pivots: brakes, sequences, simulation).
 
 pub mod admissible;
 pub mod batch;
@@ -37,6 +37,7 @@ pub mod rover;
 pub mod steering;
 pub mod suspension;
 pub mod terrain;
+pub mod units;
 pub mod wheels;
 
 pub use admissible::Keep;

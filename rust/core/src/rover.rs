@@ -10,6 +10,7 @@ use crate::batch::Cone;
 use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
+use crate::units;
 use crate::wheels::{Direction, Pivot, Rows, Wheel};
 
 /// Largest number of wheels of one rover.
@@ -62,6 +63,8 @@ pub struct Rover {
     pub(crate) solution: Option<Matrix3<f64>>,
     /// Readings times this must be finite.
     pub(crate) reading_bound: f64,
+    /// An angle up to here is no question of units, whichever wheel's it is [rad].
+    plain_angle: f64,
     /// How one call is answered by registers, where it is.
     pub(crate) single: Option<batch::one_row::inverse::Plan>,
     pub(crate) single_forward: Option<batch::one_row::forward::Plan>,
@@ -138,6 +141,7 @@ impl Rover {
             metric,
             solution: None,
             reading_bound,
+            plain_angle: 0.0,
             single: None,
             single_forward: None,
             min_radius: 0.0,
@@ -145,6 +149,7 @@ impl Rover {
             cone: None,
             faces: OnceLock::new(),
         };
+        rover.plain_angle = units::plain_angle(&rover);
         rover.solution = rover.constant_solution();
         rover.cone = Cone::new(&rover);
         (rover.min_radius, rover.spin_radius) = rover.turning_limits();
@@ -166,6 +171,11 @@ impl Rover {
     /// The admissible twists as registers judge them, where these say it all.
     pub(crate) fn whole_cone(&self) -> Option<&Cone> {
         self.cone.as_ref().filter(|cone| cone.is_whole)
+    }
+
+    /// Whether no angle raises a question of units ([`units::angles`]): a comparison each.
+    pub fn are_plain(&self, steering: &[f64]) -> bool {
+        steering.iter().all(|angle| angle.abs() <= self.plain_angle)
     }
 
     /// The faces of the admissible set.

@@ -123,7 +123,7 @@ BAD = [
         lambda: sw.integrate([[(1, 0, 0)]] * 3, 0.1, [(0, 0, 0)] * 2),
         "start must be one pose or have leading axes",
     ),
-    (lambda: sw.integrate([(1, 0, 0)], "0.1"), "dt must be real numbers, got dtype <U3"),
+    (lambda: sw.integrate([(1, 0, 0)], "0.1"), "dt must be real numbers, got '0.1'"),
     (lambda: sw.differentiate(np.empty((0, 3)), 0.1), "poses must hold at least one pose"),
     (lambda: sw.differentiate((0, 0, 0), 0.1), r"poses must have shape \(n \+ 1, 3\)"),
     (lambda: sw.differentiate([(0, 0, 0), (math.nan, 0, 0)], 0.1), r"poses\[1\] must be finite"),

@@ -63,9 +63,10 @@ def calibrate(
     loss: Annotated[
         str,
         typer.Option(
-            metavar="soft_l1|linear|huber|cauchy", help="How much stretches count in which it slipped."
+            metavar="auto|soft_l1|linear|huber|cauchy",
+            help="How much stretches count in which it slipped; auto leaves long ones out.",
         ),
-    ] = "soft_l1",
+    ] = "auto",
     window: Annotated[
         list[float] | None, typer.Option(help="Length of the stretches that are compared [m]; several times.")
     ] = None,
@@ -160,7 +161,7 @@ def _show(done: "Calibrated", written: list[tuple[str, Path | None]]) -> None:
         )
     if not result.converged:
         console.print("The fit did not settle: do not trust these values.")
-    for message in result.observability.messages:
+    for message in (*result.slips, *result.observability.messages):
         console.print(f"- {message}")
     runs = [(run.name, f"{run.distance:.2f}", f"{run.before:.4f}", f"{run.after:.4f}") for run in result.runs]
     console.print(_table(("run", "distance [m]", "ATE nominal [m]", "calibrated [m]"), runs))

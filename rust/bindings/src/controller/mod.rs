@@ -15,7 +15,7 @@ use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
 use crate::controller::run::ControllerRun;
-use crate::convert::{Rows, number, raise};
+use crate::convert::{Rows, name, number, raise};
 use crate::rover::Rover;
 use crate::shared::Shared;
 
@@ -34,11 +34,11 @@ pub use quick::install;
 ///     What is driven.
 /// limits : Limits
 ///     What its motion may not exceed.
-/// timeout : float or None
+/// timeout : float or None, default 0.5
 ///     Age of the last command at which the rover stops [s]; None for never.
 /// period : float, optional
 ///     Time between steps [s]: how long the first step counts for, and what `discretise` refers to.
-/// max_step : float
+/// max_step : float, default 0.1
 ///     Longest time one step counts for [s]: after a pause the motion goes on from where it was.
 /// mode : {'free', 'crab', 'front_only', 'spin'}
 ///     Which motions are meant: all the rover can make, those without turning, those with the front wheels
@@ -46,7 +46,7 @@ pub use quick::install;
 /// align : {'cosine', 'hold'} or None
 ///     What becomes of the drive while measured steering angles differ from the commanded ones: it is reduced
 ///     by the cosine of the largest error, or waits, or takes no notice.
-/// align_tolerance : float
+/// align_tolerance : float, default 0.02
 ///     Error that is none [rad].
 /// discretise : bool
 ///     Take a command for the motion of one `period` instead of the velocity at its beginning, so that driving
@@ -152,12 +152,12 @@ impl Controller {
         py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
-        mode: Option<&str>,
+        mode: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<bool> {
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_leading("twist", &[])?;
         let stamp = number("stamp", stamp)?;
-        let mode = mode.map(Mode::from_str).transpose();
+        let mode = mode.map(|mode| Mode::from_str(&name(mode))).transpose();
         let twist = Twist::from(twists.triples()[0]);
         let mut core = self.core.lock(py)?;
         let taken = mode.and_then(|mode| core.command(twist, stamp, mode));

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use six_wheel_core::batch::Table;
 use six_wheel_core::error::finite;
 use six_wheel_core::geometry::Steps;
@@ -16,7 +16,7 @@ use six_wheel_core::geometry::Steps;
 use super::broadcast::Broadcast;
 use super::memory::{self, Held};
 use super::strided::Strided;
-use super::{ArgumentTypeError, joined, numpy, raise, refuse, shape_text};
+use super::{ArgumentTypeError, joined, numpy, raise, refuse, shape_text, short_repr};
 
 /// Numbers from which an array in another form is read block by block.
 const MANY: usize = 1 << 15;
@@ -500,7 +500,8 @@ pub fn read_array<'py>(
     };
     let dtype = array.dtype();
     if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
-        let message = format!("{argument} must be real numbers, got dtype {dtype}");
+        let got = odd_one(value, &array)?.unwrap_or_else(|| format!("dtype {dtype}"));
+        let message = format!("{argument} must be real numbers, got {got}");
         return Err(ArgumentTypeError::new_err(message));
     }
     Ok(array)
@@ -519,6 +520,70 @@ pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Op
     let numbers = flat.readonly();
     memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
 }
+
+/// What is no number, and where: `None at [2]`. Nothing where an array has another dtype all through.
+fn odd_one(
+    value: &Bound<'_, PyAny>,
+    array: &Bound<'_, PyUntypedArray>,
+) -> PyResult<Option<String>> {
+    if value.is_none() {
+        return Ok(Some("None".into()));
+    }
+    if array.ndim() == 0 && value.is_instance_of::<PyString>() {
+        return Ok(Some(short_repr(value)));
+    }
+    if array.ndim() == 0 {
+        let kind = value.get_type().name()?;
+        let mut got = format!("a {kind}");
+        if value.is_instance_of::<PyDict>() {
+            got += ": give its values as an array, in the order of the rover's wheels";
+        }
+        return Ok(Some(got));
+    }
+    let is_array = value.cast::<PyUntypedArray>().is_ok();
+    if array.dtype().kind() != b'O' && is_array {
+        return Ok(None);
+    }
+    let lists = if is_array {
+        value.call_method0(intern!(value.py(), "tolist"))?
+    } else {
+        value.clone()
+    };
+    let mut place = Vec::new();
+    let found = first_odd(&lists, &mut place);
+    let place: Vec<String> = place.iter().map(usize::to_string).collect();
+    Ok(found.map(|found| format!("{found} at [{}]", place.join(", "))))
+}
+
+/// The first item of nested lists that is no number; `place` is where.
+fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String> {
+    if place.len() < DEEP && (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>())
+    {
+        for (k, item) in value.try_iter().ok()?.enumerate() {
+            place.push(k);
+            let found = first_odd(&item.ok()?, place);
+            if found.is_some() {
+                return found;
+            }
+            place.pop();
+        }
+        return None;
+    }
+    let is_number = !value.is_instance_of::<PyBool>()
+        && !value.is_instance_of::<PyString>()
+        && value.extract::<f64>().is_ok();
+    (!is_number).then(|| {
+        let text = short_repr(value);
+        if text.chars().count() > LONGEST {
+            let begin: String = text.chars().take(LONGEST).collect();
+            return format!("{begin}...");
+        }
+        text
+    })
+}
+
+/// Letters of a value that are shown.
+const LONGEST: usize = 40;
 
 /// What is under a mask is not meant, and would be read all the same.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {

@@ -6,19 +6,22 @@ pub mod memory;
 mod output;
 mod strided;
 
+use std::cell::Cell;
+use std::ffi::CString;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use numpy::PyArrayDyn;
+use numpy::{PyArrayDyn, PyUntypedArray};
 use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError};
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyBool;
+use pyo3::types::{PyBool, PyTuple};
+use six_wheel_core::units::Question;
 use six_wheel_core::{Error, ErrorKind};
 
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
 pub use input::{Blocks, Rows, Scalars, read_array, singles};
-pub use output::{Output, scalar_or_array};
+pub use output::{Output, Precision, scalar_or_array};
 
 import_exception!(six_wheel.errors, ArgumentTypeError);
 import_exception!(six_wheel.errors, InfeasibleMotionError);
@@ -29,6 +32,9 @@ pub const DETACH_ROWS: usize = 32;
 
 /// An array as Python sees it.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
+
+/// An array of either precision.
+pub type AnyArray<'py> = Bound<'py, PyUntypedArray>;
 
 /// The exception of a core error, its row written as the index into the leading axes.
 pub fn raise(error: Error, leading: &[usize]) -> PyErr {
@@ -81,16 +87,67 @@ pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
             || error.is_instance_of::<PyOverflowError>(py))
 }
 
+/// What a value looks like, on one line: an array's representation takes several.
+pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
+    let text = value
+        .repr()
+        .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// One of some names; what is none looks like itself, and is refused with the names.
+pub fn name(value: &Bound<'_, PyAny>) -> String {
+    value.extract().unwrap_or_else(|_| short_repr(value))
+}
+
+/// Fails where numbers came one by one that belong into one twist: more of them than the method has parameters.
+pub fn one_twist(method: &str, before: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
+    if more.is_empty() {
+        return Ok(());
+    }
+    let count = before + more.len();
+    Err(PyTypeError::new_err(format!(
+        "twist must be one argument, as in {method}((vx, vy, omega)), got {count} arguments"
+    )))
+}
+
+thread_local! {
+    /// Calls of [`without_questions`] on this thread.
+    static QUIET: Cell<u32> = const { Cell::new(0) };
+}
+
+/// Calls a function during which this thread raises no questions of units: for whoever asks them in another way.
+#[pyfunction]
+pub fn without_questions<'py>(call: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    QUIET.set(QUIET.get() + 1);
+    let result = call.call0();
+    QUIET.set(QUIET.get() - 1);
+    result
+}
+
+/// Warns of what cannot be meant, with the unit that is likely.
+pub fn ask(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyResult<()> {
+    if QUIET.get() > 0 {
+        return Ok(());
+    }
+    for question in questions {
+        let text = CString::new(format!("{}; {}", question.says, question.likely))?;
+        let category = py
+            .import("six_wheel.errors")?
+            .getattr("SuspiciousUnitsWarning")?;
+        PyErr::warn(py, &category, &text, 1)?;
+    }
+    Ok(())
+}
+
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = value.py();
     let refused = || {
-        let text = value
-            .repr()
-            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
-        // An array's takes lines.
-        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        ArgumentTypeError::new_err(format!("{argument} must be a number, got {text}"))
+        ArgumentTypeError::new_err(format!(
+            "{argument} must be a number, got {}",
+            short_repr(value)
+        ))
     };
     if value.is_instance_of::<PyBool>() {
         return Err(refused());

@@ -1,20 +1,56 @@
 //! Results on their way out: into fresh arrays or the caller's.
 
 use numpy::npyffi::{NPY_ARRAY_WRITEABLE, PyArrayObject};
-use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, ndarray::IxDyn};
+use numpy::{
+    Element, PyArray1, PyArrayDescr, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    PyUntypedArray, PyUntypedArrayMethods, ndarray::IxDyn,
+};
+use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::memory::{self, Held};
-use super::{ArgumentTypeError, Array, refuse, shape_text};
+use super::{ArgumentTypeError, Array, numpy, refuse, shape_text, short_repr};
 
 /// Set on arrays that warn when they are written to.
 const WARN_ON_WRITE: i32 = 1 << 31;
 
+/// Of what precision a result is asked for; it is computed in `f64` either way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    Double,
+    Single,
+}
+
+impl Precision {
+    /// Reads `dtype=`, or takes that of the arrays to write to.
+    pub fn read(
+        py: Python<'_>,
+        dtype: Option<&Bound<'_, PyAny>>,
+        out: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Option<Self>> {
+        let Some(dtype) = dtype else { return Ok(None) };
+        let rule = "be float64 or float32";
+        let known = numpy(py)?.call_method1(intern!(py, "dtype"), (dtype,));
+        let known = known.map_err(|_| refuse("dtype", rule, &short_repr(dtype)))?;
+        let known = known.cast_into::<PyArrayDescr>()?;
+        if out.is_some() {
+            let rule = "be left out with out, which has its own";
+            return Err(refuse("dtype", rule, &known.to_string()));
+        }
+        match (known.kind(), known.itemsize(), known.is_native_byteorder()) {
+            (b'f', 8, Some(true)) => Ok(Some(Self::Double)),
+            (b'f', 4, Some(true)) => Ok(Some(Self::Single)),
+            _ => Err(refuse("dtype", rule, &known.to_string())),
+        }
+    }
+}
+
 /// A result on its way out: the caller's array, or a fresh one.
 pub struct Output<'py> {
     /// What is returned.
-    array: Array<'py>,
-    /// What is written to instead, where that is not contiguous.
+    array: Bound<'py, PyUntypedArray>,
+    /// What is written to instead, where that is not contiguous or not of `f64`.
     beside: Option<Array<'py>>,
     data: *mut f64,
     count: usize,
@@ -28,8 +64,34 @@ impl<'py> Output<'py> {
         Ok(Self {
             data: data(&array),
             count: memory::count(shape)?,
-            array,
+            array: array.as_untyped().clone(),
             beside: None,
+            _held: None,
+        })
+    }
+
+    /// A result of either precision: the caller's `out`, which has its own, or a fresh array of what `dtype` says.
+    pub fn of(
+        py: Python<'py>,
+        argument: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        precision: Option<Precision>,
+        shape: &[usize],
+    ) -> PyResult<Self> {
+        if let Some(array) = out.and_then(|out| out.cast::<PyArrayDyn<f32>>().ok()) {
+            return Self::into(py, argument, array.as_untyped(), shape);
+        }
+        if precision != Some(Precision::Single) {
+            return Self::new(py, argument, out, shape);
+        }
+        memory::count(shape)?;
+        let zeros = numpy(py)?.call_method1(intern!(py, "zeros"), (shape.to_vec(), "f"))?;
+        let beside = memory::zeros(py, shape)?;
+        Ok(Self {
+            data: data(&beside),
+            count: memory::count(shape)?,
+            array: zeros.cast_into()?,
+            beside: Some(beside),
             _held: None,
         })
     }
@@ -45,12 +107,7 @@ impl<'py> Output<'py> {
         let Some(out) = out else {
             return Self::fresh(py, shape);
         };
-        let rule = || {
-            format!(
-                "be a writeable float64 array of shape {}",
-                shape_text(shape)
-            )
-        };
+        let rule = || rule(shape);
         let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
             let got = match out.cast::<numpy::PyUntypedArray>() {
                 Ok(array) => format!("an array of dtype {}", array.dtype()),
@@ -58,6 +115,17 @@ impl<'py> Output<'py> {
             };
             ArgumentTypeError::new_err(format!("{argument} must {}, got {got}", rule()))
         })?;
+        Self::into(py, argument, array.as_untyped(), shape)
+    }
+
+    /// Into the caller's array of `f64` or `f32`, checked.
+    fn into(
+        py: Python<'py>,
+        argument: &str,
+        array: &Bound<'py, PyUntypedArray>,
+        shape: &[usize],
+    ) -> PyResult<Self> {
+        let rule = || rule(shape);
         if array.shape() != shape {
             let got = format!("shape {}", shape_text(array.shape()));
             return Err(refuse(argument, &rule(), &got));
@@ -67,14 +135,22 @@ impl<'py> Output<'py> {
         if flags & (NPY_ARRAY_WRITEABLE | WARN_ON_WRITE) != NPY_ARRAY_WRITEABLE {
             return Err(refuse(argument, &rule(), "a read-only array or one in use"));
         }
-        if !memory::places(array.as_untyped()).are_apart() {
+        if !memory::places(array).are_apart() {
             return Err(refuse(argument, "not overlap itself", "shared memory"));
         }
-        let held = memory::write(argument, &rule(), array.as_untyped())?;
-        let is_flat = array.is_c_contiguous() && array.is_aligned();
-        let beside = (!is_flat).then(|| memory::zeros(py, shape)).transpose()?;
+        let held = memory::write(argument, &rule(), array)?;
+        let flat = array.cast::<PyArrayDyn<f64>>().ok();
+        let flat = flat.filter(|array| array.is_c_contiguous() && array.is_aligned());
+        let beside = match flat {
+            Some(_) => None,
+            None => Some(memory::zeros(py, shape)?),
+        };
         Ok(Self {
-            data: data(beside.as_ref().unwrap_or(array)),
+            data: match (&beside, flat) {
+                (Some(beside), _) => data(beside),
+                (None, Some(array)) => data(array),
+                (None, None) => return Err(refuse(argument, &rule(), "another array")),
+            },
             count: memory::count(shape)?,
             array: array.clone(),
             beside,
@@ -97,13 +173,36 @@ impl<'py> Output<'py> {
         self.flat().as_chunks_mut().0
     }
 
-    /// The array to return.
-    pub fn finish(self) -> PyResult<Array<'py>> {
-        if let Some(beside) = &self.beside {
-            beside.copy_to(&self.array)?;
-        }
+    /// The array to return, of whatever precision.
+    pub fn finish_any(self) -> PyResult<Bound<'py, PyUntypedArray>> {
+        let Some(beside) = &self.beside else {
+            return Ok(self.array);
+        };
+        let py = beside.py();
+        let copied = |module: &Bound<'py, PyModule>| {
+            let keywords = PyDict::new(py);
+            keywords.set_item(intern!(py, "casting"), intern!(py, "same_kind"))?;
+            module.call_method(
+                intern!(py, "copyto"),
+                (&self.array, beside),
+                Some(&keywords),
+            )
+        };
+        copied(numpy(py)?)?;
         Ok(self.array)
     }
+
+    /// The array to return, which is of `f64`.
+    pub fn finish(self) -> PyResult<Array<'py>> {
+        Ok(self.finish_any()?.cast_into()?)
+    }
+}
+
+fn rule(shape: &[usize]) -> String {
+    format!(
+        "be a writeable float64 array of shape {}",
+        shape_text(shape)
+    )
 }
 
 /// Where the numbers of an array begin.

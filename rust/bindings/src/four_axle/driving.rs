@@ -138,11 +138,11 @@ impl FourAxle {
     /// steer : {'both', 'front', 'rear'}
     ///     Which axles turn: the centre of rotation lies abreast of the origin, of the rear hinges, of the
     ///     front hinges.
-    /// speed : float
+    /// speed : float, default 0.0
     ///     Root mean square speed of the hinges to begin with [m/s]; 0 to re-aim standing.
-    /// pivot_rate : float
+    /// pivot_rate : float, default 0.5
     ///     Rate of the faster axle where the pair turns slowest [rad/s].
-    /// brake_time : float
+    /// brake_time : float, default 0.0
     ///     For how long to drive on with both pairs locked after locking one under way [s].
     ///
     /// Returns

@@ -111,6 +111,9 @@ impl Quick<3> for Forward {
                 steering_rates: None,
             }
         };
+        if !rover.are_plain(measured.steering) {
+            return None;
+        }
         let target = match out {
             Some(out) => {
                 let target = Row::target(out, 3)?;

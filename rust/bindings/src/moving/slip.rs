@@ -160,7 +160,7 @@ impl BodySlip {
 ///     The same motion, one to six components of it, from elsewhere and from the wheels: twists or increments.
 /// covariance : array_like, shape (n, n)
 ///     Of their difference without slip: the sum of both covariances.
-/// false_alarm : float
+/// false_alarm : float, default 0.01
 ///     How often a rover that does not slip may be said to.
 ///
 /// Returns

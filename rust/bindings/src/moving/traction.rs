@@ -63,7 +63,7 @@ impl Suspension {
     ///     Present steering angles [rad], default 0: a wheel whose pivot rests holds them.
     /// wheel_speeds : array_like, shape (..., wheels), optional
     ///     Measured speeds [rad/s], from which the vertical speed then comes.
-    /// lift_angle, lift_speed : float
+    /// lift_angle, lift_speed : float, default 1.0 and 0.01
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
     ///

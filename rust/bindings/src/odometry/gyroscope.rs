@@ -11,13 +11,13 @@ use crate::wheel::reduce;
 ///
 /// Parameters
 /// ----------
-/// noise : float
+/// noise : float, default 0.005
 ///     Standard deviation of a reading [rad/s].
-/// bias : float
+/// bias : float, default 0.0
 ///     What it reads at rest, as far as is known beforehand [rad/s].
-/// bias_noise : float
+/// bias_noise : float, default 0.05
 ///     Standard deviation of that [rad/s].
-/// bias_walk : float
+/// bias_walk : float, default 0.0001
 ///     By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
 ///
 /// Raises

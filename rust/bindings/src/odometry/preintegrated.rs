@@ -54,7 +54,7 @@ type Factor<'py> = (
 ///     Whether every sample has an attitude: SE(3) instead of the plane. Wheels then move the body in the plane they
 ///     stand on, which the attitude tilts; its turn about the body's own vertical axis is a gyroscope's, which wheels
 ///     and attitude share by their noise.
-/// attitude_noise : float
+/// attitude_noise : float, default 0.01
 ///     Standard deviation of the tilt of an attitude [rad].
 ///
 /// Raises

@@ -254,7 +254,7 @@ impl OdometryState {
     ///
     /// Parameters
     /// ----------
-    /// unmeasured : float
+    /// unmeasured : float, default 1e6
     ///     Variance of z [m²], roll and pitch [rad²], of which wheels on a plane say nothing.
     #[pyo3(signature = (unmeasured=1e6))]
     fn covariance_6x6<'py>(
@@ -269,7 +269,7 @@ impl OdometryState {
     ///
     /// Parameters
     /// ----------
-    /// unmeasured : float
+    /// unmeasured : float, default 1e6
     ///     Variance of the rates along z [m²/s²], about x and about y [rad²/s²], and of all that nothing is known of.
     #[pyo3(signature = (unmeasured=1e6))]
     fn twist_covariance_6x6<'py>(

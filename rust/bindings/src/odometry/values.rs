@@ -25,12 +25,12 @@ use crate::wheel::reduce;
 /// steering : float, optional
 ///     Of every steering angle [rad], default 0.009.
 /// slip : float, optional
-///     Of the distance a wheel slips along its heading while its pivot travels one metre [m].
+///     Of the distance a wheel slips along its heading while its pivot travels one metre [m per root m].
 /// side_slip : float, optional
-///     The same across its heading [m].
-/// yaw : float
+///     The same across its heading [m per root m].
+/// yaw : float, default 0.0
 ///     Of an absolute yaw reading [rad]; 0 takes it at its word.
-/// yaw_rate : float
+/// yaw_rate : float, default 0.0
 ///     Of a gyroscope's reading [rad/s]; 0 takes it at its word.
 /// period : float, optional
 ///     Time over which an error of `speed`, `steering` and `yaw_rate` stays the same [s]: readings that come more
@@ -186,12 +186,12 @@ impl Noise {
 /// ----------
 /// resolution : float, optional
 ///     Counts per turn of the shaft it sits on. Without it the reading is in radians (or radians per second).
-/// gear : float
+/// gear : float, default 1.0
 ///     Turns of that shaft per turn of the wheel or steering joint; negative if it runs the other way round.
 /// modulus : float, optional
 ///     Counts after which the counter starts over: ``2**16``, ``2**32``, or `resolution` for an absolute encoder.
 ///     Between two samples a counter is taken to have gone the shorter way.
-/// offset : float
+/// offset : float, default 0.0
 ///     Angle of a steering joint where the counter is zero [rad].
 ///
 /// Raises

@@ -155,7 +155,7 @@ impl RockerBogie {
     ///     Holds for every yaw up to so much to either side [rad].
     /// position_margin : float or array_like, shape (...)
     ///     Holds for every place up to so far away [m].
-    /// map_error : float
+    /// map_error : float, default 0.0
     ///     Holds for every map whose heights differ by up to so much [m].
     /// belly : (float, float, float, float), optional
     ///     Rear edge, front edge, half width and height of the underside of the body in the rover's frame [m].

@@ -119,7 +119,7 @@ impl RockerBogie {
     ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
     /// limits : StandLimits, optional
     ///     What is allowed; default what Curiosity is.
-    /// map_error : float
+    /// map_error : float, default 0.0
     ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
     ///     clearances are less by twice as much.
     /// belly : (float, float, float, float), optional
@@ -200,7 +200,7 @@ impl Suspension {
     ///     Of the rover [kg].
     /// centre_of_mass : (float, float, float), optional
     ///     In the rover's frame [m]; default that of `settle`.
-    /// gravity : float
+    /// gravity : float, default 9.80665
     ///     [m/s^2].
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.

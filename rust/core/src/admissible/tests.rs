@@ -238,7 +238,12 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
                 continue;
             };
             let mut projected = vec![[0.0; 3]; twists.len()];
-            batch::project(&rover, &twists, keep, &mut projected, k % 2 == 0)?;
+            let workers = batch::Workers {
+                level: batch::Level::best(),
+                fresh: k % 2 == 0,
+                ..batch::Workers::PLAIN
+            };
+            batch::project(&rover, &twists, keep, &mut projected, workers)?;
             assert_eq!(projected, found, "{keep:?} {rover:?}");
             for (twist, found) in twists.iter().zip(&found) {
                 let one = batch::project_one(&rover, (*twist).into(), keep)?;
@@ -255,7 +260,7 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
                 twists.iter_mut().flatten().for_each(shift);
             }
             let mut answers = vec![false; twists.len()];
-            batch::admissible(&rover, &twists, &mut answers)?;
+            batch::admissible(&rover, &twists, &mut answers, workers)?;
             for (twist, answer) in twists.iter().zip(answers) {
                 let twist = Twist::from(*twist);
                 assert_eq!(

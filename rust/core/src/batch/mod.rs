@@ -27,7 +27,7 @@ pub(crate) mod one_row;
 
 pub use calls::poses::integrate;
 pub use calls::rows::{forward, inverse};
-pub use calls::singly::{fit, sensitivity};
+pub use calls::singly::{differentiate, fill, fit, sensitivity};
 pub use calls::twists::{admissible, project};
 pub(crate) use formulas::cone::Cone;
 pub use formulas::rollout_cost::{Costs, rollout_cost};

@@ -163,7 +163,8 @@ pub fn settle(
     };
     let [rows, columns] = settler.ground.shape();
     if poses.len() >= WORTH_LANES && poses.len() * WORTH_A_PYRAMID > rows * columns {
-        settler.ground.pyramid();
+        // It only saves time: where there is no memory for it, rims are walked without.
+        let _ = settler.ground.pyramid();
     }
     let work = |first: usize, poses: &[[f64; 3]], stands: &mut [Stand]| {
         let mut left = Vec::new();

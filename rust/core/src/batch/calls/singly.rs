@@ -2,14 +2,49 @@
 
 use super::rows::FEW;
 use crate::batch::formulas::fit::{Fits, Plan};
-use crate::batch::machine::level::Level;
 use crate::batch::machine::table::{Log, row_mut};
-use crate::error::Error;
+use crate::batch::machine::workers::{self, Workers};
+use crate::error::{Error, finite};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Method, Unseen};
+use crate::geometry::{Pose, Steps};
 use crate::rover::Rover;
 
+/// A value for every row, each on its own.
+pub fn fill<const N: usize>(
+    targets: &mut [[f64; N]],
+    workers: Workers,
+    value: impl Fn(usize) -> [f64; N] + Sync,
+) -> Result<(), Error> {
+    let share = workers.share(targets.len());
+    workers::each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+        for (row, target) in targets.iter_mut().enumerate() {
+            *target = value(k * share + row);
+        }
+        Ok(())
+    })
+}
+
+/// The twists that, each held over its step, pass through the poses, one more than steps: the inverse of `integrate`.
+pub fn differentiate(
+    poses: &[[f64; 3]],
+    steps: Steps<'_>,
+    twists: &mut [[f64; 3]],
+    workers: Workers,
+) -> Result<(), Error> {
+    debug_assert_eq!(poses.len(), twists.len() + 1);
+    steps.check(twists.len())?;
+    for (k, pose) in poses.iter().enumerate() {
+        finite("poses", pose).map_err(|error| error.at_row(k))?;
+    }
+    fill(twists, workers, |k| {
+        let [here, there] = [poses[k], poses[k + 1]].map(Pose::from);
+        here.between(there).log(steps.get(k)).into()
+    })
+}
+
 /// [`Rover::fit`] of every row of a log.
+#[allow(clippy::too_many_arguments)] // inputs, two options, three outputs
 pub fn fit(
     rover: &Rover,
     log: Log<'_>,
@@ -18,28 +53,36 @@ pub fn fit(
     fits: &mut [Fit],
     residual: &mut [f64],
     weights: &mut [f64],
+    workers: Workers,
 ) -> Result<(), Error> {
-    if fits.len() >= FEW
-        && log.steering_rates.is_none()
-        && let Some(plan) = Plan::new(rover, method, unseen)
-    {
-        let rows = &mut Fits {
-            fits,
-            residual,
-            weights,
-        };
-        if let Some(done) = plan.fit(Level::best(), log, rows) {
-            return done;
+    let (share, wheels) = (workers.share(fits.len()), rover.wheels().len());
+    let plan = (fits.len() >= FEW && log.steering_rates.is_none())
+        .then(|| Plan::new(rover, method, unseen))
+        .flatten();
+    let slips = residual.chunks_mut(share * wheels);
+    let says = weights.chunks_mut(share * wheels);
+    let jobs = fits.chunks_mut(share).zip(slips).zip(says).enumerate();
+    workers::each(jobs, |(k, ((fits, residual), weights))| {
+        let log = log.rows(rover, k * share..k * share + fits.len());
+        let failed = |error: Error| error.below(k * share);
+        if let Some(plan) = &plan {
+            let rows = &mut Fits {
+                fits,
+                residual,
+                weights,
+            };
+            if let Some(done) = plan.fit(workers.here().level, log, rows) {
+                return done.map_err(failed);
+            }
         }
-    }
-    let wheels = rover.wheels().len();
-    for (k, fit) in fits.iter_mut().enumerate() {
-        let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));
-        *fit = rover
-            .fit(log.row(rover, k), method, unseen, residual, weights)
-            .map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
+        for (k, fit) in fits.iter_mut().enumerate() {
+            let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));
+            *fit = rover
+                .fit(log.row(rover, k), method, unseen, residual, weights)
+                .map_err(|error| failed(error.at_row(k)))?;
+        }
+        Ok(())
+    })
 }
 
 /// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
@@ -49,16 +92,59 @@ pub fn sensitivity(
     log: Log<'_>,
     twists: &mut [[f64; 3]],
     targets: &mut [(Quantity, &mut [f64])],
+    workers: Workers,
 ) -> Result<(), Error> {
-    let wheels: Vec<usize> = (0..rover.wheels().len()).collect();
+    let share = workers.share(twists.len());
+    let width = |quantity: Quantity| 3 * differentiated(rover, quantity).len();
+    let mut parts: Vec<_> = targets
+        .iter_mut()
+        .map(|(quantity, target)| {
+            // A rover without steered wheels has no columns to cut.
+            let size = (share * width(*quantity)).max(1);
+            (*quantity, target.chunks_mut(size))
+        })
+        .collect();
+    let jobs: Vec<_> = twists
+        .chunks_mut(share)
+        .map(|twists| {
+            let parts = parts
+                .iter_mut()
+                .map(|(quantity, parts)| (*quantity, parts.next().unwrap_or_default()));
+            (twists, parts.collect::<Vec<_>>())
+        })
+        .collect();
+    workers::each(
+        jobs.into_iter().enumerate(),
+        |(k, (twists, mut targets))| {
+            let log = log.rows(rover, k * share..k * share + twists.len());
+            sensitivity_rows(rover, log, twists, &mut targets)
+                .map_err(|error| error.below(k * share))
+        },
+    )
+}
+
+/// Indices of the wheels with a derivative by this quantity.
+fn differentiated(rover: &Rover, quantity: Quantity) -> Vec<usize> {
+    match quantity {
+        Quantity::Steering | Quantity::SteeringRate => rover.steered().to_vec(),
+        _ => (0..rover.wheels().len()).collect(),
+    }
+}
+
+fn sensitivity_rows(
+    rover: &Rover,
+    log: Log<'_>,
+    twists: &mut [[f64; 3]],
+    targets: &mut [(Quantity, &mut [f64])],
+) -> Result<(), Error> {
+    let columns: Vec<_> = targets
+        .iter()
+        .map(|(quantity, _)| differentiated(rover, *quantity))
+        .collect();
     for (k, twist) in twists.iter_mut().enumerate() {
         let differentiate = |linearised: &Linearised<'_>| {
             *twist = linearised.twist().into();
-            for (quantity, target) in targets.iter_mut() {
-                let wheels = match quantity {
-                    Quantity::Steering | Quantity::SteeringRate => rover.steered(),
-                    _ => &wheels,
-                };
+            for ((quantity, target), wheels) in targets.iter_mut().zip(&columns) {
                 let target = row_mut(target, 3 * wheels.len(), k);
                 for (column, wheel) in wheels.iter().enumerate() {
                     let derivative = linearised.derivative(*wheel, *quantity);

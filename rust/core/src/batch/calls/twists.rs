@@ -2,15 +2,34 @@
 
 use crate::admissible::Keep;
 use crate::batch::formulas::admissible::{Admissible, Project};
-use crate::batch::machine::level::Level;
+use crate::batch::machine::workers::{self, Workers};
 use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover::Rover;
 
 /// Whether the rover can make each twist. Fails where one is not finite.
-pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool]) -> Result<(), Error> {
+pub fn admissible(
+    rover: &Rover,
+    twists: &[[f64; 3]],
+    answers: &mut [bool],
+    workers: Workers,
+) -> Result<(), Error> {
+    let share = workers.share(twists.len());
+    let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
+    workers::each(jobs.enumerate(), |(k, (twists, answers))| {
+        admissible_rows(rover, twists, answers, workers.here())
+            .map_err(|error| error.below(k * share))
+    })
+}
+
+fn admissible_rows(
+    rover: &Rover,
+    twists: &[[f64; 3]],
+    answers: &mut [bool],
+    workers: Workers,
+) -> Result<(), Error> {
     if let Some(cone) = rover.whole_cone()
-        && let Some(done) = Level::best().run(Admissible {
+        && let Some(done) = workers.level.run(Admissible {
             rover,
             cone,
             twists,
@@ -26,22 +45,28 @@ pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool]) -> R
     Ok(())
 }
 
-/// [`Rover::project`] of every twist. Unless `fresh`, nothing is written if one fails.
+/// [`Rover::project`] of every twist.
 pub fn project(
     rover: &Rover,
     twists: &[[f64; 3]],
     keep: Keep,
     projected: &mut [[f64; 3]],
-    fresh: bool,
+    workers: Workers,
 ) -> Result<(), Error> {
-    if !fresh {
-        check(rover, twists, keep)?;
+    let (share, here) = (workers.share(twists.len()), workers.here());
+    if !workers.fresh {
+        workers::each(twists.chunks(share).enumerate(), |(k, twists)| {
+            check(rover, twists, keep, here).map_err(|error| error.below(k * share))
+        })?;
     }
-    project_rows(rover, twists, keep, projected)
+    let jobs = twists.chunks(share).zip(projected.chunks_mut(share));
+    workers::each(jobs.enumerate(), |(k, (twists, projected))| {
+        project_rows(rover, twists, keep, projected, here).map_err(|error| error.below(k * share))
+    })
 }
 
 /// Fails at the first twist that cannot be projected.
-fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep) -> Result<(), Error> {
+fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep, workers: Workers) -> Result<(), Error> {
     if matches!(keep, Keep::Curvature | Keep::Nearest) {
         // To stand still is always possible.
         return twists.iter().enumerate().try_for_each(|(k, twist)| {
@@ -51,7 +76,7 @@ fn check(rover: &Rover, twists: &[[f64; 3]], keep: Keep) -> Result<(), Error> {
     }
     let mut room = [[0.0; 3]; ROWS];
     for (block, twists) in twists.chunks(ROWS).enumerate() {
-        project_rows(rover, twists, keep, &mut room[..twists.len()])
+        project_rows(rover, twists, keep, &mut room[..twists.len()], workers)
             .map_err(|error| error.below(block * ROWS))?;
     }
     Ok(())
@@ -65,9 +90,10 @@ fn project_rows(
     twists: &[[f64; 3]],
     keep: Keep,
     projected: &mut [[f64; 3]],
+    workers: Workers,
 ) -> Result<(), Error> {
     if let Some(cone) = rover.whole_cone()
-        && let Some(done) = Level::best().run(Project {
+        && let Some(done) = workers.level.run(Project {
             rover,
             cone,
             keep,

@@ -215,6 +215,16 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
+    pub(in crate::batch) fn rows(&self, rover: &Rover, rows: Range<usize>) -> Self {
+        let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
+        let of = |values: &'a [f64], width| &values[rows.start * width..rows.end * width];
+        Self {
+            steering: of(self.steering, joints),
+            speeds: of(self.speeds, wheels),
+            steering_rates: self.steering_rates.map(|rates| of(rates, joints)),
+        }
+    }
+
     pub(in crate::batch) fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {

@@ -37,6 +37,10 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
             &mut fits,
             &mut residual,
             &mut weights,
+            batch::Workers {
+                level: batch::Level::best(),
+                ..batch::Workers::PLAIN
+            },
         );
         let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
         for (k, fit) in fits.iter().enumerate() {

@@ -1,0 +1,93 @@
+"""The picture of a result, whichever it is."""
+
+from collections.abc import Callable
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from six_wheel._core import Rover
+from six_wheel.logs.recordings import Truth
+from six_wheel.odometry.tracks import Track
+
+__all__ = ["figure"]
+
+
+def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
+    """Picture of a result: what ``six_wheel.plot(result)`` draws.
+
+    Parameters
+    ----------
+    result : Track, Rover, Calibration, FourAxleSimulation, or a drive that has ended
+        A track takes ``truth=``, a rover ``twist=`` or ``limits=``.
+    title : str, optional
+        Written above the picture.
+    **options
+        Those of the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To be written by `save`.
+
+    Raises
+    ------
+    TypeError
+        If there is no picture of such a thing; the message lists those there are.
+    """
+    for kind in type(result).__mro__:
+        if draw := PICTURES.get(kind.__name__):
+            return draw(result, title=title, **options)
+    raise TypeError(f"result must be one of {', '.join(PICTURES)}, got a {type(result).__name__}")
+
+
+def _track(track: Track, *, title: str | None, truth: Truth | None = None) -> Figure:
+    from six_wheel.reckoning.tracks import of_track
+
+    return _reckoned(of_track(track, truth), title=title)
+
+
+def _reckoned(result: Any, *, title: str | None) -> Figure:
+    from six_wheel.plot.reckoning import reckoning_figure
+
+    return reckoning_figure(result, title=title)
+
+
+def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = None) -> Figure:
+    from six_wheel.plot.limits import limits_figure
+    from six_wheel.plot.twist import show_figure
+
+    if (twist is None) == (limits is None):
+        raise TypeError("a rover's picture needs twist= or limits=, got neither or both")
+    if limits is not None:
+        return limits_figure(rover, limits, title=title)
+    return show_figure(rover, twist, title=title)
+
+
+def _calibration(found: Any, *, title: str | None) -> Figure:
+    from six_wheel.plot.tracks import residual_figure
+
+    return residual_figure(found.windows.before, found.windows.after, title=title)
+
+
+def _four_axles(found: Any, *, title: str | None) -> Figure:
+    from six_wheel.plot.four_axle import four_axle_figure
+
+    return four_axle_figure(found, title=title)
+
+
+def _drive(engine: Any, *, title: str | None) -> Figure:
+    from six_wheel.plot.drive import engine_figure
+
+    return engine_figure(engine, title=title or "drive")
+
+
+# By name: most of these need what a picture of another does not.
+PICTURES: dict[str, Callable[..., Figure]] = {
+    "Track": _track,
+    "Rover": _rover,
+    "Calibration": _calibration,
+    "FourAxleSimulation": _four_axles,
+    "Drive": _drive,
+    "ControlledDrive": _drive,
+    "Reckoned": _reckoned,
+}
