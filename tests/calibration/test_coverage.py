@@ -29,7 +29,7 @@ def drives(seed: int) -> list[sw.Log]:
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    """About 95 % of them; 91.0 % of 1000 intervals were measured, for six sessions are few: a little too narrow.
+    """About 95 % of them; 91.0 % of 1000 intervals were measured: six sessions are a little too few.
 
     Bounds are 3.5 deviations of chance about what was measured, and in long runs 90 %.
     """
