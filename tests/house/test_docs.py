@@ -83,6 +83,7 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "drive",
         "foxglove",
         "ground",
+        "honesty",
         "ground_side",
         "ground_speeds",
         "demo",

@@ -351,7 +351,7 @@ def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[
     columns = find_columns(headers, (TIME,)) | (truth_columns(headers) or position_columns(headers))
     if "x" not in columns:
         listed = ", ".join(f'"{header}"' for header in headers)
-        rule = "have columns x and y, and for headings yaw (or qx, qy, qz, qw)"
+        rule = "have columns x, y and yaw (or qx, qy, qz, qw), or x and y alone"
         raise TableError(f"the truth must {rule}, got {listed}")
     return columns
 
