@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
+from viewers import foxglove_figure
 
 from six_wheel import (
     FourAxle,
@@ -196,6 +197,7 @@ def main() -> None:
     figures["drive"] = driven()
     figures["limits"] = limits()
     figures |= over_ground()
+    figures["foxglove"] = foxglove_figure()
     figures |= planned()
     for name, figure in figures.items():
         png = io.BytesIO()

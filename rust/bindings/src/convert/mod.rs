@@ -17,7 +17,7 @@ use pyo3::types::PyBool;
 use six_wheel_core::{Error, ErrorKind};
 
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
-pub use input::{Blocks, Rows, Scalars};
+pub use input::{Blocks, Rows, Scalars, read_array, singles};
 pub use output::{Output, scalar_or_array};
 
 import_exception!(six_wheel.errors, ArgumentTypeError);
