@@ -299,8 +299,8 @@ def test_the_covariance_is_that_of_many_drives(known: str) -> None:
         ends.append(gap)
         nees.append(gap @ np.linalg.solve(track.covariances[-1][np.ix_(picked, picked)], gap))
     spread, told = np.cov(np.array(ends).T), true.covariances[-1][np.ix_(picked, picked)]
-    # Chi-square, 3 degrees of freedom, 150 drives: 3 ± 4 x 0.2. Twice the noise of joints and tilt makes
-    # wheels climb by its square, 0.3 % of the way.
+    # Chi-square with 3 degrees of freedom over 150 drives: 3 ± 4 x 0.2. Twice the noise of joints and tilt
+    # makes wheels climb by its square, 0.3 % of the way.
     assert 2.2 < np.mean(nees) < 3.8, (np.mean(nees), np.sqrt(np.diag(spread)), np.sqrt(np.diag(told)))
 
 

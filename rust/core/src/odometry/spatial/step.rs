@@ -182,10 +182,10 @@ impl Input {
             free: chain.joints().len(),
         };
         let mut chords = [1.0; MAX_WHEELS];
-        for joint in 0..input.steered {
+        for (joint, share) in chords.iter_mut().enumerate().take(input.steered) {
             let (first, last) = (way.before.angles[joint], way.after.angles[joint]);
-            chords[joint] = chord(last - first);
-            input.swivels[joint] = (last - first) * chords[joint];
+            *share = chord(last - first);
+            input.swivels[joint] = (last - first) * *share;
             input.angles[joint] = f64::midpoint(first, last);
         }
         for joint in 0..input.free {
@@ -391,13 +391,13 @@ fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise)
         .fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
     let mut slips = false;
     let mut steering = [Vector6::zeros(); MAX_WHEELS];
-    for wheel in 0..count {
+    for (wheel, &[ahead, left]) in ways.iter().enumerate().take(count) {
         let [along_slid, aside] = told.slid[wheel];
         if aside.is_nan() {
             continue; // in the air
         }
         let radius = way.radii[wheel];
-        let ([ahead, left], read) = (ways[wheel], !along_slid.is_nan());
+        let read = !along_slid.is_nan();
         let distance = ahead.hypot(left);
         // The noise of a slope stays the same over the way it is averaged over.
         let climbed = told.slopes[wheel].powi(2) * distance * way.doubt / MEMORY;
