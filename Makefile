@@ -8,8 +8,8 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 
 SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
-	core/boundary/test_memory.py core/laws/test_profiles.py core/laws/test_transitions.py core/laws/test_controller.py \
-	odometry calibration ground/test_bounds.py)
+	core/boundary/test_memory.py core/door/test_storm.py core/laws/test_profiles.py core/laws/test_transitions.py \
+	core/laws/test_controller.py cli/test_exit.py odometry calibration ground/test_bounds.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -22,13 +22,15 @@ PAST_THE_END = import numpy as np, six_wheel as sw; angles = np.lib.stride_trick
 # Coverage-guided fuzzing, so many seconds for every target.
 FUZZ ?= 60
 FUZZED = estimate odometry controller
+READERS = yaml commands log bag urdf
+ROWS ?= 1e9
 COVERAGE = -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-trace-compares \
 	-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Ccodegen-units=1
 OLDEST = numpy==1.26.*
 BOUNDARY = tests/core/boundary tests/core/door tests/core/laws/test_geometry.py tests/core/laws/test_fit.py
 PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 
-.PHONY: demo test test-rust test-python test-ros test-versions fuzz soak sanitize bench bench-suites instructions profiling lint format wheel clean
+.PHONY: demo test test-rust test-python test-ros test-versions fuzz compare soak sanitize bench bench-suites instructions profiling lint format wheel clean
 
 demo: $(VENV)/installed ## drive Mars rovers along a recorded path and over rocks; writes six_wheel_demo/
 	$(BIN)/six-wheel demo
@@ -46,7 +48,7 @@ test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the packag
 	@if test -s $(ROS)/without; then echo "test-ros: skipped, no rclpy here: $$(tail -n 1 $(ROS)/without)"; else \
 		$(ROS)/bin/python -m pytest tests/ros -o addopts=-ra -p no:cacheprovider; fi
 
-fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ seconds each; finds go to target/fuzz
+fuzz: $(VENV)/installed ## coverage-guided fuzzing of core, boundary and readers, FUZZ seconds each; finds go to target/fuzz
 	for target in $(FUZZED); do mkdir -p target/fuzz/$$target \
 		&& RUSTFLAGS="$(COVERAGE) --cfg fuzzing" cargo build --release --quiet --manifest-path rust/fuzz/Cargo.toml \
 			--target $(HOST) --target-dir target/fuzz/build --bin $$target \
@@ -55,7 +57,13 @@ fuzz: $(VENV)/installed ## coverage-guided fuzzing of core and boundary, FUZZ se
 	$(BIN)/python -m pip install --quiet --only-binary :all: atheris || echo "no atheris for this Python: its part is skipped"
 	$(BIN)/python -c "import atheris" 2>/dev/null || exit 0; mkdir -p target/fuzz/boundary \
 		&& $(BIN)/python tests/core/door/fuzzed.py -max_total_time=$(FUZZ) -artifact_prefix=target/fuzz/boundary- \
-			target/fuzz/boundary
+			target/fuzz/boundary \
+		&& for target in $(READERS); do mkdir -p target/fuzz/$$target \
+			&& $(BIN)/python -m tests.fuzz.fuzzed $$target target/fuzz/$$target -max_total_time=$(FUZZ) -timeout=20 \
+				-artifact_prefix=target/fuzz/$$target- || exit 1; done
+
+compare: $(VENV)/installed ## kernels against the plain core, ROWS rows of calls; the worst case of each
+	$(BIN)/python -m tests.core.oracles.compare --rows $(ROWS)
 
 # All that pyenv has, if it is there.
 test-versions: export PYENV_VERSION = $(shell pyenv versions --bare 2>/dev/null | paste -sd:)

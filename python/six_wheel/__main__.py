@@ -20,7 +20,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 2 for input that cannot be used, 130 after Ctrl-C.
     """
-    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        return answer(sys.argv[1:] if arguments is None else list(arguments))
+    except KeyboardInterrupt:  # while the libraries were being loaded
+        return 130
+
+
+def answer(arguments: list[str]) -> int:
+    """Run the command line, or say without it what can be said."""
     if find_spec("typer") is None:
         print(f"{PROGRAM}: the command line needs typer, which is not installed: {INSTALL}", file=sys.stderr)
         return 2
@@ -32,12 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         print(f"{PROGRAM} {__version__}")
         return 0
-    try:
-        from six_wheel.cli.app import run
+    from six_wheel.cli.app import run
 
-        return run(arguments)
-    except KeyboardInterrupt:  # while the libraries were being loaded
-        return 130
+    return run(arguments)
 
 
 if __name__ == "__main__":

@@ -68,6 +68,7 @@ def test_every_vehicle_has_a_section_with_a_small_picture():
 def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     pytest.importorskip("scipy")
+    pytest.importorskip("rosbags")
     monkeypatch.syspath_prepend(DOCS)
     import draw
 
@@ -80,7 +81,9 @@ def test_every_picture_can_be_drawn_again(tmp_path, monkeypatch):
         "calibration",
         "limits",
         "drive",
+        "foxglove",
         "ground",
+        "honesty",
         "ground_side",
         "ground_speeds",
         "demo",

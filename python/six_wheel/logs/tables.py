@@ -190,7 +190,8 @@ class Table:
         types = {name: getattr(pa, kind)() for name, kind in wanted.items()}
         convert = pa.csv.ConvertOptions(column_types=types, include_columns=list(wanted), null_values=[""])
         parse = pa.csv.ParseOptions(delimiter=self._delimiter)
-        read = pa.csv.ReadOptions(column_names=names, block_size=len(lines) + 1)
+        # One block is parsed by one thread anyway; without others none is left at work when the process ends.
+        read = pa.csv.ReadOptions(use_threads=False, column_names=names, block_size=len(lines) + 1)
         batches: list[pa.RecordBatch] = pa.csv.read_csv(
             pa.BufferReader(lines), read, parse, convert
         ).to_batches()
@@ -256,7 +257,8 @@ class Table:
         import pyarrow as pa
 
         headers = {name: column.header for name, column in self._columns.items()}
-        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=list(headers.values())):
+        wanted = list(headers.values())
+        for batch in self._file.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
             arrays = [batch.column(header).cast(self._types[name]) for name, header in headers.items()]
             yield pa.RecordBatch.from_arrays(arrays, names=list(headers))
 

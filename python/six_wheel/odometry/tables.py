@@ -159,7 +159,7 @@ def _parquet(
         wanted = sorted({header for header in found.values() if header})
         origin = None
         with opened:
-            for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted):
+            for batch in opened.iter_batches(batch_size=chunk_rows, columns=wanted, use_threads=False):
                 read = {header: _numbers(batch.column(header)) for header in wanted}
                 _turn(rover, read, found)
                 origin = _origin(read[found["stamp"]]) if origin is None else origin

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use six_wheel_core::ground::{self, Settler, Status};
 
 use crate::batch::any_workers;
-use crate::convert::{Rows, compute, raise};
+use crate::convert::{Rows, compute, memory, raise};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 
@@ -25,7 +25,7 @@ pub fn read_steering(
     if !rows.is_single() {
         rows.check_leading("steering", leading)?;
     }
-    Ok(rows.flat().to_vec())
+    memory::gathered(rows.flat().iter().copied())
 }
 
 #[pymethods]
@@ -96,7 +96,8 @@ impl Suspension {
         let workers = any_workers(threads, kernel)?;
         settler.level = workers.level;
         let rows = poses.triples();
-        let mut stands = vec![ground::Stand::nothing(Status::NotConverged); rows.len()];
+        let nothing = ground::Stand::nothing(Status::NotConverged);
+        let mut stands = memory::filled(nothing, rows.len())?;
         compute(py, rows.len(), || {
             ground::settle(&settler, rows, &steering, workers.threads, &mut stands)
         })
@@ -107,7 +108,7 @@ impl Suspension {
         Ok(Stand {
             suspension: slf.clone().unbind(),
             ground: ground.get().0.clone(),
-            poses: rows.to_vec(),
+            poses: memory::gathered(rows.iter().copied())?,
             steering,
             stands,
             leading: poses.leading.clone(),

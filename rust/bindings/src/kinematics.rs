@@ -149,7 +149,7 @@ impl Rover {
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14.
+    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14.
     ///
     /// Returns
     /// -------
@@ -268,7 +268,7 @@ impl Rover {
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14, times the condition number of the
+    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
     ///     wheels' rows: the largest singular value over `Fit.sigma_min`.
     ///
     /// Returns

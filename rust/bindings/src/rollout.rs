@@ -39,7 +39,7 @@ impl Rover {
     ///     Threads at most, default `default_threads()`: rollouts are shared out among them. No result depends on
     ///     it.
     /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 4 ulp or 1e-14.
+    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14.
     ///
     /// Returns
     /// -------

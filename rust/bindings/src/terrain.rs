@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use numpy::ndarray::IxDyn;
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::Terrain as Core;
 use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
 use crate::convert::{
-    Output, Rows, compute, memory, number, raise, refuse, scalar_or_array, shape_text,
+    Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
+    scalar_or_array, shape_text, singles,
 };
 use crate::wheel::reduce;
 
@@ -41,27 +41,14 @@ pub struct Terrain(pub Arc<Core>);
 
 /// Heights of an array, and its number of columns.
 fn read_heights(value: &Bound<'_, PyAny>) -> PyResult<(Heights, usize)> {
-    if let Ok(single) = value.cast::<PyArrayDyn<f32>>() {
-        let columns = columns(single.shape())?;
-        let heights = memory::gathered(single.readonly().as_array().iter().copied())?;
-        return Ok((Heights::Single(heights.into()), columns));
+    let array = read_array("heights", value)?;
+    let columns = columns(array.shape())?;
+    if let Some(single) = singles("heights", &array)? {
+        return Ok((Heights::Single(Arc::new(single)), columns));
     }
-    let array = value
-        .py()
-        .import("numpy")?
-        .call_method1("asarray", (value,));
-    let ragged = |_| {
-        refuse(
-            "heights",
-            "be numbers of one rectangular shape",
-            "a ragged list",
-        )
-    };
-    let array = array.map_err(ragged)?;
-    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
-    let columns = columns(&shape)?;
     let rows = Rows::read("heights", &array, columns)?;
-    Ok((Heights::Double(rows.flat().into()), columns))
+    let heights = memory::gathered(rows.flat().iter().copied())?;
+    Ok((Heights::Double(Arc::new(heights)), columns))
 }
 
 fn columns(shape: &[usize]) -> PyResult<usize> {
@@ -147,10 +134,11 @@ impl Terrain {
         let origin = match origin.map(|origin| (origin, origin.extract::<[f64; 2]>())) {
             None => [0.0; 2],
             Some((_, Ok(origin))) => origin,
-            Some((origin, Err(_))) => {
+            Some((origin, Err(error))) if is_of_another_kind(origin.py(), &error) => {
                 let got = origin.repr()?.to_string();
                 return Err(refuse("origin", "be two numbers", &got));
             }
+            Some((_, Err(error))) => return Err(error),
         };
         let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
         let core = Core::new(heights, columns, spacing, origin, orientation);
@@ -259,14 +247,10 @@ impl Terrain {
     /// The heights [m], shape (rows, columns), as a fresh array.
     #[getter]
     fn heights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let shape = IxDyn(&self.0.shape());
+        let shape = &self.0.shape();
         Ok(match self.0.heights() {
-            Heights::Single(heights) => {
-                PyArray1::from_slice(py, heights).reshape(shape)?.into_any()
-            }
-            Heights::Double(heights) => {
-                PyArray1::from_slice(py, heights).reshape(shape)?.into_any()
-            }
+            Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
+            Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
         })
     }
 

@@ -301,7 +301,7 @@ fn main() -> Result<(), Error> {
     let heights = (0..200 * 200)
         .map(|k| 0.1 * (0.05 * (k % 200) as f64).sin() * (0.07 * (k / 200) as f64).cos());
     let ground = Terrain::new(
-        Heights::Double(heights.collect()),
+        Heights::Double(std::sync::Arc::new(heights.collect())),
         200,
         [0.05; 2],
         [0.0; 2],

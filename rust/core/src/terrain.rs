@@ -20,9 +20,9 @@ const SMALLEST_SPACING: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub enum Heights {
     /// Single precision, widened where it is read.
-    Single(Arc<[f32]>),
+    Single(Arc<Vec<f32>>),
     /// Double precision.
-    Double(Arc<[f64]>),
+    Double(Arc<Vec<f64>>),
 }
 
 impl Heights {
@@ -223,9 +223,14 @@ impl Terrain {
         &self.heights
     }
 
-    /// Lowest and highest heights in windows; made at the first call, from all heights.
-    pub fn pyramid(&self) -> &Pyramid {
-        self.pyramid.get_or_init(|| Arc::new(Pyramid::new(self)))
+    /// Lowest and highest heights in windows; made at the first call, from all heights. Fails if there is no memory
+    /// for it.
+    pub fn pyramid(&self) -> Result<&Pyramid, Error> {
+        if let Some(made) = self.pyramid.get() {
+            return Ok(made);
+        }
+        let made = Arc::new(Pyramid::new(self)?);
+        Ok(self.pyramid.get_or_init(|| made))
     }
 
     /// Number of rows and of columns.
@@ -420,7 +425,7 @@ mod tests {
             .map(|k| 1.0 + 0.3 * 0.5 * f64::from(k % 5) - 0.2 * 0.25 * f64::from(k / 5))
             .collect();
         Terrain::new(
-            Heights::Double(heights.into()),
+            Heights::Double(Arc::new(heights)),
             5,
             [0.5, 0.25],
             [2.0, -3.0],
@@ -461,7 +466,13 @@ mod tests {
     fn the_outside_and_the_unknown_are_answers() -> Result<(), Error> {
         let mut heights = vec![0.0_f32; 9];
         heights[4] = f32::NAN;
-        let ground = Terrain::new(Heights::Single(heights.into()), 3, [1.0; 2], [0.0; 2], 0.0)?;
+        let ground = Terrain::new(
+            Heights::Single(Arc::new(heights)),
+            3,
+            [1.0; 2],
+            [0.0; 2],
+            0.0,
+        )?;
         let sample = |x, y| ground.sample(x, y, Interpolation::Bilinear);
         assert_eq!(sample(0.5, 0.5), Sample::Unknown);
         assert_eq!(sample(2.0 + 1e-12, 0.5), Sample::Outside);

@@ -11,7 +11,9 @@ ROVER = sw.Rover.preset("perseverance")
 SWERVE = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
 TWISTS = np.random.default_rng(1).normal(size=(5, 3)) * [1.0, 0.0, 0.3]
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
-ROCKY = sw.RockerBogie.rocky7()
+ROCKY, ARM = sw.RockerBogie.rocky7(), sw.RockerBogie.perseverance()
+LEVEL = sw.Terrain(np.zeros((100, 100)), 0.1)
+STAND = ARM.settle(LEVEL, (5.0, 5.0, 0.0))
 
 
 # Masks
@@ -35,6 +37,9 @@ MASKED = {
         ("twist", lambda rows: sw.exp(rows)),
         ("poses", lambda rows: sw.differentiate(rows, 0.1)),
         ("start", lambda rows: sw.integrate(TWISTS, 0.1, rows)),
+        ("heights", lambda rows: sw.Terrain(rows, 0.1)),
+        ("poses", lambda rows: ARM.settle(LEVEL, rows)),
+        ("poses", lambda rows: ARM.bounds(LEVEL, rows)),
     ],
 )
 def test_a_masked_array_is_refused_by_name(mask, argument, call):
@@ -54,6 +59,8 @@ def test_masked_numbers_and_logs_are_refused_by_name():
         sw.dead_reckon(ROVER, STEERING, np.ma.array(SPEEDS), np.arange(5.0))
     with pytest.raises(ValueError, match="^twist must be without a mask"):
         sw.Controller(ROVER).command(np.ma.array([1.0, 0.0, 0.0]), 0.0)
+    with pytest.raises(ValueError, match="^heights must be without a mask"):
+        sw.Terrain(np.ma.masked_less(np.zeros((3, 3), np.float32), -1.0), 0.1)
     with pytest.raises(ValueError, match="^d1 must be without a mask"):
         sw.Rover.six_wheel(np.ma.array(0.4), 0.5, 0.5, 0.45, 0.15)
 
@@ -99,6 +106,16 @@ CALLS = {
     "Wheel": lambda a: sw.Wheel("w", a, 0.0, radius=0.1),
     "Limits": lambda a: sw.Limits(speed=a),
     "Noise": lambda a: sw.Noise(a),
+    "Terrain": lambda a: sw.Terrain(a, 0.1),
+    "Terrain, spacing": lambda a: sw.Terrain(np.zeros((3, 3)), a),
+    "height": lambda a: LEVEL.height(a),
+    "settle": lambda a: ARM.settle(LEVEL, a),
+    "settle, steering": lambda a: ARM.settle(LEVEL, (5.0, 5.0, 0.0), a),
+    "bounds, yaw_margin": lambda a: ARM.bounds(LEVEL, (5.0, 5.0, 0.0), a),
+    "inverse on the ground": lambda a: ARM.inverse(STAND, a),
+    "forward on the ground": lambda a: ARM.forward(STAND, None, a),
+    "traction": lambda a: ARM.traction(0.1, 0.1, a, [0.0] * 3, [0.0] * 3),
+    "Preintegrated.add": lambda a: sw.Preintegrated(ROVER).add(STEERING, a, np.arange(5.0)),
 }
 
 

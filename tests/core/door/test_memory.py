@@ -45,6 +45,24 @@ CALLS = {
     "frames": "ROCKY.frames(0.1, HUGE(10**7, 2))",
     "icr_offset": "ROCKY.icr_offset(0.1, HUGE(10**12, 2))",
     "steer": "ROCKY.steer(HUGE(10**12, 1)[:, 0], 0.0, 0.0, (0.0, 0.0))",
+    "settle": "ARM.settle(GROUND, HUGE(10**12, 3))",
+    "settle, stands": "ARM.settle(GROUND, HUGE(3 * 10**6, 3))",
+    "settle, steering": "ARM.settle(GROUND, (5.0, 5.0, 0.0), HUGE(10**12, 4))",
+    "bounds": "ARM.bounds(GROUND, HUGE(10**12, 3))",
+    "bounds, intervals": "ARM.bounds(GROUND, HUGE(6 * 10**6, 3))",
+    "bounds, pyramid": "ARM.bounds(sw.Terrain(np.zeros((5000, 5000), np.float32), 0.1), (200.0, 200.0, 0.0))",
+    "feasible": "ARM.feasible(GROUND, HUGE(10**12, 3))",
+    "feasible, pyramid": "ARM.feasible(sw.Terrain(np.zeros((5000, 5000), np.float32), 0.1), (9.0, 9.0, 0.0))",
+    "Terrain": "sw.Terrain(HUGE(10**12, 4), 0.1)",
+    "Terrain, single": "sw.Terrain(np.broadcast_to(np.float32(0.0), (17_000, 17_000)), 0.1)",
+    "height": "GROUND.height(HUGE(10**12, 2))",
+    "normal": "GROUND.normal(HUGE(10**12, 2))",
+    "contains": "GROUND.contains(HUGE(10**12, 2))",
+    "traction": "ARM.traction(0.1, 0.1, *[HUGE(10**12, 3)] * 3)",
+    "inverse on the ground": "ARM.inverse(STAND, HUGE(10**12, 2))",
+    "forward on the ground": "ARM.forward(STAND, None, HUGE(10**12, 6))",
+    "Preintegrated": "sw.Preintegrated(ROVER).add(HUGE(3 * 10**7, 4), HUGE(3 * 10**7, 6), np.arange(3e7))",
+    "simulate": "sw.simulate(ROVER, [(0.0, 0.1, 0.0, 0.0), (1e12, 0.1, 0.0, 0.0)])",
     "swerve": "sw.Rover.swerve(HUGE(10**12, 2), 0.1)",
     "encoders": "sw.Odometry(ROVER, wheel_encoders=itertools.repeat(sw.Encoder(100.0)))",
     "wheels": "sw.Rover(itertools.repeat(ROVER.wheels[0]))",
@@ -60,7 +78,9 @@ import six_wheel as sw
 def HUGE(rows, width):
     return np.broadcast_to(np.float64(0.5), (rows, width))
 
-ROVER, ROCKY = sw.Rover.preset("perseverance"), sw.RockerBogie.rocky7()
+ROVER, ROCKY, ARM = sw.Rover.preset("perseverance"), sw.RockerBogie.rocky7(), sw.RockerBogie.perseverance()
+GROUND = sw.Terrain(np.zeros((100, 100)), 0.1)
+STAND = ARM.settle(GROUND, (5.0, 5.0, 0.0))
 limit = int(sys.argv[1])
 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 for name, call in json.loads(sys.stdin.read()).items():
@@ -85,7 +105,10 @@ def limited(
 # More than the rovers can have: refused without being gone through.
 ENDLESS = {"wheels", "encoders"}
 # What would fit into the larger limit, and take its time.
-SMALLER = {"fit, names", "Odometry.run", "inverse, float32", "frames", "Controller.run, steps"}
+SMALLER = {
+    *("fit, names", "Odometry.run", "inverse, float32", "frames", "Controller.run, steps", "settle, stands"),
+    *("bounds, intervals", "bounds, pyramid", "feasible, pyramid", "Terrain, single", "Preintegrated"),
+}
 
 
 @pytest.mark.parametrize("gibibytes", [1, 3])
@@ -156,6 +179,10 @@ def test_threads_that_cannot_start_are_done_without(threads):
         for one, other in zip(rover.inverse(twists, threads={threads}), expected):
             assert np.array_equal(one, other)
         assert np.array_equal(sw.integrate(twists.reshape(600, 100, 3), 0.1, threads={threads}), logs)
+        arm, ground = sw.RockerBogie.perseverance(), sw.Terrain(np.zeros((50, 50)), 0.1)
+        poses = np.tile([2.5, 2.5, 0.1], (400, 1))
+        assert arm.settle(ground, poses, threads={threads}).status[-1] == sw.SettleStatus.settled
+        assert arm.feasible(ground, poses, threads={threads}).ok.all()
         bad = twists.copy()
         bad[30_000:] = np.nan
         try:

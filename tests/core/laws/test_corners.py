@@ -243,7 +243,7 @@ def test_derivatives_of_shared_rows(heading, quantity):
 
 
 def test_kernels_agree_as_the_condition_allows():
-    """4 ulp or 1e-14, times the condition number of the wheels' rows."""
+    """5 ulp or 1e-14, times the condition number of the wheels' rows."""
     generator = np.random.default_rng(5)
     for lever in [1.0, 1e-2, 1e-3]:
         rover = sw.Rover(
@@ -259,7 +259,7 @@ def test_kernels_agree_as_the_condition_allows():
         largest = math.sqrt(2 * 3 * (1.0 + 2.0))  # of six rows no longer than that
         condition = largest / fit.sigma_min
         scale = np.abs(speeds).max(axis=1) * 0.1 * 3
-        allowed = np.maximum(4 * np.spacing(scale), 1e-14) * condition
+        allowed = np.maximum(5 * np.spacing(scale), 1e-14) * condition
         for kernel in sw.kernels():
             found = rover.forward(steering, speeds, kernel=kernel)
             assert (np.abs(found - plain).max(axis=1) <= allowed).all()

@@ -41,7 +41,7 @@ def costs(result: sw.RolloutCost) -> np.ndarray:
 
 
 def close(found: np.ndarray, expected: np.ndarray) -> None:
-    # 4 ulp or 1e-14 of each angle and speed; a rate is a difference of two angles over 0.1 s.
+    # 5 ulp or 1e-14 of each angle and speed; a rate is a difference of two angles over 0.1 s.
     np.testing.assert_allclose(found, expected, rtol=1e-15, atol=4e-13)
 
 
@@ -82,7 +82,7 @@ def test_kernels_agree_with_the_plain_core(kernel, rover, dt):
     for ours, theirs in zip(found[1:], expected[1:], strict=True):
         close(ours, theirs)
     way = 1.0 + np.abs(controls).max(axis=2).sum(axis=1)[:, None, None] * 0.2
-    assert (np.abs(found.poses - expected.poses) <= 4 * np.spacing(way) + 1e-14).all()
+    assert (np.abs(found.poses - expected.poses) <= 5 * np.spacing(way) + 1e-14).all()
 
 
 @ALL_KERNELS

@@ -1,7 +1,9 @@
 //! Arguments on their way in: whatever `numpy.asarray` takes, as slices of `f64`.
 
 use numpy::npyffi::PyArrayObject;
-use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -483,7 +485,7 @@ fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
 
 /// What a caller hands over, as an array of real numbers: its own memory, however it is laid out, wherever NumPy
 /// can look at that.
-fn read_array<'py>(
+pub fn read_array<'py>(
     argument: &str,
     value: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyUntypedArray>> {
@@ -568,6 +570,20 @@ fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String>
 
 /// Letters of a value that are shown.
 const LONGEST: usize = 40;
+
+/// The numbers of an array of single precision, one after the other; None for any other.
+pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<Vec<f32>>> {
+    let py = array.py();
+    if array.cast::<PyArrayDyn<f32>>().is_err() {
+        return Ok(None);
+    }
+    let _held = memory::read(argument, array)?;
+    let flat = numpy(py)?
+        .call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?
+        .cast_into::<PyArrayDyn<f32>>()?;
+    let numbers = flat.readonly();
+    memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
+}
 
 /// What is under a mask is not meant, and would be read all the same.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {

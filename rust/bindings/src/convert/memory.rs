@@ -12,7 +12,7 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use six_wheel_core::batch::Places;
 
-use super::{Array, refuse, shape_text};
+use super::{refuse, shape_text};
 
 /// An array in use.
 struct Entry {
@@ -204,8 +204,12 @@ pub fn zeros<'py, T: numpy::Element>(
 }
 
 /// An array with these numbers.
-pub fn array<'py>(py: Python<'py>, values: &[f64], shape: &[usize]) -> PyResult<Array<'py>> {
-    let array = zeros::<f64>(py, shape)?;
+pub fn array<'py, T: numpy::Element + Copy>(
+    py: Python<'py>,
+    values: &[T],
+    shape: &[usize],
+) -> PyResult<Bound<'py, numpy::PyArrayDyn<T>>> {
+    let array = zeros::<T>(py, shape)?;
     debug_assert_eq!(count(shape)?, values.len());
     // SAFETY: a new contiguous array, known to nobody else.
     unsafe { numpy::PyArrayMethods::as_slice_mut(&array)? }.copy_from_slice(values);

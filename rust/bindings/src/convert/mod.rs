@@ -20,7 +20,7 @@ use six_wheel_core::units::Question;
 use six_wheel_core::{Error, ErrorKind};
 
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
-pub use input::{Blocks, Rows, Scalars};
+pub use input::{Blocks, Rows, Scalars, read_array, singles};
 pub use output::{Output, Precision, scalar_or_array};
 
 import_exception!(six_wheel.errors, ArgumentTypeError);

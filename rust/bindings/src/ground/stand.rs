@@ -8,7 +8,7 @@ use six_wheel_core::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, r
 use six_wheel_core::suspension::{Placed, PlanPose};
 use six_wheel_core::wheels::Direction;
 
-use crate::convert::{Array, Output, scalar_or_array};
+use crate::convert::{Array, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
 /// Where a rover stands on ground: as many poses as were asked for, each with its status.
@@ -83,7 +83,8 @@ impl Stand {
         py: Python<'_>,
         value: impl Fn(&ground::Stand) -> f64,
     ) -> PyResult<Py<PyAny>> {
-        scalar_or_array(py, self.stands.iter().map(value).collect(), &self.leading)
+        let values = memory::gathered(self.stands.iter().map(value))?;
+        scalar_or_array(py, values, &self.leading)
     }
 
     /// One number per wheel.
@@ -122,12 +123,8 @@ impl Stand {
     /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let codes: Vec<i64> = self
-            .stands
-            .iter()
-            .map(|stand| stand.status as i64)
-            .collect();
-        let codes = scalar_or_array(py, codes, &self.leading)?;
+        let codes = self.stands.iter().map(|stand| stand.status as i64);
+        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
         py.import("six_wheel.standing")?
             .call_method1("statuses", (codes,))
     }
@@ -136,7 +133,7 @@ impl Stand {
     #[getter]
     fn stands(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let stands = self.stands.iter().map(|stand| stand.status.stands());
-        scalar_or_array(py, stands.collect(), &self.leading)
+        scalar_or_array(py, memory::gathered(stands)?, &self.leading)
     }
 
     /// The ground it stands on.

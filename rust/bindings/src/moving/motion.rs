@@ -10,7 +10,7 @@ use six_wheel_core::suspension::MAX_WHEELS;
 
 use super::stand::Stands;
 use super::{done, fresh, row};
-use crate::convert::{Rows, joined, number, raise, refuse, scalar_or_array, shape_text};
+use crate::convert::{Rows, joined, memory, number, raise, refuse, scalar_or_array, shape_text};
 use crate::suspension::Suspension;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
@@ -185,7 +185,7 @@ impl Suspension {
             fresh(py, &leading, 6)?,
             fresh(py, &leading, joints)?,
         ];
-        let mut scales = vec![0.0; count];
+        let mut scales = memory::filled(0.0, count)?;
         {
             let [angles, speeds, twists, rates] = outputs.each_mut().map(|output| output.flat());
             let scales = &mut scales[..];

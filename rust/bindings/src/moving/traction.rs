@@ -5,7 +5,7 @@ use six_wheel_core::Error;
 use six_wheel_core::moving::{Closure, Lift, Rates, rest_offset, traction};
 
 use super::{done, fresh, row};
-use crate::convert::{Rows, Scalars, raise, refuse, scalar_or_array};
+use crate::convert::{Rows, Scalars, memory, raise, refuse, scalar_or_array};
 use crate::suspension::Suspension;
 
 /// Wheels over ground that nobody has mapped.
@@ -155,7 +155,8 @@ impl Suspension {
             fresh(py, &leading, steered)?,
             fresh(py, &leading, wheels)?,
         ];
-        let (mut lifted, mut vertical) = (vec![false; count * wheels], vec![0.0; count]);
+        let mut lifted = memory::filled(false, count * wheels)?;
+        let mut vertical = memory::filled(0.0, count)?;
         let offset = rest_offset(chain);
         {
             let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());

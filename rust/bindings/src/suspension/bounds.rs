@@ -4,12 +4,13 @@ use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
+use six_wheel_core::Error;
 use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
 
 use super::RockerBogie;
 use crate::batch::any_workers;
 use crate::convert::{
-    Rows, Scalars, compute, joined, named, raise, refuse, scalar_or_array, together,
+    Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together,
 };
 use crate::terrain::Terrain;
 
@@ -79,7 +80,7 @@ fn sizes<'py>(
 
 /// The members of `BoundStatus`, one or an array of them.
 fn members(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
-    let codes: Vec<u8> = status.iter().map(|status| *status as u8).collect();
+    let codes = memory::gathered(status.iter().map(|status| *status as u8))?;
     let codes = scalar_or_array(py, codes, leading)?;
     let module = py.import("six_wheel.bounding")?;
     module.call_method1("statuses", (codes,)).map(Bound::unbind)
@@ -208,16 +209,19 @@ impl RockerBogie {
             named("position_margin", &mut position),
         ])?;
         let leading = poses.leading.as_slice();
-        let (yaw, position) = (yaw.flat().to_vec(), position.flat().to_vec());
+        let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
+        let (yaw, position) = (kept(&yaw)?, kept(&position)?);
         let workers = any_workers(threads, kernel)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let mut blocks: [Vec<[f64; 2]>; core::QUANTITIES.len()] =
-            std::array::from_fn(|_| vec![[0.0; 2]; count]);
-        let mut status = vec![Knowledge::Bounded; count];
+        let mut blocks = [const { Vec::new() }; core::QUANTITIES.len()];
+        for block in &mut blocks {
+            *block = memory::filled([0.0; 2], count)?;
+        }
+        let mut status = memory::filled(Knowledge::Bounded, count)?;
         compute(py, count.max(ground.heights().len() / 1000), || {
             let map = Ground {
-                pyramid: ground.pyramid(),
+                pyramid: ground.pyramid()?,
                 error: question.error,
             };
             let margins = Margins {
@@ -234,7 +238,9 @@ impl RockerBogie {
                 &mut status,
                 workers,
             );
-        });
+            Ok(())
+        })
+        .map_err(|error: Error| raise(error, &[]))?;
         let [
             z,
             roll,
@@ -253,10 +259,8 @@ impl RockerBogie {
         };
         let pairs = joined(leading, 2);
         let interval = |block: Vec<[f64; 2]>| array(block.into_flattened(), &pairs);
-        let bogies = left
-            .iter()
-            .zip(&right)
-            .flat_map(|(left, right)| [left[0], left[1], right[0], right[1]]);
+        let bogies = left.iter().zip(&right).map(|(left, right)| [*left, *right]);
+        let bogies = memory::gathered(bogies)?.into_flattened();
         Ok(Bounds {
             z: interval(z)?,
             roll: interval(roll)?,
@@ -264,7 +268,7 @@ impl RockerBogie {
             tilt: interval(tilt)?,
             clearance: interval(clearance)?,
             rocker: interval(rocker)?,
-            bogies: array(bogies.collect(), &joined(&pairs, 2))?,
+            bogies: array(bogies.into_flattened(), &joined(&pairs, 2))?,
             wheel_drop: interval(wheel_drop)?,
             status: members(py, &status, leading)?,
         })

@@ -10,7 +10,7 @@ use six_wheel_core::ground::Settler;
 
 use super::{RockerBogie, Suspension};
 use crate::batch::any_workers;
-use crate::convert::{Rows, compute, joined, number, raise, refuse, scalar_or_array};
+use crate::convert::{Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
 use crate::ground::Stand;
 use crate::terrain::Terrain;
 
@@ -160,18 +160,19 @@ impl RockerBogie {
             .belly(belly)
             .and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
         let judge = judge.map_err(|error| raise(error, &[]))?;
-        let mut verdicts = vec![Verdict::UNKNOWN; rows.len()];
+        let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         compute(py, rows.len().max(ground.heights().len() / 1000), || {
-            judge.judge(rows, &mut verdicts, workers);
-        });
+            judge.judge(rows, &mut verdicts, workers)
+        })
+        .map_err(|error| raise(error, &[]))?;
         let numbers = |value: fn(&Verdict) -> f64| {
-            scalar_or_array(py, verdicts.iter().map(value).collect(), leading)
+            scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
         };
         let truths = |value: fn(&Verdict) -> bool| {
-            scalar_or_array(py, verdicts.iter().map(value).collect(), leading)
+            scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
         };
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
-        let codes = scalar_or_array(py, codes.collect(), leading)?;
+        let codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
         let module = py.import("six_wheel.bounding")?;
         Ok(Feasible {
             ok: truths(|verdict| verdict.reason as u8 == 0)?,
@@ -264,9 +265,9 @@ impl Suspension {
         };
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let count = stand.stands.len();
-        let nothing = |width: usize| vec![f64::NAN; count * width];
-        let (mut carried, mut margins) = (nothing(wheels), nothing(joints));
-        let (mut tipping, mut clear, mut tilts) = (nothing(1), nothing(1), nothing(1));
+        let nothing = |width: usize| memory::filled(f64::NAN, count * width);
+        let (mut carried, mut margins) = (nothing(wheels)?, nothing(joints)?);
+        let (mut tipping, mut clear, mut tilts) = (nothing(1)?, nothing(1)?, nothing(1)?);
         for (k, one) in stand.stands.iter().enumerate() {
             let Some(placed) = stand.placed(k) else {
                 continue;

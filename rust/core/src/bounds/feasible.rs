@@ -4,6 +4,7 @@ use super::kernel::{Ground, Margins, bounds};
 use super::stability::{tilt, wheel_drop};
 use super::{Belly, COUNT, Knowledge, Plan, Within};
 use crate::batch::Workers;
+use crate::batch::machine::workers::each;
 use crate::error::{Error, number};
 use crate::ground::{Settler, Stand, Status};
 use crate::suspension::{Dimensions, MAX_WHEELS};
@@ -268,31 +269,38 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Whether the rover may stand at every pose, which is finite.
-    pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) {
+    /// Whether the rover may stand at every pose, which is finite. Fails if there is no memory for the pyramid.
+    pub fn judge(
+        &self,
+        poses: &[[f64; 3]],
+        verdicts: &mut [Verdict],
+        workers: Workers,
+    ) -> Result<(), Error> {
+        let ground = Ground {
+            pyramid: self.settler.ground.pyramid()?,
+            error: self.error,
+        };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
-        if poses.len() <= share {
-            self.some(poses, verdicts, workers);
-            return;
-        }
-        std::thread::scope(|scope| {
-            for (poses, verdicts) in poses.chunks(share).zip(verdicts.chunks_mut(share)) {
-                scope.spawn(move || self.some(poses, verdicts, workers));
-            }
-        });
+        let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
+        each(parts, |(poses, verdicts)| {
+            self.some(ground, poses, verdicts, workers);
+            Ok(())
+        })
     }
 
-    fn some(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) {
+    fn some(
+        &self,
+        ground: Ground<'_>,
+        poses: &[[f64; 3]],
+        verdicts: &mut [Verdict],
+        workers: Workers,
+    ) {
         let one = Workers {
             threads: 1,
             ..workers
         };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
-        let ground = Ground {
-            pyramid: self.settler.ground.pyramid(),
-            error: self.error,
-        };
         let margins = Margins {
             yaw: &[0.0],
             position: &[0.0],

@@ -5,6 +5,7 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
+use crate::error::{Error, ErrorKind};
 use crate::terrain::Terrain;
 use crate::wheels::Direction;
 
@@ -46,8 +47,8 @@ pub(super) struct Cells {
 }
 
 impl Pyramid {
-    /// Takes memory for `8 LEVELS` bytes per cell and a few milliseconds per 10^5 cells.
-    pub fn new(ground: &Terrain) -> Self {
+    /// Takes memory for `8 LEVELS` bytes per cell, which may not be there, and a few milliseconds per 10^5 cells.
+    pub fn new(ground: &Terrain) -> Result<Self, Error> {
         let [rows, columns] = ground.shape();
         let cells = [columns - 1, rows - 1];
         let heights = ground.heights();
@@ -65,13 +66,24 @@ impl Pyramid {
                 });
             [rounded_down(low), rounded_down(minus_high)]
         };
-        let mut levels: Vec<Box<[Extremes]>> =
-            vec![(0..cells[0] * cells[1]).map(corners).collect()];
+        let count = cells[0] * cells[1];
+        let room = || {
+            let mut windows = Vec::new();
+            windows.try_reserve_exact(count).map_err(|_| {
+                let heights = format!("{rows} x {columns} heights");
+                let rule = "leave memory for the extremes of its windows";
+                Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
+            })?;
+            Ok(windows)
+        };
+        let mut lowest = room()?;
+        lowest.extend((0..count).map(corners));
+        let mut levels: Vec<Box<[Extremes]>> = vec![lowest.into()];
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
             let below = &levels[level as usize - 1];
             // Beside the last rows and columns a window holds what there is.
-            let mut windows = Vec::with_capacity(below.len());
+            let mut windows = room()?;
             for row in 0..cells[1] {
                 let next = (row + step).min(cells[1] - 1);
                 let [row, next] = [row, next].map(|row| &below[row * cells[0]..][..cells[0]]);
@@ -83,13 +95,13 @@ impl Pyramid {
             }
             levels.push(windows.into());
         }
-        Self {
+        Ok(Self {
             cells,
             spacing: ground.spacing(),
             origin: ground.origin(),
             turn: ground.turn(),
             levels,
-        }
+        })
     }
 
     /// Number of cells along x and along y.

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::rim::Minimum;
 use super::settle::{Settled, Settler, Status};
+use crate::batch::machine::workers::each;
 use crate::error::{Error, finite};
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
 use crate::wheels::Direction;
@@ -159,19 +160,9 @@ pub fn settle(
         }
     };
     let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
-    if poses.len() <= share {
-        work(0, poses, stands);
-        return Ok(());
-    }
-    std::thread::scope(|scope| {
-        let parts = poses
-            .chunks(share)
-            .zip(stands.chunks_mut(share))
-            .enumerate();
-        for (k, (poses, stands)) in parts {
-            let work = &work;
-            scope.spawn(move || work(k * share, poses, stands));
-        }
-    });
-    Ok(())
+    let parts = poses.chunks(share).zip(stands.chunks_mut(share));
+    each(parts.enumerate(), |(k, (poses, stands))| {
+        work(k * share, poses, stands);
+        Ok(())
+    })
 }

@@ -14,7 +14,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::settings::Readings;
 use super::{Gyroscope, Odometry, Recording, Sample, Settings};
-use crate::error::{Error, finite, number};
+use crate::error::{Error, ErrorKind, finite, number};
 use crate::geometry::Pose;
 use crate::rover::Rover;
 pub use replay::{Column, DIMENSIONS, Replayed};
@@ -169,6 +169,7 @@ impl Preintegrated {
             yaw_rate: sample.yaw_rate.map(|rate| rate - bias),
             ..sample
         };
+        self.reserve(1)?;
         self.odometry.update(sample)?;
         let samples = &mut self.samples;
         samples.stamps.push(sample.stamp);
@@ -233,7 +234,10 @@ impl Preintegrated {
             .and_then(|()| samples.stamps.try_reserve(more))
             .and_then(|()| samples.rates.try_reserve(more))
             .and_then(|()| samples.attitudes.try_reserve(more));
-        room.map_err(|_| Error::value("wheel_angles", "fit into memory", format!("{more} rows")))
+        room.map_err(|_| {
+            Error::value("wheel_angles", "fit into memory", format!("{more} rows"))
+                .of_kind(ErrorKind::Memory)
+        })
     }
 
     /// Forgets all samples but those before this many, as after a failure.
@@ -272,6 +276,7 @@ impl Preintegrated {
 
     /// Takes in samples that another one has taken in.
     fn append(&mut self, other: &Self, rows: std::ops::Range<usize>) -> Result<(), Error> {
+        self.reserve(rows.len())?;
         for k in rows {
             let sample = other.sample(k);
             self.odometry.update(sample)?;
