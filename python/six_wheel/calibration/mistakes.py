@@ -184,6 +184,8 @@ def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
 
 
 def _large(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
+    if not (drive.truth.has_positions and drive.truth.has_headings):
+        return ()  # a motion needs both
     reach = size(model.nominal)
     stretches = lost_stretches(*timed_path(model, drive, values), reach)
     return tuple(one for one in stretches if one.distance > LARGE * reach)

@@ -73,11 +73,10 @@ def plan_figure(
     figure = new_figure(8.0, 6.0)
     axes = figure.add_subplot()
     length = draw_path(axes, rover, poses, steering, count=8)
-    shown = axes.get_xlim(), axes.get_ylim()
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     draw_costmap(axes, costmap)
     # What stands in the way beside it, too.
-    for set_limits, (low, high) in zip((axes.set_xlim, axes.set_ylim), shown, strict=True):
-        set_limits(low - 0.6, high + 0.6)
+    axes.set(xlim=(left - 0.6, right + 0.6), ylim=(low - 0.6, high + 0.6))
     if path is not None:
         asked = np.asarray(path, dtype=np.float64)
         axes.plot(asked[:, 0], asked[:, 1], color=CENTRE, linewidth=2.5, alpha=0.35, zorder=1.5)

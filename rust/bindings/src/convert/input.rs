@@ -507,20 +507,6 @@ pub fn read_array<'py>(
     Ok(array)
 }
 
-/// The numbers of an array of single precision, one after the other; None for any other.
-pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<Vec<f32>>> {
-    let py = array.py();
-    if array.cast::<PyArrayDyn<f32>>().is_err() {
-        return Ok(None);
-    }
-    let _held = memory::read(argument, array)?;
-    let flat = numpy(py)?
-        .call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?
-        .cast_into::<PyArrayDyn<f32>>()?;
-    let numbers = flat.readonly();
-    memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
-}
-
 /// What is no number, and where: `None at [2]`. Nothing where an array has another dtype all through.
 fn odd_one(
     value: &Bound<'_, PyAny>,
@@ -584,6 +570,20 @@ fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String>
 
 /// Letters of a value that are shown.
 const LONGEST: usize = 40;
+
+/// The numbers of an array of single precision, one after the other; None for any other.
+pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<Vec<f32>>> {
+    let py = array.py();
+    if array.cast::<PyArrayDyn<f32>>().is_err() {
+        return Ok(None);
+    }
+    let _held = memory::read(argument, array)?;
+    let flat = numpy(py)?
+        .call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?
+        .cast_into::<PyArrayDyn<f32>>()?;
+    let numbers = flat.readonly();
+    memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
+}
 
 /// What is under a mask is not meant, and would be read all the same.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
