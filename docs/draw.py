@@ -13,6 +13,7 @@ from six_wheel import (
     FourAxle,
     FourAxleState,
     Limits,
+    Noise,
     RockerBogie,
     Rover,
     Wheel,
@@ -26,6 +27,9 @@ from six_wheel.drive import ControlledDrive, Loop
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
 from six_wheel.logs.opening import example_run
+from six_wheel.plot.drawing import new_figure
+from six_wheel.plot.reckoning import draw_path
+from six_wheel.reckoning import Settings, reckon
 from six_wheel.report.calibration import before_and_after
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -110,6 +114,25 @@ def calibration() -> Figure:
     return before_and_after(calibrate_files(optiodom.read_rover(run), [run]), "tricycle")
 
 
+def honesty() -> Figure:
+    """One run as a tape and a data sheet have it, with a guess, and with what calibration found."""
+    run = example_run()
+    nominal, result = optiodom.read_rover(run), calibrate_files(optiodom.read_rover(run), [run]).result
+    figure = new_figure(11.0, 4.6)
+    for number, (title, rover, noise) in enumerate(
+        (
+            ("dishonest: nominal, noise of readings alone", nominal, Noise(speed=0.01, steering=0.009)),
+            ("honest: nominal, a guess", nominal, Noise()),
+            ("honest and useful: calibrated, measured", result.rover, result.noise),
+        ),
+        1,
+    ):
+        axes = figure.add_subplot(1, 3, number)
+        draw_path(axes, reckon(rover, run, settings=Settings(noise)))
+        axes.set_title(title, fontsize=8)
+    return figure
+
+
 def driven() -> Figure:
     """What `six-wheel drive --plot` draws: a straight, a left turn, a tighter right turn, a stop."""
     rover, _ = VEHICLES["six_wheel"]
@@ -169,6 +192,7 @@ def main() -> None:
     figures["four_axle"] = four_axles()
     figures["transitions"] = transitions()
     figures["calibration"] = calibration()
+    figures["honesty"] = honesty()
     figures["drive"] = driven()
     figures["limits"] = limits()
     figures |= over_ground()

@@ -38,7 +38,8 @@ def interpolate(stamps: Floats, poses: Floats, wanted: Floats) -> tuple[Floats, 
     row = np.clip(np.searchsorted(stamps, wanted, side="right") - 1, 0, len(stamps) - 2)
     length = (stamps[row + 1] - stamps[row])[:, None]
     step = poses[row + 1] - poses[row]
-    step[:, 2] = wrap_angle(step[:, 2])
+    turned = np.isfinite(step[:, 2])  # positions may come without headings
+    step[turned, 2] = wrap_angle(step[turned, 2])
     return poses[row] + (wanted - stamps[row])[:, None] / length * step, step / length
 
 

@@ -211,6 +211,21 @@ def test_where_the_sensor_sits_and_its_clock_go_into_the_file_and_are_used(run: 
         assert (float(said[1]) < error) == (kept == "once.yaml")
 
 
+def test_positions_of_a_total_station_are_a_truth(run: Run, refused: Refused, drives: None) -> None:
+    pytest.importorskip("matplotlib")
+    log = wandering(TRUE, 1, noise=1e-4)
+    rows = np.column_stack((log.stamps, log.wheel_angles))
+    np.savetxt("bare.csv", rows, delimiter=",", header="time,left [rad],right [rad]", comments="", fmt="%.9f")
+    rows = np.column_stack((log.truth.stamps, log.truth.poses[:, :2]))
+    np.savetxt("station.csv", rows, delimiter=",", header="time,x,y", comments="", fmt="%.9f")
+    given = ("cart.yaml", "bare.csv", "--truth", "station.csv")
+    code, out, err = run("calibrate", *given, *FIND, "--plot", "p.png", "-o", "t.yaml")
+    assert (code, err) == (0, "")
+    assert float(row(out, "track_width")[1]) == pytest.approx(0.408, abs=2e-3)
+    assert "positions alone tell no heading" in " ".join(out.split())
+    assert "must have headings to judge a track by" in refused("odometry", *given)
+
+
 def test_bad_rows_are_warned_of(run: Run, drives: None) -> None:
     lines = Path("run1.csv").read_text().splitlines()
     lines[10] = "nan" + lines[10]

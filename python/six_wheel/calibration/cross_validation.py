@@ -14,7 +14,7 @@ from six_wheel.calibration.model import Model
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
 from six_wheel.cluster import collect
-from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.recordings import Log
 from six_wheel.poses import Floats
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
@@ -117,9 +117,14 @@ def pieces(log: Log) -> list[Log]:
     parts = []
     for number, (first, last) in enumerate(zip(edges, edges[1:] + 1, strict=False)):
         steering = None if log.steering is None else log.steering[first:last]
-        truth = Truth(log.truth.stamps, log.truth.poses)
         parts.append(
-            Log(log.stamps[first:last], steering, log.wheel_angles[first:last], truth, f"part {number + 1}")
+            Log(
+                log.stamps[first:last],
+                steering,
+                log.wheel_angles[first:last],
+                log.truth,
+                f"part {number + 1}",
+            )
         )
     return parts
 

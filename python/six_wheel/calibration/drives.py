@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,13 @@ from six_wheel.poses import Floats, interpolate
 Rows = NDArray[np.int64]
 
 WINDOWS = (5.0, 10.0, 20.0, 40.0)  # lengths of the windows without others given, in sizes of the rover
+LONGER = 1.5  # times its length a window may be
 OVERLAP = 2  # windows begin every so many-th part of the shortest length
 MOST_WINDOWS = 4000  # of one length in one log; in longer logs they begin farther apart
 STRETCHES = 3  # of a drive, between which errors may differ
+STRAIGHT_ENOUGH = 0.25  # share of a way that its chord must have to have a direction
+STILL = 0.01  # of the speed of most of a drive
+RESTED = 1.0  # [s] for which a rover has to stand still for a bias to be known
 SHORTEST = 1e-3  # a log that moves less than this many sizes of the rover does not move
 
 
@@ -30,8 +34,9 @@ class Drive:
     """One log: readings between its rows, the windows that compare it with the truth.
 
     `stamps` (n,) are those of the rows kept; `dt` (n - 1,), `speeds` (n - 1, wheels) and `steering`
-    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `lengths` (m,)
-    which length each has and `blocks` (m,) in which third of the drive it lies.
+    (n - 1, steered) what happened between them. `rows` (m, 2) are the ends of the windows, `middles` (m,)
+    rows about halfway between them, `lengths` (m,) which length each has and `blocks` (m,) in which third
+    of the drive it lies.
     """
 
     name: str
@@ -42,16 +47,18 @@ class Drive:
     steering: Floats
     truth: Truth
     rows: Rows
+    middles: Rows
     lengths: Rows
     blocks: Rows
     distance: float
     turning: float
     dropped: int
 
-    def truth_at_ends(self, offset: float) -> tuple[Floats, Floats]:
-        """True poses and their rates at both ends of the windows, shapes (m, 2, 3)."""
-        wanted = self.stamps[self.rows] + offset
-        poses, rates = interpolate(self.truth.stamps, self.truth.poses, wanted.ravel())
+    def truth_at(self, rows: Rows, offset: float) -> tuple[Floats, Floats]:
+        """True poses and their rates at rows (...), shapes (..., 3); 0 where a truth has no such part."""
+        wanted = self.stamps[rows] + offset
+        known = np.nan_to_num(self.truth.poses)
+        poses, rates = interpolate(self.truth.stamps, known, wanted.ravel())
         return poses.reshape(*wanted.shape, 3), rates.reshape(*wanted.shape, 3)
 
 
@@ -103,7 +110,9 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         raise ValueError(f"{who}: steering must have shape (n, {steered}), got {steering.shape}")
 
     kept = _usable(rover, log, steering)
-    stamps, angles, steering = log.stamps[kept], log.wheel_angles[kept], steering[kept]
+    stamps, angles, steering = _with_rows(
+        _alone(log.truth), log.stamps[kept], log.wheel_angles[kept], steering[kept]
+    )
     if len(stamps) < 2:
         raise ValueError(f"{who} must have two rows or more that can be used, got {len(stamps)}")
     dt = np.diff(stamps)
@@ -114,12 +123,17 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     reach = size(rover)
     pace = np.sqrt(twists[:, 0] ** 2 + twists[:, 1] ** 2 + (reach * twists[:, 2]) ** 2)
     along = np.concatenate(([0.0], np.cumsum(pace * dt)))
-    known = np.flatnonzero(
-        (stamps - margin >= log.truth.stamps[0]) & (stamps + margin <= log.truth.stamps[-1])
-    )
+    known = np.flatnonzero(log.truth.covers(stamps, margin))
     rows, which = _windows(along, known, lengths, SHORTEST * reach)
+    halves = along[rows].mean(axis=1)
+    halfway = known[np.minimum(np.searchsorted(along[known], halves), len(known) - 1)] if len(rows) else which
+    if not log.truth.has_headings:
+        good = _bent(log.truth.at(stamps)[:, :2], rows, halfway, along)
+        rows, which, halfway = rows[good], which[good], halfway[good]
     if not len(rows):
-        raise StandsStillError(f"{who} must move while its truth is known, got {along[-1]:.3g} m of motion")
+        known_for = f"gaps of its truth beyond {log.truth.max_gap:g} s count as not known"
+        motion = f"got {along[-1]:.3g} m of motion; {known_for}"
+        raise StandsStillError(f"{who} must move while its truth is known, {motion}")
     middles = along[rows].mean(axis=1) / along[-1]
     return Drive(
         log.name or f"log {number}",
@@ -130,6 +144,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         middle,
         log.truth,
         rows,
+        halfway,
         which,
         np.minimum(STRETCHES * middles, STRETCHES - 1).astype(np.int64),
         float(along[-1]),
@@ -159,6 +174,68 @@ def moving(rover: Rover, logs: Sequence[Log], margin: float = 0.0) -> list[bool]
     if refused is not None and not any(found):
         raise refused
     return found
+
+
+def heard(log: Log, number: int) -> Log:
+    """A log without a truth but with a gyroscope, which then tells its headings, less its bias at rest.
+
+    Raises
+    ------
+    ValueError
+        If the rover never stands still for long enough to tell the bias.
+    """
+    if log.truth is not None or log.yaw_rate is None:
+        return log
+    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
+    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))]
+    stamps, rates = log.stamps[rows], log.yaw_rate[rows]
+    dt = np.diff(stamps)
+    still = at_rest(np.diff(log.wheel_angles[rows], axis=0) / dt[:, None])
+    if dt[still].sum() < RESTED:
+        rule = f"must stand still for {RESTED:g} s at least, where the bias of its gyroscope shows"
+        raise ValueError(f"{_who(log, number)} {rule}, got {dt[still].sum():.3g} s")
+    turned = rates - np.average((rates[1:] + rates[:-1])[still] / 2.0, weights=dt[still])
+    yaw = np.concatenate(([0.0], np.cumsum((turned[1:] + turned[:-1]) / 2.0 * dt)))
+    nowhere = np.full(len(yaw), np.nan)
+    return replace(log, truth=Truth(stamps, np.column_stack((nowhere, nowhere, yaw))))
+
+
+def at_rest(speeds: Floats) -> NDArray[np.bool_]:
+    """Steps (n,) in which no wheel turns, but for the noise of its reading, by their speeds (n, wheels)."""
+    fastest = np.nan_to_num(np.abs(speeds)).max(axis=1, initial=0.0)
+    still: NDArray[np.bool_] = fastest <= STILL * np.quantile(fastest, 0.9)
+    return still
+
+
+def _alone(truth: Truth) -> Floats:
+    """Stamps of rows of a truth with a gap on both sides, as where a loop closes."""
+    apart = np.concatenate(([True], np.diff(truth.stamps) > truth.max_gap, [True]))
+    return truth.stamps[apart[1:] & apart[:-1]]
+
+
+def _with_rows(
+    wanted: Floats, stamps: Floats, angles: Floats, steering: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """A log with rows at these stamps too, its readings between those beside them."""
+    inside = wanted[(wanted > stamps[0]) & (wanted < stamps[-1])] if len(stamps) else wanted[:0]
+    times = np.union1d(stamps, inside)
+    if len(times) == len(stamps):
+        return stamps, angles, steering
+
+    def read(columns: Floats) -> Floats:
+        values = [np.interp(times, stamps, column) for column in columns.T]
+        return np.stack(values, axis=1) if values else np.empty((len(times), 0))
+
+    return times, read(angles), read(steering)
+
+
+def _bent(places: Floats, rows: Rows, middles: Rows, along: Floats) -> NDArray[np.bool_]:
+    """Windows whose halves go somewhere: a chord has a direction if it is not short beside the way."""
+    good = (rows[:, 0] < middles) & (middles < rows[:, 1])
+    for first, last in ((rows[:, 0], middles), (middles, rows[:, 1])):
+        chord = np.hypot(*(places[last] - places[first]).T)
+        good &= chord > STRAIGHT_ENOUGH * (along[last] - along[first])
+    return good
 
 
 def _usable(rover: Rover, log: Log, steering: Floats) -> Rows:
@@ -193,14 +270,18 @@ def _windows(along: Floats, known: Rows, lengths: Floats, shortest: float) -> tu
         begins = path[0] + np.arange(0.0, total - reach + 1e-9 * total, apart)
         first = np.searchsorted(path, begins - 1e-12 * total)
         last = np.minimum(np.searchsorted(path, path[first] + reach * (1.0 - 1e-12)), len(path) - 1)
-        pairs = np.stack((known[first], known[last]), axis=1)[last > first]
+        # Across a gap of the truth a window would be longer than its kind.
+        fits = (last > first) & (path[last] - path[first] < LONGER * reach)
+        pairs = np.stack((known[first], known[last]), axis=1)[fits]
         found.append(pairs)
         which.append(np.full(len(pairs), number))
-    if found:
+    if total > shortest:
         # Windows from the start keep the long run honest: what is left of a slow drift shows nowhere else.
         apart = max(float(lengths[0]) / OVERLAP, total / MOST_WINDOWS)
+        apart = min(apart, total)
         ends = np.searchsorted(path, path[0] + np.arange(apart, total * (1.0 + 1e-9), apart))
         last = known[np.minimum(ends, len(path) - 1)]
+        last = np.unique(last[last > known[0]])
         found.append(np.stack((np.full(len(last), known[0]), last), axis=1))
         which.append(np.full(len(last), len(lengths)))
     else:

@@ -16,6 +16,7 @@ from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
 from six_wheel.descriptions.findings import ParameterFileError
+from six_wheel.evaluation.paths import align
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.opening import AnyLog, LogOptions, logs_in, read_log
 from six_wheel.logs.recordings import Log
@@ -268,5 +269,8 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
         )
         tracks.append(joined(track.poses, sensor))
     truth = log.truth.at(log.stamps + result.time_offset)
-    there = np.isfinite(truth).all(axis=1)
-    return {"nominal": tracks[0][there], "calibrated": tracks[1][there]}, truth[there]
+    there = np.isfinite(truth[:, :2]).all(axis=1)
+    known, shown = np.nan_to_num(truth[there]), [track[there] for track in tracks]
+    if not log.truth.has_headings:
+        shown = [align(track, known, "se2") for track in shown]
+    return dict(zip(("nominal", "calibrated"), shown, strict=True)), known

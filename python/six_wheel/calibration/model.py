@@ -125,16 +125,23 @@ class Model:
 
     def errors(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
         """How far each window ends from the truth, seen from there (m, 3), and the derivatives (m, 3, p)."""
-        first, last = drive.rows.T
         twists, by_twist = self.twists(drive, values, self.wheels(values))
         poses = integrate(twists, drive.dt)
         by_pose = carried(poses, twists, by_twist, drive.dt)
-        moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
-
-        tracked = self.tracked(values)
-        seen, by_seen = self._seen_from(tracked, values, moved, by_moved)
-        ends, rates = drive.truth_at_ends(self.value(values, "time_offset", 0.0))
-        wanted, by_clock = _between_with(ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None])
+        offset = self.value(values, "time_offset", 0.0)
+        if drive.truth.has_headings:
+            first, last = drive.rows.T
+            moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
+            seen, by_seen = self._seen_from(self.tracked(values), values, moved, by_moved)
+            ends, rates = drive.truth_at(drive.rows, offset)
+            wanted, by_clock = _between_with(
+                ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None]
+            )
+        else:
+            rows = np.stack((drive.rows[:, 0], drive.middles, drive.rows[:, 1]))
+            seen, by_seen = _between_chords(*self._places(values, poses[rows], by_pose[rows]))
+            places, rates = drive.truth_at(rows, offset)
+            wanted, by_clock = _between_chords(places[..., :2], rates[..., :2, None])
         error = between(wanted, seen)
         by_error = by_seen
         if "time_offset" in self.names:
@@ -144,7 +151,33 @@ class Model:
         if "time_offset" in self.names:
             column = self.names.index("time_offset")
             turned[:, :2, column] -= _left_of(error[:, :2]) * by_clock[:, 2]
+        if not drive.truth.has_positions:
+            error[:, :2], turned[:, :2] = 0.0, 0.0
         return error, turned
+
+    def _places(self, values: Floats, poses: Floats, by_pose: Floats) -> tuple[Floats, Floats]:
+        """Positions of what is tracked (..., 2) at poses (..., 3), with their derivatives (..., 2, p)."""
+        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor")
+        tracked = self.tracked(values)
+        cos, sin = np.cos(poses[..., 2]), np.sin(poses[..., 2])
+        turn = np.moveaxis(np.array([[cos, -sin], [sin, cos]]), (0, 1), (-2, -1))
+        arm = turn @ tracked[:2]
+        by = (
+            by_pose[..., :2, :]
+            + np.stack((-arm[..., 1], arm[..., 0]), axis=-1)[..., None] * by_pose[..., 2:, :]
+        )
+        tilt = np.array([[np.cos(origin[2]), -np.sin(origin[2])], [np.sin(origin[2]), np.cos(origin[2])]])
+        moves = {
+            "origin_x": (1.0, 0.0),
+            "origin_y": (0.0, 1.0),
+            "sensor_x": tilt[:, 0],
+            "sensor_y": tilt[:, 1],
+        }
+        moves["origin_yaw"] = tilt @ np.array([-sensor[1], sensor[0]])
+        for name, direction in moves.items():
+            if name in self.names:
+                by[..., self.names.index(name)] += turn @ np.asarray(direction)
+        return poses[..., :2] + arm, by
 
     def _seen_from(
         self, tracked: Floats, values: Floats, moved: Floats, by_moved: Floats
@@ -213,6 +246,22 @@ def _between_with(
     by = _rotated(-first[:, 2], by_second - by_first)
     by[:, :2] -= _left_of(seen[:, :2])[:, :, None] * by_first[:, 2:3]
     return seen, by
+
+
+def _between_chords(places: Floats, by_place: Floats) -> tuple[Floats, Floats]:
+    """The last of three positions (3, m, 2) as seen from the first, facing along the chords.
+
+    What positions say of a motion without any heading; with derivatives, from those of the positions
+    (3, m, 2, p).
+    """
+    ends, by_ends = [], []
+    for at, (first, last) in ((0, (0, 1)), (2, (1, 2))):
+        chord, by_chord = places[last] - places[first], by_place[last] - by_place[first]
+        square = np.sum(chord * chord, axis=1)
+        by_yaw = np.einsum("mi,mip->mp", _left_of(chord) / square[:, None], by_chord)
+        ends.append(np.column_stack((places[at], np.arctan2(chord[:, 1], chord[:, 0]))))
+        by_ends.append(np.concatenate((by_place[at], by_yaw[:, None]), axis=1))
+    return _between_with(*ends, *by_ends)
 
 
 def _left_of(vectors: Floats) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.drives import RESTED, Drive, at_rest
 from six_wheel.calibration.fitting import OPEN, Solution
 from six_wheel.calibration.model import Model
 from six_wheel.poses import Floats
@@ -55,6 +55,28 @@ class Observability:
 
     def __repr__(self) -> str:
         return "Observability(" + ("; ".join(self.messages) or "everything is identified") + ")"
+
+
+def told(drives: Sequence[Drive]) -> list[str]:
+    """What truths of less than poses leave open, and where the rover only stands."""
+    said = []
+    if any(not drive.truth.has_headings for drive in drives):
+        said.append(
+            "positions alone tell no heading: which way the sensor faces and how far off a run ends are not "
+            "known, errors are after the best rigid alignment"
+        )
+    if any(not drive.truth.has_positions for drive in drives):
+        said.append(
+            "a gyroscope alone tells turns and no distances: ratios of lengths, no scale; "
+            "errors are of headings [rad]"
+        )
+    for drive in drives:
+        rest, whole = float(drive.dt[at_rest(drive.speeds)].sum()), float(drive.dt.sum())
+        if rest >= RESTED:
+            said.append(
+                f"{drive.name} stands for {rest:.1f} s of {whole:.1f} s, which tells nothing: left out"
+            )
+    return said
 
 
 def describe(

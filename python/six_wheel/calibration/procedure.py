@@ -19,11 +19,11 @@ from six_wheel._core import Rover
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.drives import Drive, default_lengths, encoders, moving, prepare
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.noise import MeasuredNoise
-from six_wheel.calibration.observability import describe
+from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
@@ -71,7 +71,9 @@ def calibrate(
     logs : Log or sequence of Log
         Drives of this rover. `Log.session` says which belong together.
     truth : Truth, poses, or a sequence of them, optional
-        One per log, instead of the truth the logs carry.
+        One per log, instead of the truth the logs carry: poses, positions or headings (see `Truth`), those of
+        another odometry, or the same place again where a loop closes. A log with a gyroscope and without a
+        truth is calibrated by its headings.
     parameters : 'auto' or str or sequence of str
         What to find; `parameter_names` lists what there is for a rover. In short: ``wheel_radius`` (shared),
         ``side_radii``, ``wheel_radii``, ``track_width``, ``wheelbase``, ``arm_length``, ``steering_offset``,
@@ -176,6 +178,7 @@ def _fit(
         *mistakes.mistaken(model.nominal, drives),
         *mistakes.at_bounds(problem, solution),
         *mistakes.unsettled(solution),
+        *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
     half = fitting.quantile(degrees, confidence)
@@ -209,9 +212,10 @@ def _fit(
 def _readable(rover: Rover, log: Log, number: int) -> Log:
     """The log in radians, however it was read."""
     try:
-        return log.in_radians(rover)
+        return heard(log.in_radians(rover), number)
     except ValueError as error:
-        raise ValueError(f"logs[{number}]: {error}") from None
+        who = f"logs[{number}]"
+        raise (error if str(error).startswith(who) else ValueError(f"{who}: {error}")) from None
 
 
 def _noise(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.model import Model
 from six_wheel.evaluation.paths import absolute_error
+from six_wheel.logs.recordings import Truth
 from six_wheel.poses import Floats, interpolate
 
 __all__ = ["Estimate", "RunErrors", "Windows", "path"]
@@ -76,7 +77,11 @@ class Windows:
 
 @dataclass(frozen=True, eq=False)
 class RunErrors:
-    """Root mean square position error of one run with the first pose given, nominal and calibrated [m]."""
+    """Root mean square position error of one run with the first pose given, nominal and calibrated [m].
+
+    After the best rigid alignment where the truth has no headings; of the heading [rad] where it has nothing
+    else.
+    """
 
     name: str
     session: str
@@ -88,8 +93,7 @@ class RunErrors:
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
         """Of a drive with these values; `before` with the nominal ones."""
-        before = absolute_error(*path(model, drive, model.start)).rmse
-        after = absolute_error(*path(model, drive, values)).rmse
+        before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
         return cls(drive.name, drive.session, drive.distance, before, after, drive.dropped)
 
 
@@ -97,6 +101,12 @@ def path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
     """Dead reckoning of what the truth follows, and the truth at the same times; rows where it is known."""
     followed = model.poses(drive, values)
     wanted = drive.stamps + model.value(values, "time_offset", 0.0)
-    known = (wanted >= drive.truth.stamps[0]) & (wanted <= drive.truth.stamps[-1])
-    truth, _ = interpolate(drive.truth.stamps, drive.truth.poses, wanted[known])
+    known = drive.truth.covers(wanted)
+    truth, _ = interpolate(drive.truth.stamps, np.nan_to_num(drive.truth.poses), wanted[known])
     return followed[known], truth
+
+
+def _error(truth: Truth, followed: Floats, poses: Floats) -> float:
+    if not truth.has_positions:
+        return absolute_error(followed, poses).heading_rmse
+    return absolute_error(followed, poses, "first" if truth.has_headings else "se2").rmse

@@ -188,6 +188,12 @@ def truth_columns(headers: Sequence[str]) -> dict[str, Column]:
     return {name: found[name] for name in found if name in names} if names <= found.keys() else {}
 
 
+def position_columns(headers: Sequence[str]) -> dict[str, Column]:
+    """The columns ``x`` and ``y``; none if one is missing."""
+    found = find_columns(headers, POSITION)
+    return found if {"x", "y"} <= found.keys() else {}
+
+
 def _stems(wheels: Sequence[str], joints: Mapping[str, str], forms: Sequence[str]) -> dict[str, str]:
     """What a header may begin with, and the wheel that it means."""
     named = {words(form.format(wheel)): wheel for wheel in wheels for form in forms}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
-from six_wheel.logs.joint_columns import Reading, joint_columns, truth_columns
+from six_wheel.logs.joint_columns import Reading, joint_columns, position_columns, truth_columns
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
 
@@ -280,7 +280,7 @@ def read_truth(
     Parameters
     ----------
     path : Path
-        A table with time, x, y and yaw or a quaternion; a bag.
+        A table with time, x, y and yaw or a quaternion, or without a heading; a bag.
     origin : int
         The second from which stamps are counted: that of the log.
     columns : mapping, optional
@@ -295,7 +295,7 @@ def read_truth(
     stamps : array, shape (n,)
         Seconds, increasing.
     poses : array, shape (n, 3)
-        x, y, yaw [m, m, rad].
+        x, y, yaw [m, m, rad]; NaN for yaw where the file has positions alone.
     findings : Findings
         What was left out.
 
@@ -318,7 +318,8 @@ def read_truth(
     with contextlib.closing(source):
         for batch in Sieve(source.findings, (), stated).pass_on(source.batches(200_000)):
             poses = poses_of(batch.values)
-            good = np.isfinite(poses).all(axis=1)
+            wanted = poses if has_headings(batch.values) else poses[:, :2]
+            good = np.isfinite(wanted).all(axis=1)
             for k in np.flatnonzero(~good):  # numbers that are none together
                 flaw = "the quaternion of a pose must not be zero"
                 source.findings.add(int(batch.rows[k]), flaw, line=int(batch.lines[k]) or None)
@@ -347,10 +348,11 @@ def _joint_table(
 
 
 def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-    columns = find_columns(headers, (TIME,)) | truth_columns(headers)
+    columns = find_columns(headers, (TIME,)) | (truth_columns(headers) or position_columns(headers))
     if "x" not in columns:
         listed = ", ".join(f'"{header}"' for header in headers)
-        raise TableError(f"the truth must have columns x, y and yaw (or qx, qy, qz, qw), got {listed}")
+        rule = "have columns x, y and yaw (or qx, qy, qz, qw), or x and y alone"
+        raise TableError(f"the truth must {rule}, got {listed}")
     return columns
 
 
@@ -366,10 +368,20 @@ def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> Floats:
     return np.asarray((time - origin * per_second) / per_second, dtype=float)
 
 
+def has_headings(values: Mapping[str, Any]) -> bool:
+    """Whether columns of a pose tell its heading."""
+    return "yaw" in values or "qw" in values
+
+
 def poses_of(values: Mapping[str, Floats]) -> Floats:
-    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN."""
+    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN.
+
+    Positions alone have NaN for yaw.
+    """
     if "yaw" in values:
         yaw = values["yaw"]
+    elif not has_headings(values):
+        yaw = np.full(len(values["x"]), np.nan)
     else:
         x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")
         yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)

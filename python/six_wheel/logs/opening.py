@@ -57,6 +57,10 @@ class LogOptions:
         offset = self.truth.get("time_offset", 0.0)
         if not (sensor.any() or offset):
             return truth
+        if not truth.has_headings:
+            raise ValueError(
+                "the truth must have headings to be that of a sensor elsewhere, got positions alone"
+            )
         return replace(truth, stamps=truth.stamps - offset, poses=joined(truth.poses, inverse(sensor)))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.poses import Floats, as_poses, interpolate
@@ -16,14 +16,18 @@ __all__ = ["Log", "Truth"]
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Poses measured from outside, with stamps of their own.
+    """Poses, positions or headings measured from outside, with stamps of their own.
 
     Parameters
     ----------
     stamps : array_like, shape (n,)
         When, in the clock of the log up to a constant offset [s]; each later than the one before, n >= 2.
-    poses : array_like, shape (n, 3)
-        x, y, yaw of what was tracked, in a fixed frame [m, m, rad].
+    poses : array_like, shape (n, 3) or (n, 2)
+        x, y, yaw of what was tracked, in a fixed frame [m, m, rad]. Positions alone, as of a single GPS or a
+        total station, have two columns, or NaN for yaw; headings alone NaN for x and y.
+    max_gap : float
+        Longest time between two rows across which is interpolated [s]: where it is longer nothing is known
+        but the rows themselves.
 
     Raises
     ------
@@ -33,23 +37,56 @@ class Truth:
 
     stamps: Floats
     poses: Floats
+    max_gap: float = 1.5
 
     def __post_init__(self) -> None:
         stamps = np.array(self.stamps, dtype=np.float64)
         if stamps.ndim != 1 or len(stamps) < 2:
             raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
-        poses = as_poses("poses", np.array(self.poses, dtype=np.float64), len(stamps))
+        if not self.max_gap > 0.0:
+            raise ValueError(f"max_gap must be positive, got {self.max_gap}")
+        poses = np.array(self.poses, dtype=np.float64)
+        if poses.ndim == 2 and poses.shape[1] == 2:
+            poses = np.column_stack((poses, np.full(len(poses), math.nan)))
+        checked = poses.copy()
+        if poses.ndim == 2 and poses.shape[1] == 3:
+            absent = [bool(np.isnan(poses[:, part]).all()) for part in (slice(0, 2), slice(2, 3))]
+            if all(absent):
+                raise ValueError("poses must have positions or headings, got neither")
+            checked[:, np.repeat(absent, [2, 1])] = 0.0
+        as_poses("poses", checked, len(stamps))
         later = np.isfinite(stamps[0]) & (np.diff(stamps) > 0.0) & np.isfinite(stamps[1:])
         if not later.all():
             row = int(np.argmin(later)) + 1
             raise ValueError(f"stamps must grow, got {stamps[row]} after {stamps[row - 1]} in row {row}")
         _freeze(self, stamps=stamps, poses=poses)
 
+    @property
+    def has_positions(self) -> bool:
+        """Whether x and y are known."""
+        return not np.isnan(self.poses[0, 0])
+
+    @property
+    def has_headings(self) -> bool:
+        """Whether yaw is known."""
+        return not np.isnan(self.poses[0, 2])
+
+    def covers(self, stamps: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
+        """Whether it is known throughout `margin` [s] before and after these times. Shape (m,)."""
+        wanted = np.asarray(stamps, dtype=np.float64)
+        first = np.searchsorted(self.stamps, wanted - margin, side="right") - 1
+        last = np.searchsorted(self.stamps, wanted + margin, side="left")
+        inside = (first >= 0) & (last < len(self.stamps))
+        gaps = np.concatenate(([0], np.cumsum(np.diff(self.stamps) > self.max_gap)))
+        ends = np.clip(first, 0, None), np.clip(last, None, len(self.stamps) - 1)
+        known: NDArray[np.bool_] = inside & (gaps[ends[0]] == gaps[np.maximum(*ends)])
+        return known
+
     def at(self, stamps: ArrayLike) -> Floats:
-        """Poses at other times, between the recorded ones; NaN outside the recording. Shape (m, 3)."""
+        """Poses at other times, between the recorded ones; NaN outside the recording and in gaps, (m, 3)."""
         wanted = np.asarray(stamps, dtype=np.float64)
         poses, _ = interpolate(self.stamps, self.poses, wanted)
-        poses[~((self.stamps[0] <= wanted) & (wanted <= self.stamps[-1]))] = math.nan
+        poses[~self.covers(wanted)] = math.nan
         return poses
 
     def __len__(self) -> int:

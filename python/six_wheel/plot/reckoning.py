@@ -34,7 +34,7 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
     figure = new_figure(11.0, 6.6)
     grid = figure.add_gridspec(3 if known else 2, 2, width_ratios=(1.35, 1.0))
     path = figure.add_subplot(grid[:, 0])
-    _draw_path(path, result)
+    draw_path(path, result)
     x, y, _ = result.pose
     write_title(
         path, title, f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
@@ -53,7 +53,8 @@ def _thin(*arrays: Floats) -> list[Floats]:
     return [array[rows] for array in arrays]
 
 
-def _draw_path(axes: Axes, result: Reckoned) -> None:
+def draw_path(axes: Axes, result: Reckoned) -> None:
+    """The path with its ellipses of 95 %, and the truth if it is known."""
     _, poses, covariances, _ = result.trace()
     if result.evaluation is not None:
         # The truth is moved, so that the ellipses stay as they are.

@@ -373,6 +373,9 @@ def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) 
             f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
         )
     try:
-        return options.of_body(Truth(stamps, poses))
+        truth = Truth(stamps, poses)
+        if not truth.has_headings:
+            raise ValueError("the truth must have headings to judge a track by, got positions alone")
+        return options.of_body(truth)
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None

@@ -245,7 +245,10 @@ impl<R: Real> Judge<'_, R> {
         mut sum: Reg<S, R>,
     ) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
-        let [gx, gy] = [0, 1].map(|k| number(goal[k] - self.start[k]));
+        let (gx, gy) = (
+            number(goal[0] - self.start[0]),
+            number(goal[1] - self.start[1]),
+        );
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
@@ -275,12 +278,16 @@ impl<R: Real> Judge<'_, R> {
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let [x, y, c, s] =
-                [0, 1, 2, 3].map(|k| Reg::<S, R>::load(simd, &step[k * BLOCK + at..]));
+            let [x, y] = [
+                Reg::<S, R>::load(simd, &step[at..]),
+                Reg::load(simd, &step[BLOCK + at..]),
+            ];
             for (k, point) in self.points.iter().enumerate() {
                 let (mut px, mut py) = (x, y);
                 if *point != [0.0; 2] {
-                    let [ux, uy] = point.map(number);
+                    let (ux, uy) = (number(point[0]), number(point[1]));
+                    let c = Reg::load(simd, &step[2 * BLOCK + at..]);
+                    let s = Reg::load(simd, &step[3 * BLOCK + at..]);
                     px = c.mul_add(ux, px) - s * uy;
                     py = s.mul_add(ux, py) + c * uy;
                 }
@@ -303,11 +310,10 @@ impl<R: Real> Judge<'_, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let [rows, columns] = map.shape();
-        let scaled = |place: Reg<S, R>, k: usize| {
-            let per = 1.0 / map.spacing()[k];
-            place.mul_add(number(per), number((self.start[k] - map.origin()[k]) * per))
-        };
-        let (fx, fy) = (scaled(x, 0), scaled(y, 1));
+        let ([dx, dy], [x0, y0]) = (map.spacing(), map.origin());
+        let from = [(self.start[0] - x0) / dx, (self.start[1] - y0) / dy];
+        let fx = x.mul_add(number(1.0 / dx), number(from[0]));
+        let fy = y.mul_add(number(1.0 / dy), number(from[1]));
         let (right, top) = (number((columns - 1) as f64), number((rows - 1) as f64));
         let inside = [fx.max(zero).min(right), fy.max(zero).min(top)];
         let whole = [
@@ -317,7 +323,8 @@ impl<R: Real> Judge<'_, R> {
         let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
         // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
         let [low, high] = unsafe { Reg::corners(simd, map.values(), columns, whole) };
-        let [low, high] = [low, high].map(|[a, b]| tx.mul_add(b - a, a));
+        let low = tx.mul_add(low[1] - low[0], low[0]);
+        let high = tx.mul_add(high[1] - high[0], high[0]);
         let mut value = ty.mul_add(high - low, low);
         if let Some(outside) = map.outside() {
             let beyond = fx.below(zero) | fy.below(zero) | right.below(fx) | top.below(fy);
@@ -353,7 +360,14 @@ impl<R: Real> Judge<'_, R> {
                     column[lane] = part;
                 }
             }
-            let [px, py, tx, ty] = [0, 1, 2, 3].map(|k| Reg::<S, R>::load(simd, &columns[k]));
+            let [px, py] = [
+                Reg::<S, R>::load(simd, &columns[0]),
+                Reg::load(simd, &columns[1]),
+            ];
+            let [tx, ty] = [
+                Reg::<S, R>::load(simd, &columns[2]),
+                Reg::load(simd, &columns[3]),
+            ];
             let (dx, dy) = (x - px, y - py);
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);

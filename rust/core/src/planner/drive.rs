@@ -224,6 +224,14 @@ impl Begin {
     }
 }
 
+impl<S: Simd, R: Real, const M: usize> Clone for State<S, R, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S: Simd, R: Real, const M: usize> Copy for State<S, R, M> {}
+
 struct State<S: Simd, R: Real, const M: usize> {
     motion: [Reg<S, R>; M],
     setting: [Reg<S, R>; M],
@@ -241,6 +249,30 @@ fn times<S: Simd, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>
         sum = z[k].mul_add(Reg::splat(simd, row[k]), sum);
     }
     sum
+}
+
+// Loops instead of closures: those are compiled for themselves first, without the level's instructions.
+
+/// The same motion in every lane.
+#[inline(always)]
+fn splat<S: Simd, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
+    let mut parts = [Reg::all(simd, 0.0); M];
+    for (part, value) in parts.iter_mut().zip(motion) {
+        *part = Reg::all(simd, *value);
+    }
+    parts
+}
+
+/// Area between an end of a gap and a motion.
+#[inline(always)]
+fn cross<S: Simd, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
+    z[1] * Reg::splat(simd, end[0]) - z[0] * Reg::splat(simd, end[1])
+}
+
+/// Share of an end in the motion nearest to it.
+#[inline(always)]
+fn share<S: Simd, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
+    z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
 }
 
 /// The value of a form.
@@ -332,20 +364,21 @@ impl<R: Real, const M: usize> Model<R, M> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let (sin, cos) = begin.heading.sin_cos();
         for first in (0..BLOCK).step_by(group) {
-            let mut states: [State<S, R, M>; GROUP] = std::array::from_fn(|_| State {
-                motion: std::array::from_fn(|k| number(begin.motion[k])),
-                setting: std::array::from_fn(|k| number(begin.setting[k])),
+            let mut states = [State {
+                motion: splat(simd, &begin.motion),
+                setting: splat(simd, &begin.setting),
                 busy: number(if begin.loose { -1.0 } else { 0.0 }),
                 place: [number(0.0); 2],
                 heading: [number(cos), number(sin)],
                 cost: number(0.0),
-            });
+            }; GROUP];
             for t in 0..steps {
                 for (m, state) in states.iter_mut().enumerate() {
                     let at = first + m * lanes;
-                    let wish = std::array::from_fn(|k| {
-                        Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..])
-                    });
+                    let mut wish = [number(0.0); M];
+                    for (k, wish) in wish.iter_mut().enumerate() {
+                        *wish = Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..]);
+                    }
                     self.step(simd, begin, state, wish);
                     self.move_on(simd, begin, state);
                     let [x, y] = state.place;
@@ -380,7 +413,10 @@ impl<R: Real, const M: usize> Model<R, M> {
         let before = state.motion;
         let mut wanted = wish;
         if !self.speeding.is_empty() || self.slowing.is_some() {
-            let change: [Reg<S, R>; M] = std::array::from_fn(|k| wish[k] - before[k]);
+            let mut change = wish;
+            for k in 0..M {
+                change[k] = wish[k] - before[k];
+            }
             let mut worst = largest(simd, &self.speeding, &change);
             if let Some(slowing) = &self.slowing {
                 let [slow, now] = [
@@ -392,7 +428,9 @@ impl<R: Real, const M: usize> Model<R, M> {
                     .select(largest(simd, slowing, &change), worst);
             }
             let share = one.over(worst.max(one).sqrt());
-            wanted = std::array::from_fn(|k| change[k].mul_add(share, before[k]));
+            for k in 0..M {
+                wanted[k] = change[k].mul_add(share, before[k]);
+            }
         }
         wanted = self.possible(simd, wanted);
         let mut size = zero;
@@ -400,7 +438,10 @@ impl<R: Real, const M: usize> Model<R, M> {
             size = part.abs().mul_add(Reg::splat(simd, length), size);
         }
         let rests = size.below(number(REST));
-        let mut motion: [Reg<S, R>; M] = wanted.map(|part| rests.select(zero, part));
+        let mut motion = wanted;
+        for part in &mut motion {
+            *part = rests.select(zero, *part);
+        }
         if let Some(per_turn) = self.per_turn {
             motion = self.steered(simd, begin, state, per_turn, wanted, motion, rests);
         }
@@ -416,7 +457,9 @@ impl<R: Real, const M: usize> Model<R, M> {
             over = over.max((square * (yaw * yaw)).sqrt() * Reg::splat(simd, lateral));
         }
         let share = one.over(over.max(one).sqrt());
-        state.motion = motion.map(|part| part * share);
+        for k in 0..M {
+            state.motion[k] = motion[k] * share;
+        }
         if begin.effort != 0.0 {
             let effort = value(simd, &self.metric, &state.motion);
             state.cost = effort.mul_add(number(begin.effort), state.cost);
@@ -432,18 +475,16 @@ impl<R: Real, const M: usize> Model<R, M> {
     fn possible<S: Simd>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::all(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
-            let cross =
-                |end: [R; 2]| (z[1] * Reg::splat(simd, end[0])) - z[0] * Reg::splat(simd, end[1]);
             // Counted from the first end on, and up to the second one.
-            let [from, to] = [cross(ends[0]), zero - cross(ends[1])];
+            let from = cross(simd, &z, ends[0]);
+            let to = zero - cross(simd, &z, ends[1]);
             let within = zero.below(from * to);
-            let [a, b] = [from, to].map(Reg::abs);
-            let first =
-                (a * Reg::splat(simd, per_length[0])).below(b * Reg::splat(simd, per_length[1]));
-            let share = |row: [R; 2]| {
-                z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
-            };
-            let part = first.select(share(shares[0]), share(shares[1]));
+            let [near, far] = [
+                Reg::splat(simd, per_length[0]),
+                Reg::splat(simd, per_length[1]),
+            ];
+            let first = (from.abs() * near).below(to.abs() * far);
+            let part = first.select(share(simd, &z, shares[0]), share(simd, &z, shares[1]));
             for k in 0..2 {
                 let end = first.select(Reg::splat(simd, ends[0][k]), Reg::splat(simd, ends[1][k]));
                 z[k] = within.select(end * part, z[k]);
@@ -451,23 +492,34 @@ impl<R: Real, const M: usize> Model<R, M> {
         }
         let Some(toward) = &self.toward else { return z };
         let low = lowered(simd, &self.metric, &z);
-        let mut agrees = toward.inside.map(|part| Reg::splat(simd, part));
+        let mut agrees = [zero; M];
+        for (part, inside) in agrees.iter_mut().zip(toward.inside) {
+            *part = Reg::splat(simd, inside);
+        }
         let side = inner(&low, &agrees).sign();
-        agrees = agrees.map(|part| part.flip(side));
+        for part in &mut agrees {
+            *part = part.flip(side);
+        }
         let (mut outside, mut need) = (zero.below(zero), zero);
         for range in &toward.ranges {
             let Wheel { along, across } = &range.wheel;
             let (along, across) = (times(simd, along, &z), times(simd, across, &z).abs());
-            let [sin, cos] = [range.sin, range.cos].map(|part| Reg::splat(simd, part));
+            let (sin, cos) = (Reg::splat(simd, range.sin), Reg::splat(simd, range.cos));
             outside = outside | (along.abs() * sin).below(across * cos);
             let ahead = along.flip(side) * Reg::splat(simd, range.sense);
             let short = (across * cos) - ahead * sin;
             need = need.max(short * Reg::splat(simd, range.per_margin));
         }
-        let moved: [Reg<S, R>; M] = std::array::from_fn(|k| agrees[k].mul_add(need, z[k]));
+        let mut moved = z;
+        for k in 0..M {
+            moved[k] = agrees[k].mul_add(need, z[k]);
+        }
         let square = value(simd, &self.metric, &moved).max(Reg::all(simd, R::TINY));
         let share = inner(&low, &moved).max(zero).over(square);
-        std::array::from_fn(|k| outside.select(moved[k] * share, z[k]))
+        for k in 0..M {
+            z[k] = outside.select(moved[k] * share, z[k]);
+        }
+        z
     }
 
     /// What the joints let it be.
@@ -513,8 +565,10 @@ impl<R: Real, const M: usize> Model<R, M> {
         }
         let kept = need.over(part);
         let same = zero.below(least) | most.below(zero) | rests;
-        let turned: [Reg<S, R>; M] =
-            std::array::from_fn(|k| before[k].flip(side).mul_add(kept, wanted[k]));
+        let mut turned = wanted;
+        for k in 0..M {
+            turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
+        }
         let low = lowered(simd, &self.metric, &turned);
         let share = inner(&low, &wanted)
             .max(zero)
@@ -551,7 +605,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         state: &mut State<S, R, M>,
         before: [Reg<S, R>; M],
         wanted: [Reg<S, R>; M],
-        motion: [Reg<S, R>; M],
+        mut motion: [Reg<S, R>; M],
         [rests, same, busy, loose]: [Truth<S, R>; 4],
     ) -> [Reg<S, R>; M] {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
@@ -602,12 +656,13 @@ impl<R: Real, const M: usize> Model<R, M> {
         let stays = waits | loose;
         let held = busy | brakes | (loose & !begins);
         let last = state.motion;
-        std::array::from_fn(|k| {
+        for k in 0..M {
             let turned = begins.select(wanted[k], state.setting[k]);
             state.setting[k] = held.select(before[k], turned);
             let braked = brakes.select(last[k] * left, motion[k]);
-            stays.select(zero, braked)
-        })
+            motion[k] = stays.select(zero, braked);
+        }
+        motion
     }
 
     /// The way of a step, exact for a constant motion.
@@ -644,6 +699,20 @@ impl<R: Real, const M: usize> Model<R, M> {
     }
 }
 
+/// A polynomial, by Horner's rule.
+#[inline(always)]
+fn series<S: Simd, R: Real, const N: usize>(
+    simd: S,
+    x: Reg<S, R>,
+    coefficients: [f64; N],
+) -> Reg<S, R> {
+    let mut sum = Reg::all(simd, coefficients[N - 1]);
+    for k in (0..N - 1).rev() {
+        sum = sum.mul_add(x, Reg::all(simd, coefficients[k]));
+    }
+    sum
+}
+
 /// Sine, cosine and sine over angle of a small angle.
 #[inline(always)]
 fn half_turn<S: Simd, R: Real>(
@@ -652,13 +721,6 @@ fn half_turn<S: Simd, R: Real>(
     few: bool,
 ) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
     let square = half * half;
-    let series = |coefficients: &[f64]| {
-        let mut sum = Reg::<S, R>::all(simd, coefficients[coefficients.len() - 1]);
-        for k in (0..coefficients.len() - 1).rev() {
-            sum = sum.mul_add(square, Reg::all(simd, coefficients[k]));
-        }
-        sum
-    };
     const SINC: [f64; 7] = [
         1.0,
         -1.0 / 6.0,
@@ -679,9 +741,14 @@ fn half_turn<S: Simd, R: Real>(
         -1.0 / 87_178_291_200.0,
     ];
     let (sinc, cos) = if few {
-        (series(&SINC[..4]), series(&COS[..5]))
+        let [s0, s1, s2, s3, ..] = SINC;
+        let [c0, c1, c2, c3, c4, ..] = COS;
+        (
+            series(simd, square, [s0, s1, s2, s3]),
+            series(simd, square, [c0, c1, c2, c3, c4]),
+        )
     } else {
-        (series(&SINC), series(&COS))
+        (series(simd, square, SINC), series(simd, square, COS))
     };
     (half * sinc, cos, sinc)
 }

@@ -9,6 +9,7 @@
 
 mod cost;
 mod costmap;
+#[allow(clippy::needless_range_loop)] // components of several motions side by side
 mod drive;
 mod engine;
 mod facts;

@@ -97,7 +97,10 @@ impl<S: Simd> Words<S> {
 #[inline(always)]
 fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
     let [mut k0, mut k1] = [seed as u32, (seed >> 32) as u32];
-    let [m0, m1] = MULTIPLIERS.map(|word| simd.splat_u32s(word));
+    let (m0, m1) = (
+        simd.splat_u32s(MULTIPLIERS[0]),
+        simd.splat_u32s(MULTIPLIERS[1]),
+    );
     for _ in 0..ROUNDS {
         let (low0, high0) = simd.widening_mul_u32s(x[0].1, m0);
         let (low1, high1) = simd.widening_mul_u32s(x[2].1, m1);
@@ -125,12 +128,16 @@ fn polynomial<S: Simd, const N: usize>(
     sum
 }
 
+/// 23 bits as the fraction of a float of [1, 2), less 1: exact.
+#[inline(always)]
+fn fraction<S: Simd>(word: Words<S>) -> Reg<S, f32> {
+    word.right(9).or(0x3F80_0000).real() - Reg::splat(word.0, 1.0)
+}
+
 /// Two normal numbers of two words.
 #[inline(always)]
 fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
     let number = |value: f32| Reg::<S, f32>::splat(simd, value);
-    // A whole number below 2^23 as the fraction of a float of [1, 2): exact.
-    let fraction = |word: Words<S>| word.right(9).or(0x3F80_0000).real() - number(1.0);
     let uniform = fraction(a) + number(0.5 / 8_388_608.0); // of (0, 1)
     // Exponent and fraction, the latter between the roots of 1/2 and 2.
     let bits = Words(simd, uniform.bits());
