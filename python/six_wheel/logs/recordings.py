@@ -27,7 +27,7 @@ class Truth:
     poses : array_like, shape (n, 3) or (n, 2)
         x, y, yaw of what was tracked, in a fixed frame [m, m, rad]. Positions alone, as of a single GPS or a
         total station, have two columns, or NaN for yaw; headings alone NaN for x and y.
-    max_gap : float
+    max_gap : float, default 1.5
         Longest time between two rows across which is interpolated [s]: where it is longer nothing is known
         but the rows themselves.
 

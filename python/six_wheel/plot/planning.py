@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plot.drawing import CENTRE, INK, new_figure, write_title
+from six_wheel.plot.drawing import INK, RECORDED, new_figure, write_title
 from six_wheel.plot.path import draw_path
 
 __all__ = ["draw_costmap", "plan_figure"]
@@ -79,6 +79,6 @@ def plan_figure(
     axes.set(xlim=(left - 0.6, right + 0.6), ylim=(low - 0.6, high + 0.6))
     if path is not None:
         asked = np.asarray(path, dtype=np.float64)
-        axes.plot(asked[:, 0], asked[:, 1], color=CENTRE, linewidth=2.5, alpha=0.35, zorder=1.5)
+        axes.plot(asked[:, 0], asked[:, 1], color=RECORDED, linewidth=2.5, alpha=0.8, zorder=1.5)
     write_title(axes, title, f"{length:.2f} m")
     return figure
