@@ -79,7 +79,11 @@ def test_the_picture_has_a_colour_for_every_limit_that_binds():
     found = rim(ROVER, LIMITS)
     assert found is not None
     binding = {str(kind.name).lower().replace("_", " ") for kinds in found.reasons for kind in kinds}
-    assert words <= binding | {"past the steering range", "not without side slip"}
+    assert words <= binding | {
+        "past the steering range",
+        "not without side slip",
+        "faster than a limit allows",
+    }
     assert "past the steering range" in words
     assert {"speed", "lateral acceleration"} <= words
     with pytest.raises(ValueError, match="limits must bound every motion"):

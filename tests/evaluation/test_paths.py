@@ -124,7 +124,8 @@ def test_arguments_out_of_range_are_refused():
 
 
 def test_truth_between_its_stamps():
-    truth = Truth([0.0, 1.0, 3.0], [(0.0, 0.0, 3.0), (1.0, 0.0, -3.0), (1.0, 2.0, -2.8)])
+    poses = [(0.0, 0.0, 3.0), (1.0, 0.0, -3.0), (1.0, 2.0, -2.8)]
+    truth = Truth([0.0, 1.0, 3.0], poses, max_gap=2.0)
     half = math.pi - 3.0
     assert_allclose(truth.at([0.5, 2.0])[:, :2], [(0.5, 0.0), (1.0, 1.0)])
     assert_allclose(truth.at([0.5, 2.0])[:, 2], [3.0 + half, -2.9])

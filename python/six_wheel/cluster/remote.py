@@ -99,6 +99,11 @@ def on_cluster(function: Callable[[Any], Any], items: Items, client: Any) -> Gen
         while on_their_way:
             future = next(done)
             index = on_their_way.pop(future)
+            if future.status == "lost" and client.status == "running":
+                # Its worker died with what it had computed; somebody else is at it.
+                on_their_way[future] = index
+                done.add(future)
+                continue
             if future.status in ("cancelled", "lost"):
                 on_their_way.clear()
                 raise ClusterError("the cluster went away")

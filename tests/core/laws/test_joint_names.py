@@ -44,7 +44,7 @@ def test_flags_print_their_names():
     assert f"{sw.Reason.STALE | sw.Reason.SPEED}" == "SPEED|STALE"
     assert str(sw.Reason(0)) == "none"
     assert str(sw.Health(0)) == "GOOD"
-    assert str(sw.Health.LEFT_OUT) == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED"
+    assert str(sw.Health.LEFT_OUT) == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
     assert f"{sw.Health.DUPLICATE:>12}|{sw.Health.DUPLICATE:d}" == "   DUPLICATE|32"
 
 

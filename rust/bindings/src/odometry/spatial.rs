@@ -41,9 +41,9 @@ use state::Odometry3State;
 ///     turn that attitudes with a yaw tell.
 /// ground : Terrain, optional
 ///     What it drives on, if that is known.
-/// attitude_noise : float
+/// attitude_noise : float, default 0.002
 ///     Standard deviation of roll and of pitch, as read [rad].
-/// joint_noise : float
+/// joint_noise : float, default 0.001
 ///     Standard deviation of every joint angle, as read [rad].
 /// readings : {'angles', 'speeds', 'increments'}
 ///     What is read of the wheels: running totals [rad]; rates at the stamps [rad/s], of which a step takes the mean
@@ -58,9 +58,9 @@ use state::Odometry3State;
 ///     Rim speed beyond which a sample is refused [m/s].
 /// max_steering_rate : float, optional
 ///     Steering rate beyond which a sample is refused [rad/s].
-/// lag : float
+/// lag : float, default 0
 ///     How late a pose may come to `correct` [s]; 0: not before the last step.
-/// history : int
+/// history : int, default 1024
 ///     Samples that are kept for that at most.
 ///
 /// Raises
