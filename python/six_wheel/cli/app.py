@@ -79,6 +79,9 @@ def run(arguments: Sequence[str]) -> int:
             parent = typer.Context(group, info_name=PROGRAM, **group.context_settings)
             print(command.get_help(typer.Context(command, parent=parent, info_name=arguments[0])))
             return 0
+        # The core would load NumPy by itself, and panic at a Ctrl-C meanwhile: here it is one.
+        import numpy  # noqa: F401
+
         code = app(list(arguments), prog_name=PROGRAM, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         return 130
