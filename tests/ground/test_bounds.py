@@ -62,8 +62,12 @@ def outside(rover: sw.RockerBogie, ground: sw.Terrain, poses: Any, **options: An
 
 
 def drop(rover: sw.RockerBogie, stand: sw.Stand) -> Any:
-    """How far the wheel that has come down most is below its place, from the frames of the chain."""
-    frames = rover.frames(stand.joints[:, 0], stand.joints[:, 1:])
+    """How far the wheel that has come down most is below its place, from the frames of the chain.
+
+    Of poses at which the rover does not stand, which have no joints, as with level joints.
+    """
+    joints = np.nan_to_num(stand.joints)
+    frames = rover.frames(joints[:, 0], joints[:, 1:])
     level = rover.frames(0.0, (0.0, 0.0))
     return np.max([level[f"A{k}"][2, 3] - frames[f"A{k}"][:, 2, 3] for k in range(1, 7)], axis=0)
 
