@@ -1,6 +1,8 @@
 """The house as CONTRIBUTING describes it, and rooms that stay rooms."""
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +57,21 @@ def test_a_room_is_no_hall(room: Path) -> None:
     assert len(modules) <= FILES + (3 if room.name == "reference" else 0)
     assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in modules) <= LINES
     assert not [path.name for path in modules if path.name.startswith("_") or path.stem == room.name]
+
+
+def test_an_import_upwards_breaks_the_contract(tmp_path: Path) -> None:
+    watch = Path(sys.executable).with_name("lint-imports")
+    if not watch.exists():
+        pytest.skip("needs import-linter")
+    shutil.copytree(ROOT / "python/six_wheel", tmp_path / "six_wheel")
+    command = [watch, "--config", ROOT / "pyproject.toml", "--no-cache"]
+    how = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(tmp_path)}, "capture_output": True}
+    assert subprocess.run(command, check=False, **how).returncode == 0
+    with (tmp_path / "six_wheel/odometry/tracks.py").open("a", encoding="utf-8") as low:
+        low.write("\n\ndef later() -> None:\n    from six_wheel.cli import words  # lazily\n")
+    done = subprocess.run(command, check=False, **how)
+    assert done.returncode == 1
+    assert b"six_wheel.odometry.tracks -> six_wheel.cli" in done.stdout
 
 
 @pytest.mark.parametrize(
