@@ -413,7 +413,7 @@ def test_statuses_are_names():
 
 
 def test_no_wheel_in_the_air_is_taken_for_one_that_touches():
-    """Of 2.9 million poses among rocks one had a wheel half a metre above the ground, "settled", in batches only."""
+    """Of 2.9 million poses among rocks one had a wheel half a metre up, "settled", in batches only."""
     rover, ground = ROVERS["perseverance"], sw.Terrain.yard(40, 0.1, 0.2, seed=1171)
     pose = np.array([8.933279351382634, 6.262430786693921, 2.487737241371753])
     stand = rover.settle(ground, np.tile(pose, (8, 1)))
