@@ -50,7 +50,7 @@ def test_flags_print_their_names():
 
 def test_three_numbers_are_no_twist():
     with pytest.raises(
-        TypeError, match=r"twist must be one argument, as in inverse\(\(vx, vy, omega\)\), got 3"
+        TypeError, match=r"Rover\.inverse\(\) takes one twist, as in inverse\(\(vx, vy, omega\)\), got 3"
     ):
         ROVER.inverse(0.2, 0.0, 0.1)
 

@@ -107,7 +107,7 @@ pub fn one_twist(method: &str, before: usize, more: &Bound<'_, PyTuple>) -> PyRe
     }
     let count = before + more.len();
     Err(PyTypeError::new_err(format!(
-        "twist must be one argument, as in {method}((vx, vy, omega)), got {count} arguments"
+        "Rover.{method}() takes one twist, as in {method}((vx, vy, omega)), got {count} arguments"
     )))
 }
 
