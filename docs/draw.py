@@ -176,7 +176,7 @@ def over_ground() -> dict[str, Figure]:
     climbing = int(np.argmax(np.abs(run.stand.joints).sum(axis=1)))
     one = arm.settle(ground, run.stand.poses[climbing], run.stand.steering[climbing])
     space = plot.ground_figure(run, arm, ground)
-    space.set_size_inches(9.0, 6.05)
+    space.set_size_inches(7.6, 5.11)
     return {
         "ground": space,
         "ground_speeds": plot.speeds_figure(run, arm),

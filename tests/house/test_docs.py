@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.glob("*.md"))
 MODELS = (DOCS / "models.md").read_text(encoding="utf-8")
-LARGEST_PICTURE = 100_000  # [B], of those drawn for a page
+LARGEST_PICTURE = 60_000  # [B], of those drawn for a page
 
 
 class Checker(doctest.OutputChecker):
