@@ -39,6 +39,7 @@ __all__ = [
     "BicycleSteering",
     "DiffDrive",
     "Mecanum",
+    "MecanumInOrder",
     "Omni",
     "SteeringDrive",
     "TricycleDrive",
@@ -147,11 +148,7 @@ class DiffDrive(Common):
     wheelbase: Length = optional("the distance from the last to the first axle, in metres")
 
 
-class Mecanum(Common):
-    front_left: Name = required("the joint of the front left wheel", "front_left_wheel_command_joint_name")
-    front_right: Name = required("the joint of the front right wheel", "front_right_wheel_command_joint_name")
-    rear_right: Name = required("the joint of the rear right wheel", "rear_right_wheel_command_joint_name")
-    rear_left: Name = required("the joint of the rear left wheel", "rear_left_wheel_command_joint_name")
+class MecanumGeometry(Common):
     wheels_radius: Length = required("the wheels' radius, in metres", "kinematics.wheels_radius")
     projection: Length = required(
         "the sum of the distances from the middle to an axle and to a side, in metres",
@@ -171,6 +168,19 @@ class Mecanum(Common):
     half_wheelbase: Length = optional("the distance from the middle to each axle, in metres")
     wheel_separation_multiplier: Length = optional(_FACTOR)
     wheel_radius_multiplier: Factor = optional("a factor; a negative one reverses the joints")
+
+
+class Mecanum(MecanumGeometry):
+    front_left: Name = required("the joint of the front left wheel", "front_left_wheel_command_joint_name")
+    front_right: Name = required("the joint of the front right wheel", "front_right_wheel_command_joint_name")
+    rear_right: Name = required("the joint of the rear right wheel", "rear_right_wheel_command_joint_name")
+    rear_left: Name = required("the joint of the rear left wheel", "rear_left_wheel_command_joint_name")
+
+
+class MecanumInOrder(MecanumGeometry):
+    command_joint_names: Annotated[list[Name], _count(4, 4)] = required(
+        "a list of the joints: front left, rear left, rear right, front right"
+    )
 
 
 class Omni(Common):
