@@ -47,8 +47,8 @@ def while_running(run: Callable[[], object], ask: Callable[[], object]) -> tuple
     return seen, answer
 
 
-# Whoever waits with the interpreter's lock lets nobody count, however often it is tried; whoever waits without
-# it lets others count unless the system gave them no time, or the run was over before it was asked.
+# Whoever waits with the interpreter's lock lets nobody count, however often it is tried; whoever waits
+# without it lets others count unless the system gave them no time, or the run was over before it was asked.
 TRIES = 20
 
 
