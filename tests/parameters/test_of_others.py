@@ -338,7 +338,7 @@ platform_velocity_controller:
     # With names of its own for every wheel, as Clearpath writes them, those count.
     names = "".join(f"    {place}_wheel_command_joint_name: {place}_wheel_joint\n" for place in places)
     assert dict(read(text + names).rover.traction_joints)["rear_left_wheel_joint"] == "rear_left"
-    with pytest.raises(ParameterFileError, match="command_joint_names must be"):
+    with pytest.raises(ParameterFileError, match="command_joint_names must name 4 joints, got 3"):
         read(text.replace("j0, ", ""))
 
 
@@ -357,7 +357,9 @@ roverrobotics_driver:
 """
     found = read(text)
     assert found.warnings == ()
-    assert found.rover.wheels == sw.Rover.differential(0.4953, 0.127, wheels_per_side=2, wheelbase=0.4445).wheels
+    assert (
+        found.rover.wheels == sw.Rover.differential(0.4953, 0.127, wheels_per_side=2, wheelbase=0.4445).wheels
+    )
     assert (found.limits.speed, found.base_frame_id) == (2.0, "base")
     assert len(read(text.replace('"max"', '"mini_2wd"')).rover.wheels) == 2
     assert read(text.replace('"differential"', '"mecanum"')).kind == "mecanum"

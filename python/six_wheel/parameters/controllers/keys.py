@@ -111,7 +111,8 @@ def _length_or_unset(value: float) -> float:
 def _count(least: int, most: int) -> AfterValidator:
     def check(joints: list[str]) -> list[str]:
         if not least <= len(joints) <= most:
-            raise ValueError(f"joints must name {least} to {most} joints, got {len(joints)}")
+            many = f"{least}" if least == most else f"{least} to {most}"
+            raise ValueError(f"joints must name {many} joints, got {len(joints)}")
         return joints
 
     return AfterValidator(check)

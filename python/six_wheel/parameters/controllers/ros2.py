@@ -198,6 +198,7 @@ def _controller(
 ) -> Form:
     keys = keys_of(schema).keys()
     class_ = "".join(map(str.capitalize, name.split("_")))
+    usual: dict[str, Any] = {"complete": with_limits, "controller": f"{name}/{class_}"}
     return Form(
         name,
         kind,
@@ -205,7 +206,7 @@ def _controller(
         layout,
         telling=frozenset(keys - keys_of(Common).keys() - LIMITS.keys() - {*STEERING_RANGE} - _OF_OTHERS),
         stand_in={key: value for key, value in _STAND_IN.items() if key in keys},
-        **{"complete": with_limits, "controller": f"{name}/{class_}"} | others,
+        **usual | others,
     )
 
 
