@@ -68,9 +68,7 @@ class Record:
             elif isinstance(record, self._libraries.records.Message):
                 break
         if not self.settings:
-            raise RecordError(
-                f"{path}: the record must be one of drive, odometry or node (simulate writes a log)"
-            )
+            raise RecordError(f"{path}: the record must be one of drive, odometry, simulate or node")
         if self.settings.get("format") != FORMAT:
             version = self.settings.get("version")
             raise RecordError(f"{path}: the record must have format {FORMAT}, got one of version {version}")

@@ -182,7 +182,7 @@ WRONG = {
     ),
     "three to command": (
         lambda: sw.Controller(ROVER).command(0.2, 0.0, 0.1, 0.0),
-        r"Controller\.command\(\) takes one twist, as in command\(\(vx, vy, omega\), stamp\), got 4 arguments",
+        r"Controller.command\(\) takes one twist, as in command\(\(vx, vy, omega\), stamp\), got 4",
     ),
     "a number for wheels": (lambda: sw.Rover(5), "wheels must be a sequence of Wheel, got 5"),
     "no wheels": (lambda: sw.Rover(None), "wheels must be a sequence of Wheel, got None"),
