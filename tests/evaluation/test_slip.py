@@ -156,7 +156,7 @@ def test_a_log_and_another_track_stand_for_a_truth():
         evaluate(track, unknown)
     with pytest.raises(TypeError, match="truth must be a Truth, a Log with one, or a Track, got a ndarray"):
         slip_against(track, log.stamps)
-    with pytest.raises(ValueError, match="estimate must be a Track where truth has stamps of its own"):
+    with pytest.raises(ValueError, match="estimate must be a Track where truth is a Truth"):
         evaluate(track.poses, log)
 
 

@@ -366,7 +366,7 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> 
         truth = as_truth(truth)
         if not isinstance(estimate, Track):
             raise ValueError(
-                f"estimate must be a Track where truth has stamps of its own, got {type(estimate).__name__}"
+                f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}"
             )
         real = truth.at(estimate.stamps)
         known = np.isfinite(real).all(axis=1)
