@@ -129,7 +129,7 @@ ODD = {
     ),
     "degrees for rollers": (
         lambda: sw.Rover.mecanum(0.3, 0.3, 0.1, roller_angle=45),
-        "45 degrees are 0.7854 radians",
+        'roller_angle of wheel "front_left" is -45 rad, -7.162 turns; -45 degrees are -0.7854 radians',
     ),
     "exchanged": (lambda: sw.Rover.differential(0.1, 0.5), "two lengths may have changed places"),
     "exchanged, too": (lambda: sw.Rover.bicycle(0.16, 1.0), "two lengths may have changed places"),
