@@ -33,7 +33,7 @@ def untrue(rover, ground, poses, steering, said):
     numbers = np.column_stack([said["z"], said["roll"], said["pitch"], said["joints"]])
     heights, spacing = ground.heights, ground.spacing[0]
     wrong = np.zeros(len(poses), bool)
-    for part in np.array_split(np.arange(len(poses)), len(poses) // 50 + 1):
+    for part in np.array_split(np.arange(len(poses)), len(poses) // 200 + 1):
         gaps = dense_gaps(rover, heights, spacing, poses[part], numbers[part], steering[part], 1001)
         wrong[part] = (np.abs(gaps - said["gap"][part]) > CLOSED).any(-1)
     x, y, z = np.moveaxis(said["contacts"], -1, 0)
