@@ -1,4 +1,4 @@
-"""Wheels that are said to touch do, and none is in the ground: every pose against a search that shares nothing."""
+"""Wheels that are said to touch do, and none is in the ground, by a search that shares nothing."""
 
 import os
 
@@ -7,23 +7,23 @@ import pytest
 
 import six_wheel as sw
 
-from .grounds import ROVERS, bilinear, dense_gaps, numbers_of, random_poses 
+from .grounds import ROVERS, bilinear, dense_gaps, numbers_of, random_poses
 
 SOAK = int(os.environ.get("SOAK", "1"))
 CLOSED = 1e-10  # [m] gaps close to 2e-12; the search of the rim adds 1e-12
 IN_AIR = {"rocker_limit": (-0.2, 0.2), "bogie_limit": (-0.3, 0.3)}
+NAMES = ("z", "roll", "pitch", "joints", "gap", "contacts", "stands")
 
 
 def one_by_one(rover, ground, poses, steering):
     """What single calls say, as a batch would."""
     stands = [rover.settle(ground, pose, angles) for pose, angles in zip(poses, steering, strict=True)]
-    names = ("z", "roll", "pitch", "joints", "gap", "contacts", "stands")
-    return {name: np.array([getattr(stand, name) for stand in stands]) for name in names}
+    return {name: np.array([getattr(stand, name) for stand in stands]) for name in NAMES}
 
 
 def in_batch(rover, ground, poses, steering):
     stand = rover.settle(ground, poses, steering)
-    return {name: getattr(stand, name) for name in ("z", "roll", "pitch", "joints", "gap", "contacts", "stands")}
+    return {name: getattr(stand, name) for name in NAMES}
 
 
 def untrue(rover, ground, poses, steering, said):
