@@ -3,7 +3,8 @@
 use super::BLOCK;
 use super::costmap::Costmap;
 use super::drive::TRACK;
-use super::registers::{Real, Reg};
+use super::real::Real;
+use super::registers::Reg;
 use crate::batch::machine::vector::Vector;
 
 /// Points of the path at most.

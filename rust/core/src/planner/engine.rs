@@ -5,10 +5,12 @@
 use super::BLOCK;
 use super::cost::{Judge, Path, Weights};
 use super::costmap::Costmap;
-use super::drive::{Begin, Model, TRACK};
+use super::drive::{Begin, TRACK};
 use super::facts::Facts;
+use super::model::Model;
 use super::noise::{self, Counter};
-use super::registers::{Real, Reg};
+use super::real::Real;
+use super::registers::Reg;
 use crate::batch::Workers;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::vector::Vector;
