@@ -3,11 +3,10 @@
 use super::rows::FEW;
 use crate::batch::formulas::fit::{Fits, Plan};
 use crate::batch::machine::table::{Log, row_mut};
-use crate::batch::machine::workers::{self, Workers};
-use crate::error::{Error, finite};
+use crate::batch::machine::workers::Workers;
+use crate::error::Error;
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Fit, Method, Unseen};
-use crate::geometry::{Pose, Steps};
 use crate::rover::Rover;
 
 /// A value for every row, each on its own.
@@ -17,29 +16,11 @@ pub fn fill<const N: usize>(
     value: impl Fn(usize) -> [f64; N] + Sync,
 ) -> Result<(), Error> {
     let share = workers.share(targets.len());
-    workers::each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+    workers.each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
         for (row, target) in targets.iter_mut().enumerate() {
             *target = value(k * share + row);
         }
         Ok(())
-    })
-}
-
-/// The twists that, each held over its step, pass through the poses, one more than steps: the inverse of `integrate`.
-pub fn differentiate(
-    poses: &[[f64; 3]],
-    steps: Steps<'_>,
-    twists: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    debug_assert_eq!(poses.len(), twists.len() + 1);
-    steps.check(twists.len())?;
-    for (k, pose) in poses.iter().enumerate() {
-        finite("poses", pose).map_err(|error| error.at_row(k))?;
-    }
-    fill(twists, workers, |k| {
-        let [here, there] = [poses[k], poses[k + 1]].map(Pose::from);
-        here.between(there).log(steps.get(k)).into()
     })
 }
 
@@ -56,13 +37,13 @@ pub fn fit(
     workers: Workers,
 ) -> Result<(), Error> {
     let (share, wheels) = (workers.share(fits.len()), rover.wheels().len());
-    let plan = (fits.len() >= FEW && log.steering_rates.is_none())
+    let plan = ((fits.len() >= FEW || method == Method::Robust) && log.steering_rates.is_none())
         .then(|| Plan::new(rover, method, unseen))
         .flatten();
     let slips = residual.chunks_mut(share * wheels);
     let says = weights.chunks_mut(share * wheels);
     let jobs = fits.chunks_mut(share).zip(slips).zip(says).enumerate();
-    workers::each(jobs, |(k, ((fits, residual), weights))| {
+    workers.each(jobs, |(k, ((fits, residual), weights))| {
         let log = log.rows(rover, k * share..k * share + fits.len());
         let failed = |error: Error| error.below(k * share);
         if let Some(plan) = &plan {
@@ -113,7 +94,7 @@ pub fn sensitivity(
             (twists, parts.collect::<Vec<_>>())
         })
         .collect();
-    workers::each(
+    workers.each(
         jobs.into_iter().enumerate(),
         |(k, (twists, mut targets))| {
             let log = log.rows(rover, k * share..k * share + twists.len());

@@ -1,12 +1,12 @@
 //! Twists with the residuals of the wheels, where the least squares have a constant solution: every wheel alike, or the
 //! unsteered ones alone. Rank and smallest singular value are constants of the rover then, because a steered wheel without
-//! scrub and trail measures its pivot's whole velocity, whichever way it points.
+//! scrub and trail measures its pivot's whole velocity, whichever way it points. Robust fits start from there.
 
 #[cfg(test)]
 mod tests;
 
-use super::forward;
 use super::inverse::all_within;
+use super::{forward, robust};
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
@@ -38,6 +38,7 @@ pub(crate) struct Plan<'a> {
     weights: Vec<f64>,
     rank: usize,
     sigma_min: f64,
+    robust: Option<robust::Plan>,
 }
 
 /// Where the results go, one row per reading.
@@ -62,7 +63,7 @@ impl<'a> Plan<'a> {
         let readings = rover.read(at_rest, &mut readings);
         let mut weights = vec![1.0; wheels.len()];
         let solution = match method {
-            Method::LeastSquares => solution,
+            Method::LeastSquares | Method::Robust => solution,
             Method::MiddleWheels => {
                 rover
                     .estimate(readings, at_rest, method, unseen, &mut weights)
@@ -70,7 +71,10 @@ impl<'a> Plan<'a> {
                 let normal = rover.normal(readings, |i| weights[i]);
                 rover.solution(normal, unseen).ok()?
             }
-            Method::Robust => return None,
+        };
+        let robust = match method {
+            Method::Robust => Some(robust::Plan::new(rover, &solution)?),
+            _ => None,
         };
         let (rank, sigma_min) = rover.singular_values(readings, &weights);
         let part = |(wheel, mount): (&crate::Wheel, &Mount)| {
@@ -93,6 +97,7 @@ impl<'a> Plan<'a> {
             weights,
             rank,
             sigma_min,
+            robust,
         })
     }
 
@@ -104,7 +109,7 @@ impl<'a> Plan<'a> {
         fits: &mut Fits<'_>,
     ) -> Option<Result<(), Error>> {
         let joints = self.rover.steered().len();
-        with_columns(joints + 2 * self.parts.len(), |columns| {
+        with_columns(joints + 3 * self.parts.len(), |columns| {
             level.run(Solve {
                 plan: self,
                 log,
@@ -119,7 +124,7 @@ struct Solve<'a, 'b> {
     plan: &'a Plan<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
-    /// One per steering angle, one per speed and one per residual.
+    /// One per steering angle, and one per speed, residual and weight.
     columns: &'a mut [Column],
 }
 
@@ -136,7 +141,8 @@ impl Kernel for Solve<'_, '_> {
             weights,
         } = self.fits;
         let (steering, rest) = self.columns.split_at_mut(joints);
-        let (speeds, residuals) = rest.split_at_mut(wheels);
+        let (speeds, rest) = rest.split_at_mut(wheels);
+        let (residuals, says) = rest.split_at_mut(wheels);
         let mut twists = [Column::ZERO; 3];
         for (b, fits) in fits.chunks_mut(BLOCK).enumerate() {
             let (first, count) = (b * BLOCK, fits.len());
@@ -146,8 +152,23 @@ impl Kernel for Solve<'_, '_> {
             ];
             unweave(simd, rows[0], steering);
             unweave(simd, rows[1], speeds);
-            forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
-            disagree(simd, plan, steering, speeds, &twists, residuals);
+            let [mut sigmas, mut doubts] = [Column::ZERO; 2];
+            let mut sure = true;
+            if let Some(robust) = &plan.robust {
+                let mut found = robust::Found {
+                    twists: &mut twists,
+                    residuals,
+                    weights: says,
+                    sigma_min: &mut sigmas,
+                    doubts: &mut doubts,
+                };
+                sure = robust::solve_block(simd, robust, steering, speeds, count, &mut found);
+                let weights = &mut weights[first * wheels..(first + count) * wheels];
+                weave(simd, says, weights);
+            } else {
+                forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
+                disagree(simd, plan, steering, speeds, &twists, residuals);
+            }
             weave(
                 simd,
                 residuals,
@@ -159,9 +180,14 @@ impl Kernel for Solve<'_, '_> {
                     rank: plan.rank,
                     sigma_min: plan.sigma_min,
                 };
-                row_mut(weights, wheels, first + k).copy_from_slice(&plan.weights);
+                if plan.robust.is_some() {
+                    fit.sigma_min = sigmas.0[k];
+                } else {
+                    row_mut(weights, wheels, first + k).copy_from_slice(&plan.weights);
+                }
             }
-            let usual = all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
+            let usual = sure
+                && all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
                 && all_within(simd, rows[1], forward::LARGEST_SPEED);
             if usual {
                 continue;
@@ -174,7 +200,8 @@ impl Kernel for Solve<'_, '_> {
                 };
                 let within =
                     |values: &[f64], largest| values.iter().all(|value| value.abs() <= largest);
-                if within(measured.steering, LARGEST_ANGLE / 2.0)
+                if doubts.0[k] == 0.0
+                    && within(measured.steering, LARGEST_ANGLE / 2.0)
                     && within(measured.speeds, forward::LARGEST_SPEED)
                 {
                     continue;
