@@ -31,6 +31,7 @@ pub use calls::rows::{forward, inverse};
 pub use calls::singly::{fill, fit, sensitivity};
 pub use calls::twists::{admissible, project};
 pub(crate) use formulas::cone::Cone;
+pub use formulas::fit::Fits;
 pub use formulas::maps::Map;
 pub use formulas::rollout_cost::{Costs, rollout_cost};
 pub use machine::level::Level;

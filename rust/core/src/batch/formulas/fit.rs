@@ -41,11 +41,37 @@ pub(crate) struct Plan<'a> {
     robust: Option<robust::Plan>,
 }
 
-/// Where the results go, one row per reading.
-pub(crate) struct Fits<'a> {
-    pub fits: &'a mut [Fit],
+/// Where the results go, one row per reading: see [`Fit`], and a number per wheel.
+pub struct Fits<'a> {
+    /// Estimates.
+    pub twists: &'a mut [[f64; 3]],
+    /// Numbers of independent directions.
+    pub ranks: &'a mut [i64],
+    /// Smallest singular values.
+    pub sigmas: &'a mut [f64],
+    /// Residuals [m/s].
     pub residual: &'a mut [f64],
+    /// Say of each wheel.
     pub weights: &'a mut [f64],
+}
+
+impl Fits<'_> {
+    /// The result of one row, and room for what it says of its wheels.
+    pub(in crate::batch) fn one(
+        &mut self,
+        k: usize,
+        wheels: usize,
+        solve: impl FnOnce(&mut [f64], &mut [f64]) -> Result<Fit, Error>,
+    ) -> Result<(), Error> {
+        let (residual, weights) = (
+            row_mut(self.residual, wheels, k),
+            row_mut(self.weights, wheels, k),
+        );
+        let fit = solve(residual, weights)?;
+        self.twists[k] = fit.twist.into();
+        (self.ranks[k], self.sigmas[k]) = (fit.rank as i64, fit.sigma_min);
+        Ok(())
+    }
 }
 
 impl<'a> Plan<'a> {
@@ -135,24 +161,25 @@ impl Kernel for Solve<'_, '_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (plan, log) = (self.plan, self.log);
         let (joints, wheels) = (plan.rover.steered().len(), plan.parts.len());
-        let Fits {
-            fits,
-            residual,
-            weights,
-        } = self.fits;
         let (steering, rest) = self.columns.split_at_mut(joints);
         let (speeds, rest) = rest.split_at_mut(wheels);
         let (residuals, says) = rest.split_at_mut(wheels);
         let mut twists = [Column::ZERO; 3];
-        for (b, fits) in fits.chunks_mut(BLOCK).enumerate() {
-            let (first, count) = (b * BLOCK, fits.len());
+        for (says, weight) in says.iter_mut().zip(&plan.weights) {
+            says.0.fill(*weight);
+        }
+        let rows = self.fits.twists.len();
+        for first in (0..rows).step_by(BLOCK) {
+            let count = BLOCK.min(rows - first);
+            let at = first..first + count;
+            let of_wheels = first * wheels..(first + count) * wheels;
             let rows = [
                 &log.steering[first * joints..(first + count) * joints],
                 &log.speeds[first * wheels..(first + count) * wheels],
             ];
             unweave(simd, rows[0], steering);
             unweave(simd, rows[1], speeds);
-            let [mut sigmas, mut doubts] = [Column::ZERO; 2];
+            let [mut sigmas, mut doubts] = [Column([plan.sigma_min; BLOCK]), Column::ZERO];
             let mut sure = true;
             if let Some(robust) = &plan.robust {
                 let mut found = robust::Found {
@@ -163,36 +190,26 @@ impl Kernel for Solve<'_, '_> {
                     doubts: &mut doubts,
                 };
                 sure = robust::solve_block(simd, robust, steering, speeds, count, &mut found);
-                let weights = &mut weights[first * wheels..(first + count) * wheels];
-                weave(simd, says, weights);
             } else {
                 forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
                 disagree(simd, plan, steering, speeds, &twists, residuals);
             }
             weave(
                 simd,
-                residuals,
-                &mut residual[first * wheels..(first + count) * wheels],
+                &twists,
+                self.fits.twists[at.clone()].as_flattened_mut(),
             );
-            for (k, fit) in fits.iter_mut().enumerate() {
-                *fit = Fit {
-                    twist: [0, 1, 2].map(|part: usize| twists[part].0[k]).into(),
-                    rank: plan.rank,
-                    sigma_min: plan.sigma_min,
-                };
-                if plan.robust.is_some() {
-                    fit.sigma_min = sigmas.0[k];
-                } else {
-                    row_mut(weights, wheels, first + k).copy_from_slice(&plan.weights);
-                }
-            }
+            weave(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
+            weave(simd, says, &mut self.fits.weights[of_wheels]);
+            self.fits.ranks[at.clone()].fill(plan.rank as i64);
+            self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
             let usual = sure
                 && all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
                 && all_within(simd, rows[1], forward::LARGEST_SPEED);
             if usual {
                 continue;
             }
-            for (k, fit) in fits.iter_mut().enumerate() {
+            for (k, doubt) in doubts.0.iter().enumerate().take(count) {
                 let measured = Measured {
                     steering: row(rows[0], joints, k),
                     speeds: row(rows[1], wheels, k),
@@ -200,19 +217,18 @@ impl Kernel for Solve<'_, '_> {
                 };
                 let within =
                     |values: &[f64], largest| values.iter().all(|value| value.abs() <= largest);
-                if doubts.0[k] == 0.0
+                if *doubt == 0.0
                     && within(measured.steering, LARGEST_ANGLE / 2.0)
                     && within(measured.speeds, forward::LARGEST_SPEED)
                 {
                     continue;
                 }
-                let at = first + k;
-                let (residual, weights) =
-                    (row_mut(residual, wheels, at), row_mut(weights, wheels, at));
-                *fit = plan
-                    .rover
-                    .fit(measured, plan.method, plan.unseen, residual, weights)
-                    .map_err(|error| error.at_row(at))?;
+                let solve = |residual: &mut [f64], weights: &mut [f64]| {
+                    let (method, unseen) = (plan.method, plan.unseen);
+                    plan.rover.fit(measured, method, unseen, residual, weights)
+                };
+                let solved = self.fits.one(first + k, wheels, solve);
+                solved.map_err(|error| error.at_row(first + k))?;
             }
         }
         Ok(())

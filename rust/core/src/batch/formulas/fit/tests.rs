@@ -4,7 +4,7 @@ use crate::admissible::tests::Numbers;
 use crate::batch::machine::table::row_mut;
 use crate::batch::{self, Log};
 use crate::error::Error;
-use crate::estimate::{Fit, Method, Unseen};
+use crate::estimate::{Method, Unseen};
 use crate::geometry::Twist;
 use crate::rover::Inputs;
 
@@ -24,28 +24,28 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
             speeds: &speeds,
             steering_rates: None,
         };
-        let none = Fit {
-            twist: Twist::default(),
-            rank: 0,
-            sigma_min: 0.0,
-        };
-        let mut fits = vec![none; count];
+        let (mut twists, mut ranks, mut sigmas) =
+            (vec![[0.0; 3]; count], vec![0; count], vec![0.0; count]);
         let [mut residual, mut weights] = [vec![0.0; count * wheels], vec![0.0; count * wheels]];
         let done = batch::fit(
             &rover,
             log,
             method,
             Unseen::Refuse,
-            &mut fits,
-            &mut residual,
-            &mut weights,
+            batch::Fits {
+                twists: &mut twists,
+                ranks: &mut ranks,
+                sigmas: &mut sigmas,
+                residual: &mut residual,
+                weights: &mut weights,
+            },
             batch::Workers {
                 level: batch::Level::best(),
                 ..batch::Workers::PLAIN
             },
         );
         let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
-        for (k, fit) in fits.iter().enumerate() {
+        for k in 0..count {
             let measured = log.row(&rover, k);
             let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says)
             {
@@ -61,13 +61,13 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
                     .iter()
                     .fold(1.0, |most: f64, v| most.max(v.abs()));
             let near = |a: f64, b: f64| (a - b).abs() <= size / expected.sigma_min.min(1.0);
-            let (a, b): ([f64; 3], [f64; 3]) = (fit.twist.into(), expected.twist.into());
+            let (a, b): ([f64; 3], [f64; 3]) = (twists[k], expected.twist.into());
             assert!(
                 a.into_iter().zip(b).all(|(a, b)| near(a, b)),
-                "{fit:?} {expected:?} {rover:?}"
+                "{a:?} {expected:?} {rover:?}"
             );
-            assert_eq!(fit.rank, expected.rank);
-            assert!((fit.sigma_min - expected.sigma_min).abs() <= 1e-13);
+            assert_eq!(ranks[k], expected.rank as i64);
+            assert!((sigmas[k] - expected.sigma_min).abs() <= 1e-13);
             assert_eq!(weights[row.clone()], says);
             assert!(residual[row].iter().zip(&slips).all(|(a, b)| near(*a, *b)));
         }
@@ -116,12 +116,8 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
             steering_rates: None,
         };
         for level in batch::Level::available() {
-            let none = Fit {
-                twist: Twist::default(),
-                rank: 0,
-                sigma_min: 0.0,
-            };
-            let mut fits = vec![none; count];
+            let (mut twists, mut ranks, mut sigmas) =
+                (vec![[0.0; 3]; count], vec![0; count], vec![0.0; count]);
             let [mut residual, mut weights] =
                 [vec![0.0; count * wheels], vec![0.0; count * wheels]];
             let workers = batch::Workers {
@@ -134,13 +130,17 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
                 log,
                 method,
                 Unseen::Refuse,
-                &mut fits,
-                &mut residual,
-                &mut weights,
+                batch::Fits {
+                    twists: &mut twists,
+                    ranks: &mut ranks,
+                    sigmas: &mut sigmas,
+                    residual: &mut residual,
+                    weights: &mut weights,
+                },
                 workers,
             );
             let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
-            for (k, fit) in fits.iter().enumerate() {
+            for k in 0..count {
                 let measured = log.row(&rover, k);
                 let expected =
                     match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
@@ -156,13 +156,13 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
                     .fold(1.0, |most: f64, v| most.max(v.abs()));
                 let weight = 1e-10 / expected.sigma_min.powi(2).min(1.0);
                 let near = |a: f64, b: f64| (a - b).abs() <= weight * largest;
-                let (a, b): ([f64; 3], [f64; 3]) = (fit.twist.into(), expected.twist.into());
+                let (a, b): ([f64; 3], [f64; 3]) = (twists[k], expected.twist.into());
                 assert!(
                     a.into_iter().zip(b).all(|(a, b)| near(a, b)),
-                    "{k} {level:?} {fit:?} {expected:?} {rover:?}"
+                    "{k} {level:?} {a:?} {expected:?} {rover:?}"
                 );
-                assert_eq!(fit.rank, expected.rank);
-                assert!((fit.sigma_min - expected.sigma_min).abs() <= weight);
+                assert_eq!(ranks[k], expected.rank as i64);
+                assert!((sigmas[k] - expected.sigma_min).abs() <= weight);
                 let says = says.iter().zip(&weights[row.clone()]);
                 assert!(says.into_iter().all(|(a, b)| (a - b).abs() <= weight));
                 let slips = slips.iter().zip(&residual[row]);
