@@ -90,7 +90,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         let (mut need, mut part) = (zero, one);
         let (mut least, mut most) = (one, number(-1.0));
         let mut side = zero;
-        for joint in &self.joints {
+        for joint in &self.turning {
             let (ax, ay) = (
                 times(simd, &joint.along, &before),
                 times(simd, &joint.across, &before),

@@ -37,7 +37,9 @@ pub(super) struct Toward<R, const M: usize> {
 
 /// A rover for rollouts of one kind of number.
 pub(crate) struct Model<R, const M: usize> {
-    pub(super) joints: Vec<Wheel<R, M>>,
+    joints: Vec<Wheel<R, M>>,
+    /// Those that turn in their own way: a wheel and its mirror image ask for the same time.
+    pub(super) turning: Vec<Wheel<R, M>>,
     pub(super) facts: Vec<Joint>,
     /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
     pub(super) per_turn: Option<R>,
@@ -111,6 +113,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         let same = facts.speeding == facts.slowing;
         Self {
             joints: facts.joints.iter().map(Wheel::of).collect(),
+            turning: own_ways(&facts.joints).map(Wheel::of).collect(),
             facts: facts.joints.clone(),
             per_turn,
             gaps: facts.gaps.iter().map(gap).collect(),
@@ -156,6 +159,20 @@ impl<R: Real, const M: usize> Model<R, M> {
         }
         turning_time(worst, self.rate, self.acceleration)
     }
+}
+
+/// The joints, without those that turn as an earlier one does, or as its mirror image.
+fn own_ways(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
+    let alike = |a: &[f64], b: &[f64]| {
+        let pairs = || a.iter().zip(b);
+        pairs().all(|(a, b)| a == b) || pairs().all(|(a, b)| *a == -b)
+    };
+    joints.iter().enumerate().filter_map(move |(k, joint)| {
+        let same = |other: &Joint| {
+            alike(&joint.along, &other.along) && alike(&joint.across, &other.across)
+        };
+        (!joints[..k].iter().any(same)).then_some(joint)
+    })
 }
 
 /// Time of a turn from rest to rest [s].
