@@ -1,27 +1,33 @@
-//! Robust fits of whole registers of readings: the rounds of [`Rover::fit`], in every lane until it has settled.
+//! Robust fits of whole registers of readings: the rounds of [`Rover::fit`], until all rows of a block have settled.
 //!
 //! A steered wheel without scrub and trail measures its pivot's whole velocity, so what a wheel adds to the normal
 //! equations is a constant of the rover times its weight; the rounds need no angle.
 
+mod rounds;
+
 use nalgebra::{Matrix3, Vector3};
+use rounds::{Rounds, squares};
 
 use super::cone::dot;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::sin_cos;
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::Column;
-use crate::estimate::{MEDIANS, NOISE, ROUNDS, SETTLED};
+use crate::batch::machine::weave::{BLOCK, Column};
+use crate::estimate::{NOISE, ROUNDS};
 use crate::rover::{Mount, Rover};
 use crate::wheels::Wheel;
+
+/// Lanes at most.
+const LANES: usize = 8;
+
+/// Rounds after which the rows that have not settled yet are put together anew: some take three times as many as most.
+const PHASE: usize = 10;
 
 /// Wheels at most: their registers are sorted by comparing neighbours.
 const MOST: usize = 8;
 
 /// Sums of squares of rim speeds that neither overflow nor lose digits [m²/s²].
 const SQUARES: [f64; 2] = [1e-200, 1e200];
-
-/// Pivot of the normal equations, as a share of their trace, that surely determines a direction.
-const DETERMINED: f64 = 1e-10;
 
 /// Smallest eigenvalue of the weighted rows, as a share of the largest, whose root is exact to 1e-12. Below it, the plain
 /// core.
@@ -104,6 +110,17 @@ pub(super) struct Found<'a> {
     pub doubts: &'a mut Column,
 }
 
+/// Rows of a block on their way.
+struct Block {
+    /// What each wheel reads along its rows [m/s].
+    seen: [[Column; 2]; MOST],
+    unknowns: [Column; 3],
+    weights: [Column; MOST],
+    /// Noise at least, and scale of the last round [m/s].
+    least: Column,
+    scale: Column,
+}
+
 /// Fits the first `count` rows of a block. Whether that was all.
 #[inline(always)]
 pub(super) fn solve_block<S: Vector>(
@@ -115,58 +132,101 @@ pub(super) fn solve_block<S: Vector>(
     found: &mut Found<'_>,
 ) -> bool {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let mut all = zero.at_most(zero);
-    for k in 0..count.div_ceil(S::F64_LANES) {
-        let fit = fit(simd, plan, steering, speeds, k);
-        let [x, y, z] = fit.unknowns;
-        let omega = z * Lanes::splat(simd, 1.0 / plan.size);
-        let [cx, cy] = plan.centre.map(|part| Lanes::splat(simd, part));
-        let twist = [x + omega * cy, y - omega * cx, omega];
-        for (column, part) in found.twists.iter_mut().zip(twist) {
-            column.store(k, part);
-        }
-        let columns = found.residuals.iter_mut().zip(found.weights.iter_mut());
-        for (i, (residual, weight)) in columns.enumerate() {
-            residual.store(k, fit.squares[i].sqrt());
-            weight.store(k, fit.weights[i]);
-        }
-        let (least, sure) = smallest(simd, plan, &fit.weights);
-        let sure = fit.sure & sure;
-        found.sigma_min.store(k, least.sqrt());
+    let mut rows = Block {
+        seen: [[Column::ZERO; 2]; MOST],
+        unknowns: [Column::ZERO; 3],
+        weights: [Column([1.0; BLOCK]); MOST],
+        least: Column::ZERO,
+        scale: Column([f64::INFINITY; BLOCK]),
+    };
+    let registers = count.div_ceil(S::F64_LANES);
+    for k in 0..registers {
+        let sure = begin(simd, plan, steering, speeds, k, &mut rows);
         found.doubts.store(k, sure.select(zero, one));
-        all = all & sure;
+    }
+    let mut active = [0; BLOCK];
+    let mut left = 0;
+    for row in 0..count {
+        if found.doubts.0[row] == 0.0 {
+            active[left] = row;
+            left += 1;
+        }
+    }
+    for _ in 0..ROUNDS / PHASE {
+        let mut kept = 0;
+        for first in (0..left).step_by(2 * S::F64_LANES) {
+            let mut chosen = [0; 2 * LANES];
+            let chunk = &active[first..left.min(first + 2 * S::F64_LANES)];
+            chosen[..chunk.len()].copy_from_slice(chunk);
+            let length = chunk.len();
+            let mut pair = [
+                Rounds::load(simd, plan, &rows, &chosen[..S::F64_LANES], length),
+                Rounds::load(
+                    simd,
+                    plan,
+                    &rows,
+                    &chosen[S::F64_LANES..2 * S::F64_LANES],
+                    length.saturating_sub(S::F64_LANES),
+                ),
+            ];
+            for _ in 0..PHASE {
+                for rounds in &mut pair {
+                    rounds.round(simd, plan);
+                }
+                if !(pair[0].active | pair[1].active).any() {
+                    break;
+                }
+            }
+            let mut marks = [[0.0; LANES]; 4];
+            for (half, rounds) in pair.iter().enumerate() {
+                let of = &chosen[half * S::F64_LANES
+                    ..length.clamp(half * S::F64_LANES, (half + 1) * S::F64_LANES)];
+                rounds.store(plan, &mut rows, of);
+                for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
+                    let lanes = mask.select(one, zero);
+                    lanes.store(S::as_mut_simd_f64s(&mut marks[mark + half]).0, 0);
+                }
+            }
+            for (j, row) in chosen.into_iter().enumerate().take(length) {
+                let (half, lane) = (j / S::F64_LANES, j % S::F64_LANES);
+                if marks[2 + half][lane] != 0.0 {
+                    found.doubts.0[row] = 1.0;
+                } else if marks[half][lane] != 0.0 {
+                    // Not further than where it was read from.
+                    active[kept] = row;
+                    kept += 1;
+                }
+            }
+        }
+        left = kept;
+        if left == 0 {
+            break;
+        }
+    }
+    let mut all = zero.at_most(zero);
+    for k in 0..registers {
+        all = all & finish(simd, plan, &rows, k, found);
     }
     !(!all).any()
 }
 
-struct Fit<S: Vector> {
-    /// About the centre of the pivots, the last one a speed.
-    unknowns: [Lanes<S>; 3],
-    /// Squared residuals [m²/s²].
-    squares: [Lanes<S>; MOST],
-    weights: [Lanes<S>; MOST],
-    sure: Mask<S>,
-}
-
-/// One register of rows.
+/// What a register of rows starts from: every wheel alike. Where the readings are of a usual size.
 #[inline(always)]
-fn fit<S: Vector>(
+fn begin<S: Vector>(
     simd: S,
     plan: &Plan,
     steering: &[Column],
     speeds: &[Column],
     k: usize,
-) -> Fit<S> {
+    rows: &mut Block,
+) -> Mask<S> {
     let splat = |number| Lanes::splat(simd, number);
-    let (zero, one) = (splat(0.0), splat(1.0));
-    let count = plan.wheels.len();
-    let mut seen = [[zero; 2]; MOST];
-    let mut moments = [[zero; 3]; MOST];
+    let zero = splat(0.0);
     let mut sum = [zero; 3];
     let (mut rolling, mut joint) = (zero, 0);
     for (i, wheel) in plan.wheels.iter().enumerate() {
         let rolled = speeds[i].load(simd, k) * splat(wheel.radius);
-        seen[i] = match wheel.heading {
+        let seen = match wheel.heading {
             Some(heading) => {
                 let (sin, cos) = sin_cos(simd, steering[joint].load(simd, k) + splat(heading));
                 joint += 1;
@@ -176,117 +236,72 @@ fn fit<S: Vector>(
             None => [rolled, zero],
         };
         rolling = rolled.mul_add(rolled, rolling);
-        let [along, across] = wheel.rows;
-        for part in 0..3 {
-            let moment = seen[i][1] * splat(across[part]);
-            moments[i][part] = seen[i][0].mul_add(splat(along[part]), moment);
-            sum[part] = sum[part] + moments[i][part];
+        for (sum, moment) in sum.iter_mut().zip(wheel.moment(simd, seen)) {
+            *sum = *sum + moment;
         }
+        rows.seen[i][0].store(k, seen[0]);
+        rows.seen[i][1].store(k, seen[1]);
     }
-    let least_noise = (rolling * splat(1.0 / count as f64)).sqrt() * splat(NOISE);
+    for (unknown, row) in rows.unknowns.iter_mut().zip(&plan.solution) {
+        unknown.store(k, dot(simd, row, sum));
+    }
+    let mean = rolling * splat(1.0 / plan.wheels.len() as f64);
+    rows.least.store(k, mean.sqrt() * splat(NOISE));
     let [tiny, huge] = SQUARES.map(splat);
-    let rests = rolling.at_most(zero);
-    let mut sure = rests | (tiny.at_most(rolling) & rolling.at_most(huge));
-    let mut unknowns = [zero; 3];
-    for (unknown, row) in unknowns.iter_mut().zip(&plan.solution) {
-        *unknown = dot(simd, row, sum);
-    }
-    let mut weights = [one; MOST];
-    let mut scale = splat(f64::INFINITY);
-    let mut active = sure;
-    for round in 0..ROUNDS {
-        let squares = squares(simd, plan, &seen, &unknowns);
-        let mut sorted = squares;
-        for last in 1..count {
-            for at in (1..=last).rev() {
-                let (low, high) = (sorted[at - 1], sorted[at]);
-                (sorted[at - 1], sorted[at]) = (low.min(high), low.max(high));
-            }
-        }
-        let upper = sorted[count / 2].sqrt();
-        let median = if count % 2 == 1 {
-            upper
-        } else {
-            (sorted[count / 2 - 1].sqrt() + upper) * splat(0.5)
-        };
-        let noise = (median * splat(MEDIANS)).max(least_noise);
-        if round == 0 {
-            scale = sorted[count - 1].sqrt().max(least_noise);
-        }
-        scale = scale.min(noise.max(scale * splat(0.5)));
-        // Where nothing disagrees at all, nothing is weighed.
-        active = active & zero.below(scale);
-        let per_square = one.quotient(scale * scale);
-        let mut change = zero;
-        let (mut normal, mut right) = ([zero; 6], [zero; 3]);
-        for (i, wheel) in plan.wheels.iter().enumerate() {
-            let ratio = squares[i].mul_add(per_square, one);
-            let next = active.select(one.quotient(ratio * ratio), weights[i]);
-            change = change.max((next - weights[i]).abs());
-            weights[i] = next;
-            for (sum, part) in normal.iter_mut().zip(wheel.normal) {
-                *sum = next.mul_add(splat(part), *sum);
-            }
-            for (sum, part) in right.iter_mut().zip(moments[i]) {
-                *sum = next.mul_add(part, *sum);
-            }
-        }
-        let (solved, determined) = solve(simd, normal, right);
-        sure = sure & (determined | !active);
-        for (unknown, solved) in unknowns.iter_mut().zip(solved) {
-            *unknown = active.select(solved, *unknown);
-        }
-        active = active & sure & splat(SETTLED).below(change);
-        if !active.any() {
-            break;
-        }
-    }
-    Fit {
-        squares: squares(simd, plan, &seen, &unknowns),
-        unknowns,
-        weights,
-        sure,
-    }
+    rolling.at_most(zero) | (tiny.at_most(rolling) & rolling.at_most(huge))
 }
 
-/// Squared residuals.
+/// What a register of rows has come to; where it is sure.
 #[inline(always)]
-fn squares<S: Vector>(
+fn finish<S: Vector>(
     simd: S,
     plan: &Plan,
-    seen: &[[Lanes<S>; 2]; MOST],
-    unknowns: &[Lanes<S>; 3],
-) -> [Lanes<S>; MOST] {
-    let mut squares = [Lanes::splat(simd, 0.0); MOST];
-    for (i, wheel) in plan.wheels.iter().enumerate() {
-        let along = dot(simd, &wheel.rows[0], *unknowns) - seen[i][0];
-        let across = dot(simd, &wheel.rows[1], *unknowns) - seen[i][1];
-        squares[i] = along.mul_add(along, across * across);
+    rows: &Block,
+    k: usize,
+    found: &mut Found<'_>,
+) -> Mask<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    let unknowns = super::steered::load(simd, &rows.unknowns, k);
+    let [x, y, z] = unknowns;
+    let omega = z * Lanes::splat(simd, 1.0 / plan.size);
+    let [cx, cy] = plan.centre.map(|part| Lanes::splat(simd, part));
+    let twist = [x + omega * cy, y - omega * cx, omega];
+    for (column, part) in found.twists.iter_mut().zip(twist) {
+        column.store(k, part);
     }
-    squares
+    let (mut seen, mut weights) = ([[zero; 2]; MOST], [zero; MOST]);
+    for i in 0..plan.wheels.len() {
+        let [a, b] = &rows.seen[i];
+        (seen[i], weights[i]) = (
+            [a.load(simd, k), b.load(simd, k)],
+            rows.weights[i].load(simd, k),
+        );
+    }
+    let squares = squares(simd, plan, &seen, &unknowns);
+    let columns = found.residuals.iter_mut().zip(found.weights.iter_mut());
+    for (i, (residual, weight)) in columns.enumerate() {
+        residual.store(k, squares[i].sqrt());
+        weight.store(k, weights[i]);
+    }
+    let (least, exact) = smallest(simd, plan, &weights);
+    found.sigma_min.store(k, least.sqrt());
+    let sure = exact & found.doubts.load(simd, k).at_most(zero);
+    let one = Lanes::splat(simd, 1.0);
+    found.doubts.store(k, sure.select(zero, one));
+    sure
 }
 
-/// The solution of normal equations `00 01 02 11 12 22`, and where they surely have one.
-#[inline(always)]
-fn solve<S: Vector>(
-    simd: S,
-    [a, b, c, d, e, f]: [Lanes<S>; 6],
-    [x, y, z]: [Lanes<S>; 3],
-) -> ([Lanes<S>; 3], Mask<S>) {
-    let one = Lanes::splat(simd, 1.0);
-    let least = (a + d + f) * Lanes::splat(simd, DETERMINED);
-    let first = one.quotient(a);
-    let (l10, l20) = (b * first, c * first);
-    let second = d - l10 * b;
-    let (per_second, m) = (one.quotient(second), e - l20 * b);
-    let l21 = m * per_second;
-    let third = f - l20 * c - l21 * m;
-    let y = y - l10 * x;
-    let z = (z - l20 * x - l21 * y).quotient(third);
-    let y = y * per_second - l21 * z;
-    let x = x * first - l10 * y - l20 * z;
-    let sure = least.below(a) & least.below(second) & least.below(third);
-    ([x, y, z], sure)
+impl Rows {
+    /// What it adds to the right-hand side.
+    #[inline(always)]
+    fn moment<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
+        let mut moment = [seen[0]; 3];
+        for (part, moment) in moment.iter_mut().enumerate() {
+            let across = seen[1] * Lanes::splat(simd, self.rows[1][part]);
+            *moment = seen[0].mul_add(Lanes::splat(simd, self.rows[0][part]), across);
+        }
+        moment
+    }
 }
 
 /// Smallest eigenvalue of the weighted rows of the twist itself, by rotations, and where its root is exact.
