@@ -31,6 +31,8 @@ pub(crate) struct Begin {
     pub angles: Vec<f64>,
     /// Heading of the components' axes [rad].
     pub heading: f64,
+    /// Whether somebody asks for the headings of the steps.
+    pub headings: bool,
     /// How often a step's turn is halved for the polynomials, and whether few terms do.
     pub halvings: u32,
     pub few: bool,
@@ -74,51 +76,55 @@ pub(super) struct State<S: Vector, R: Real, const M: usize> {
 }
 
 impl<R: Real, const M: usize> Model<R, M> {
-    /// Drives a block of rollouts by their wishes `[step][component][rollout]`, and adds to their costs what the motion
-    /// itself costs. With `record`, the motions are written there too.
+    /// Rollouts that are driven at once.
+    pub fn abreast<S: Vector>() -> usize {
+        Reg::<S, R>::lanes()
+    }
+
+    /// Drives the rollouts from `at` on, as many as go abreast, by their wishes `[step][component][rollout]`, and adds to
+    /// their costs what the motion itself costs. With `record`, the motions are written there too.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // where they are, the wishes, the results
     pub fn drive<S: Vector>(
         &self,
         simd: S,
         begin: &Begin,
+        at: usize,
         wishes: &[R],
         track: &mut [R],
         costs: &mut [R],
         mut record: Option<&mut [R]>,
     ) {
-        let lanes = Reg::<S, R>::lanes();
         let steps = wishes.len() / (M * BLOCK);
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let (sin, cos) = begin.heading.sin_cos();
-        for at in (0..BLOCK).step_by(lanes) {
-            let mut state = State {
-                motion: splat(simd, &begin.motion),
-                setting: splat(simd, &begin.setting),
-                busy: number(if begin.loose { -1.0 } else { 0.0 }),
-                place: [number(0.0); 2],
-                heading: [number(cos), number(sin)],
-                cost: number(0.0),
-            };
-            for t in 0..steps {
-                let mut wish = [number(0.0); M];
-                for (k, wish) in wish.iter_mut().enumerate() {
-                    *wish = Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..]);
-                }
-                self.step(simd, begin, &mut state, wish);
-                self.move_on(simd, begin, &mut state);
-                let [x, y] = state.place;
-                let [c, s] = state.heading;
-                for (k, value) in [x, y, c, s].into_iter().enumerate() {
-                    value.store(&mut track[(t * TRACK + k) * BLOCK + at..]);
-                }
-                if let Some(record) = record.as_deref_mut() {
-                    for (k, value) in state.motion.into_iter().enumerate() {
-                        value.store(&mut record[(t * M + k) * BLOCK + at..]);
-                    }
+        let mut state = State {
+            motion: splat(simd, &begin.motion),
+            setting: splat(simd, &begin.setting),
+            busy: number(if begin.loose { -1.0 } else { 0.0 }),
+            place: [number(0.0); 2],
+            heading: [number(cos), number(sin)],
+            cost: number(0.0),
+        };
+        for t in 0..steps {
+            let mut wish = [number(0.0); M];
+            for (k, wish) in wish.iter_mut().enumerate() {
+                *wish = Reg::load(simd, &wishes[(t * M + k) * BLOCK + at..]);
+            }
+            self.step(simd, begin, &mut state, wish);
+            self.move_on(simd, begin, &mut state);
+            let ([x, y], [c, s]) = (state.place, state.heading);
+            let kept = if begin.headings { TRACK } else { 2 };
+            for (k, value) in [x, y, c, s].into_iter().enumerate().take(kept) {
+                value.store(&mut track[(t * TRACK + k) * BLOCK + at..]);
+            }
+            if let Some(record) = record.as_deref_mut() {
+                for (k, value) in state.motion.into_iter().enumerate() {
+                    value.store(&mut record[(t * M + k) * BLOCK + at..]);
                 }
             }
-            state.cost.store(&mut costs[at..]);
         }
+        state.cost.store(&mut costs[at..]);
     }
 
     /// The motion of a step.

@@ -168,11 +168,16 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
             };
             noise::fill(simd, counter, M, self.steps, &mut self.room.noise);
             wish::<S, R, M>(simd, self.job, &self.room.noise, wishes, first);
-            let record = motions.next();
+            let mut record = motions.next();
             let track = tracks.next().unwrap_or(&mut self.room.track);
-            self.model
-                .drive(simd, &self.job.begin, wishes, track, costs, record);
-            self.judge.add(simd, track, costs);
+            let abreast = Model::<R, M>::abreast::<S>();
+            // Judged while they are in the first-level cache.
+            for at in (0..BLOCK).step_by(abreast) {
+                let (begin, record) = (&self.job.begin, record.as_deref_mut());
+                self.model
+                    .drive(simd, begin, at, wishes, track, costs, record);
+                self.judge.add(simd, track, costs, at..at + abreast);
+            }
         }
     }
 }
@@ -278,14 +283,11 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let mut costs = [R::default(); BLOCK];
-        self.model.drive(
-            simd,
-            self.begin,
-            self.wishes,
-            self.track,
-            &mut costs,
-            Some(self.motions),
-        );
+        for at in (0..BLOCK).step_by(Model::<R, M>::abreast::<S>()) {
+            let (begin, record) = (self.begin, Some(&mut *self.motions));
+            self.model
+                .drive(simd, begin, at, self.wishes, self.track, &mut costs, record);
+        }
     }
 }
 

@@ -95,6 +95,8 @@ impl Mppi {
         let motion = facts.motion(situation.twist);
         setting::begin(facts, motion, &self.situation.1, &mut job.begin);
         job.begin.heading = situation.pose[2] + facts.heading;
+        let aside = options.footprint.iter().any(|point| *point != [0.0; 2]);
+        job.begin.headings = job.has_path || aside;
         job.begin.effort = options.weights.effort * options.dt;
         job.begin.scrub = options.weights.scrub * options.dt;
         let fastest = fastest_turn(facts, job, &motion);
