@@ -137,7 +137,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         wish: [Reg<S, R>; M],
     ) {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
-        let (zero, one) = (number(0.0), number(1.0));
+        let zero = number(0.0);
         let before = state.motion;
         let mut wanted = wish;
         if !self.speeding.is_empty() || self.slowing.is_some() {
@@ -170,10 +170,8 @@ impl<R: Real, const M: usize> Model<R, M> {
         for part in &mut motion {
             *part = rests.select(zero, *part);
         }
-        let (mut late, mut share) = (zero.below(zero), [one; 2]);
         if let Some(per_turn) = self.per_turn {
-            (motion, late, share) =
-                self.steered(simd, begin, state, per_turn, wanted, motion, rests);
+            motion = self.steered(simd, begin, state, per_turn, wanted, motion, rests);
         }
         let mut over = largest(simd, &self.scaling, &motion);
         if let Some(lateral) = self.lateral {
@@ -186,12 +184,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             let square = motion[0].mul_add(motion[0], side * side);
             over = over.max((square * (yaw * yaw)).sqrt() * Reg::splat(simd, lateral));
         }
-        // The share that the joints leave and that which the limits leave, by one root: its square is over the larger of
-        // what they ask for.
-        let [part, whole] = share;
-        let asked = (over * (part * part)).max(whole * whole);
-        let whole = !late & !one.below(over);
-        let share = whole.select(one, part * asked.per_root());
+        let share = down_to_one(simd, over);
         for k in 0..M {
             state.motion[k] = motion[k] * share;
         }

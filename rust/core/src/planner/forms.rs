@@ -122,7 +122,7 @@ pub(super) fn lowered<S: Vector, R: Real, const M: usize>(
 #[inline(always)]
 pub(super) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::all(simd, 1.0);
-    one.below(square).select(square.per_root(), one)
+    one.over(square.max(one).sqrt())
 }
 
 #[inline(always)]

@@ -12,8 +12,6 @@ use crate::batch::machine::vector::Vector;
 
 type Truth<S, R> = Truths<S, R, ABREAST>;
 
-/// A motion, where it is slowed down, and by which fraction there.
-pub(super) type Slowed<S, R, const M: usize> = ([Reg<S, R>; M], Truth<S, R>, [Reg<S, R>; 2]);
 impl<R: Real, const M: usize> Model<R, M> {
     /// The nearest motion within the ranges.
     #[inline(always)]
@@ -67,7 +65,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         z
     }
 
-    /// What the joints let it be: a motion, where they are late, and a fraction that it is to be multiplied by there.
+    /// What the joints let it be.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
     pub(super) fn steered<S: Vector>(
@@ -79,7 +77,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         wanted: [Reg<S, R>; M],
         mut motion: [Reg<S, R>; M],
         rests: Truth<S, R>,
-    ) -> Slowed<S, R, M> {
+    ) -> [Reg<S, R>; M] {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let one = number(1.0);
@@ -116,24 +114,22 @@ impl<R: Real, const M: usize> Model<R, M> {
             turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
         }
         let low = lowered(simd, &self.metric, &turned);
-        let share = [
-            inner(&low, &wanted).max(zero),
-            inner(&low, &turned).max(tiny),
-        ];
-        let mut late = zero.below(kept) & !rests;
+        let share = inner(&low, &wanted)
+            .max(zero)
+            .over(inner(&low, &turned).max(tiny));
+        let late = zero.below(kept) & !rests;
         for k in 0..M {
-            motion[k] = late.select(turned[k], motion[k]);
+            motion[k] = late.select(turned[k] * share, motion[k]);
             state.setting[k] = rests.select(before[k], turned[k]);
         }
         let busy = zero.below(state.busy);
         let loose = state.busy.below(zero);
         let apart = !same | busy | loose;
         if apart.any() {
-            late = late & !apart;
             let why = [rests, same, busy, loose];
             motion = self.swing(simd, begin, state, before, wanted, motion, why);
         }
-        (motion, late, share.map(|part| late.select(part, one)))
+        motion
     }
 
     /// Stops, turns the joints on the spot, and goes on.

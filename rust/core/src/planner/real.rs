@@ -12,7 +12,7 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     type Register<S: Simd>: Copy;
     /// One truth value for each.
     type Truths<S: Simd>: Copy;
-    /// Smallest square a division may safely be by; what is one over it is safe, too.
+    /// Smallest square a division may safely be by.
     const TINY: f64;
 
     /// From here on up a number has no fraction: adding it brings a whole number into the lowest bits.
@@ -65,15 +65,13 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
         yes: Self::Register<S>,
         no: Self::Register<S>,
     ) -> Self::Register<S>;
-    /// [`Vector::rough`].
-    fn guess<S: Vector>(s: S, value: Self::Register<S>) -> Self::Register<S>;
 }
 
 macro_rules! real {
     ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
      $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, $xor:ident, $and:ident, $abs:ident, $sqrt:ident, $fused:ident, $below:ident,
-     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident, $rough:ident) => {
+     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident) => {
         impl Real for $real {
             type Register<S: Simd> = S::$register;
             type Truths<S: Simd> = S::$truths;
@@ -206,10 +204,6 @@ macro_rules! real {
             ) -> S::$register {
                 s.$select(mask, yes, no)
             }
-            #[inline(always)]
-            fn guess<S: Vector>(s: S, value: S::$register) -> S::$register {
-                s.$rough(value)
-            }
         }
     };
 }
@@ -242,8 +236,7 @@ real!(
     not_m64s,
     first_true_m64s,
     select_f64s,
-    corners,
-    rough
+    corners
 );
 real!(
     f32,
@@ -273,6 +266,5 @@ real!(
     not_m32s,
     first_true_m32s,
     select_f32s,
-    corners_single,
-    rough_single
+    corners_single
 );

@@ -172,29 +172,6 @@ impl<S: Simd, R: Real, const N: usize> Regs<S, R, N> {
     }
 }
 
-impl<S: Vector, R: Real, const N: usize> Regs<S, R, N> {
-    /// One over the root of a number up to 1 over [`Real::TINY`] and from that on, to the last few digits: two steps from a guess of the bits instead
-    /// of a root and a division, which take four times as long. The same at every level.
-    #[inline(always)]
-    pub fn per_root(self) -> Self {
-        let number = |value: f64| Self::all(self.simd, value);
-        let square = self.max(number(R::TINY)).min(number(1.0 / R::TINY));
-        let mut root = square;
-        for value in &mut root.values {
-            *value = R::guess(self.simd, *value);
-        }
-        let minus = number(-0.0);
-        for _ in 0..2 {
-            // With e = 1 - x y^2, it is y (1 - e)^(-1/2).
-            let off = (square * root).flip(minus).mul_add(root, number(1.0));
-            let series = off.mul_add(number(0.3125), number(0.375));
-            let series = series.mul_add(off, number(0.5));
-            root = (root * off).mul_add(series, root);
-        }
-        root
-    }
-}
-
 impl<S: Simd> Reg<S, f32> {
     /// Numbers of their bits.
     #[inline(always)]

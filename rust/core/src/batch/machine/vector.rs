@@ -51,28 +51,6 @@ pub(crate) trait Vector: Simd {
     /// Asks for the line of an address, which need not be one.
     fn fetch(self, address: *const f64);
 
-    /// One over the root of numbers that are positive and of a usual size, to 4 %: half their exponent, the other way
-    /// round.
-    ///
-    /// Source: C. Lomont, Fast inverse square root, 2003.
-    #[inline(always)]
-    fn rough(self, values: Self::f64s) -> Self::f64s {
-        let mut room = [0.0; 8];
-        Self::as_mut_simd_f64s(&mut room).0[0] = values;
-        for value in &mut room[..Self::F64_LANES] {
-            *value = f64::from_bits(ROUGH[0].wrapping_sub(value.to_bits() >> 1));
-        }
-        Self::as_simd_f64s(&room).0[0]
-    }
-
-    /// The same in single precision.
-    #[inline(always)]
-    fn rough_single(self, values: Self::f32s) -> Self::f32s {
-        let halved =
-            self.wrapping_dyn_shr_u32s(self.transmute_u32s_f32s(values), self.splat_u32s(1));
-        self.transmute_f32s_u32s(self.sub_u32s(self.splat_u32s(ROUGH[1] as u32), halved))
-    }
-
     /// Values of a grid, row after row, at whole places `[x, y]` that are in it with their neighbours: of each place
     /// and the next one in its row, and the two above.
     ///
@@ -128,9 +106,6 @@ pub(crate) trait Vector: Simd {
         [[a, b], [c, d]]
     }
 }
-
-/// Bits of a guess of one over the root of 1, so to speak, by which half the bits of a number are off.
-const ROUGH: [u64; 2] = [0x5FE6_EB50_C7B5_37A9, 0x5F37_5A86];
 
 #[inline(always)]
 fn around(values: &[f32], columns: usize, x: usize, y: usize) -> [f32; 4] {
@@ -311,14 +286,6 @@ mod x86 {
         #[inline(always)]
         fn spread(self, register: f64x8) -> f64x8 {
             pick(self, [register, register], [7; 8])
-        }
-
-        #[inline(always)]
-        fn rough(self, values: f64x8) -> f64x8 {
-            let simd = self.avx512f;
-            let halved = simd._mm512_srli_epi64::<1>(cast(values));
-            let from = simd._mm512_set1_epi64(super::ROUGH[0] as i64);
-            cast(simd._mm512_sub_epi64(from, halved))
         }
 
         const STREAMS: bool = true;
@@ -541,13 +508,6 @@ mod x86 {
         #[inline(always)]
         fn spread(self, register: f64x4) -> f64x4 {
             cast(self.avx2._mm256_permute4x64_pd::<0xFF>(cast(register)))
-        }
-
-        #[inline(always)]
-        fn rough(self, values: f64x4) -> f64x4 {
-            let halved = self.avx2._mm256_srli_epi64::<1>(cast(values));
-            let from = self.avx._mm256_set1_epi64x(super::ROUGH[0] as i64);
-            cast(self.avx2._mm256_sub_epi64(from, halved))
         }
 
         const STREAMS: bool = true;
