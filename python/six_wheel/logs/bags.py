@@ -117,7 +117,9 @@ class Bag:
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
             self.close()
             raise TableError(f"{self.path}: no topic has messages of the type {kinds}; the bag has {listed}")
-        names = sorted({c.topic for c in there})
+        # A recorder of everything lists topics on which nothing came.
+        spoken = {c.topic for c in there if c.msgcount} or {c.topic for c in there}
+        names = sorted({c.topic for c in there} if topics else spoken)
         wanted = set(topics or [])
         if topics is None:
             wanted = set(names) if len(names) == 1 else {n for n in names if usual and n.endswith(usual)}
@@ -125,7 +127,8 @@ class Bag:
         if unknown or not wanted:
             kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(names) or "none"
-            got = unknown[0] if unknown else "no choice"
+            option = "--truth-topic" if types == POSES else "--topic"
+            got = unknown[0] if unknown else f"no choice (say which with {option})"
             self.close()
             raise TableError(f"{self.path}: the topic must be one of {listed} ({kinds}), got {got}")
         self._topics = [c for c in there if c.topic in wanted]
