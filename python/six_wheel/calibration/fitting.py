@@ -59,9 +59,16 @@ class Problem:
         parts = [self.model.errors(drive, values) for drive in self.drives]
         return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
-    def linearised(self, values: Floats) -> "Problem":
-        """The same with errors that change evenly from those at `values` on."""
-        return replace(self, around=(values, *replace(self, around=None).errors(values)))
+    def linearised(self, values: Floats, scales: Floats) -> "Problem":
+        """The same with errors that change evenly from those at `values` on.
+
+        A heading that errs by chance makes ways shorter on the average, never longer: what the usual error of
+        the heading is taken to have cost each window is not held against the lengths.
+        """
+        errors, by = replace(self, around=None).errors(values)
+        lost = np.concatenate([self.model.shortened(drive, values) for drive in self.drives])
+        errors[:, :2] -= np.square(scales[self.which, 1])[:, None] / 2.0 * lost
+        return replace(self, around=(values, errors, by))
 
     def only(self, kept: Sequence[bool]) -> "Problem":
         """Some of the drives, with what is known of them."""
@@ -123,13 +130,15 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     scales = np.repeat(FIRST_SCALE * np.append(problem.lengths, problem.lengths[-1])[:, None], 2, axis=1)
     values = model.start.copy() if start is None else start.copy()
     if start is None and len(values):
-        values = _descend(problem, np.eye(len(values)), values, scales, hold=True, fine=False)
-    solution = _settle(problem.linearised(values), values, scales)
+        values = _descend(problem, np.eye(len(values)), values, scales, hold=1.0, fine=False)
+    errors, _ = problem.errors(values)
+    scales, _ = _scales(problem, errors, scales)
+    solution = _settle(problem.linearised(values, scales), values, scales)
     for _ in range(STEPS):
         moved = np.abs(solution.values - values)
         close = SETTLED * model.plausible * min(float(solution.spread.min(initial=1.0)), 1.0)
         values = solution.values
-        linear = problem.linearised(values)
+        linear = problem.linearised(values, solution.scales)
         solution = _settle(linear, values, solution.scales)
         if np.all(moved <= close):
             break
@@ -150,7 +159,8 @@ def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
         scales, weights = _scales(problem, errors, scales)
         seen, unseen, spread = _directions(problem, by, weights, scales)
         values = nominal + plausible * (seen @ (seen.T @ ((values - nominal) / plausible)))
-        found = _descend(problem, seen, values, scales, hold=False, fine=True)
+        hold = _hold(problem, errors, by, weights, scales, seen)
+        found = _descend(problem, seen, values, scales, hold=hold, fine=True)
         moved, values = np.abs(found - values), found
         errors, by = problem.errors(values)
         if np.all(moved <= SETTLED * plausible * min(float(spread.min(initial=1.0)), 1.0)):
@@ -160,9 +170,12 @@ def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
 
 
 def _descend(
-    problem: "Problem", directions: Floats, values: Floats, scales: Floats, *, hold: bool, fine: bool
+    problem: "Problem", directions: Floats, values: Floats, scales: Floats, *, hold: float, fine: bool
 ) -> Floats:
-    """One robust least-squares fit along `directions` with fixed scales."""
+    """One robust least-squares fit along `directions` with fixed scales.
+
+    `hold` is for how many windows what is plausible counts.
+    """
     model, which = problem.model, problem.which
     nominal, plausible = model.start, model.plausible
     if not directions.shape[1]:
@@ -170,6 +183,7 @@ def _descend(
     per_row = DOUBT * scales[which][:, [0, 0, 1]]
     latest: dict[bytes, tuple[Floats, Floats]] = {}
     low, high = problem.bounds()
+    held = math.sqrt(hold) / DOUBT * model.surprise @ directions
 
     def place(steps: Floats) -> Floats:
         return np.clip(nominal + plausible * (directions @ steps), low, high)
@@ -181,9 +195,8 @@ def _descend(
             errors, by = problem.errors(place(steps))
             rows = (errors / per_row).ravel()
             slopes = ((by * plausible) @ directions / per_row[:, :, None]).reshape(len(rows), -1)
-            if hold:
-                rows = np.concatenate((rows, steps / DOUBT))
-                slopes = np.concatenate((slopes, np.eye(len(steps)) / DOUBT))
+            rows = np.concatenate((rows, held @ steps))
+            slopes = np.concatenate((slopes, held))
             latest[key] = rows, slopes
         return latest[key]
 
@@ -253,6 +266,17 @@ def _weights(ratio: Floats, loss: Loss) -> Floats:
     return np.ones_like(ratio)
 
 
+def _stiffness(ratio: Floats, loss: Loss) -> Floats:
+    """How much of a change of a residual the fit feels: half the second derivative of the loss."""
+    if loss == "soft_l1":
+        return (1.0 + ratio * ratio) ** -1.5
+    if loss == "huber":
+        return (np.abs(ratio) <= 1.0).astype(np.float64)
+    if loss == "cauchy":
+        return (1.0 - ratio * ratio) / np.square(1.0 + ratio * ratio)
+    return np.ones_like(ratio)
+
+
 def _directions(
     problem: Problem, by: Floats, weights: Floats, scales: Floats
 ) -> tuple[Floats, Floats, Floats]:
@@ -292,43 +316,96 @@ def covariance(problem: Problem, solution: Solution) -> tuple[Floats, int, str]:
     Source: Cameron & Miller, A Practitioner's Guide to Cluster-Robust Inference, J. Human Resources 50(2),
     2015: the jackknife estimate CV3 with Student's t, section VI, and two ways of clustering, section V.
     """
+    labels, basis = _clusters(problem)
+    parts = [_jackknife(problem, solution, one) for one in labels]
+    return np.sum([part[0] for part in parts], axis=0), min(part[1] for part in parts), basis
+
+
+def _clusters(problem: Problem) -> tuple[list[NDArray[np.int64]], str]:
+    """Labels of the windows whose errors may go together, in one or two ways, and what they are."""
     drives = problem.drives
     counts = [len(drive.rows) for drive in drives]
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     runs = np.repeat(np.arange(len(drives)), counts)
     stretches = np.concatenate([drive.blocks for drive in drives])
     if len(sessions) >= FEWEST_SESSIONS:
-        labels = [np.repeat([sessions.index(drive.session) for drive in drives], counts)]
-        basis = f"{len(sessions)} sessions"
-    elif len(drives) >= FEWEST_RUNS:
-        labels = [runs, stretches]
-        basis = f"{len(drives)} runs and {STRETCHES} stretches of the path"
-    else:
-        labels = [STRETCHES * runs + stretches]
-        basis = f"{STRETCHES} stretches of each of {len(drives)} runs"
-    parts = [_jackknife(problem, solution, one) for one in labels]
-    return np.sum([part[0] for part in parts], axis=0), min(part[1] for part in parts), basis
+        labels = np.repeat([sessions.index(drive.session) for drive in drives], counts)
+        return [labels], f"{len(sessions)} sessions"
+    if len(drives) >= FEWEST_RUNS:
+        return [runs, stretches], f"{len(drives)} runs and {STRETCHES} stretches of the path"
+    return [STRETCHES * runs + stretches], f"{STRETCHES} stretches of each of {len(drives)} runs"
+
+
+def _per_cluster(
+    problem: Problem,
+    errors: Floats,
+    by: Floats,
+    weights: Floats,
+    scales: Floats,
+    seen: Floats,
+    clusters: NDArray[np.int64],
+) -> tuple[Floats, Floats]:
+    """How every cluster of windows pulls along the directions seen (k, q), and how stiffly (k, q, q).
+
+    How stiff a robust fit is, is the second derivative of its loss, on the average of each kind of window:
+    weights alone would call it stiffer, and what they promise too narrow.
+    """
+    which, plausible = problem.which, problem.model.plausible
+    size = scales[which][:, [0, 0, 1]]
+    each = _stiffness(errors / (DOUBT * size), problem.loss)
+    kinds = np.bincount(which)
+    sums = np.stack([np.bincount(which, one) for one in (each[:, :2].mean(axis=1), each[:, 2])], axis=1)
+    stiff = np.maximum(sums / np.maximum(kinds, 1)[:, None], 0.0)[which][:, [0, 0, 1]]
+    slopes = (by * plausible) @ seen / size[:, :, None]
+    pulls = np.einsum("mrq,mr->mq", slopes, weights * errors / size)
+    bent = slopes * np.sqrt(stiff)[:, :, None]
+    names = np.unique(clusters)
+    rows = [clusters == name for name in names]
+    count = seen.shape[1]
+    return (
+        np.array([pulls[one].sum(axis=0) for one in rows]).reshape(len(names), count),
+        np.array([np.tensordot(bent[one], bent[one], ((0, 1), (0, 1))) for one in rows]),
+    )
+
+
+def _hold(
+    problem: Problem, errors: Floats, by: Floats, weights: Floats, scales: Floats, seen: Floats
+) -> float:
+    """How many windows say no more than one alone would if none repeated another: what one plausible
+    deviation counts for among them.
+
+    Source: Ribatet, Cooley & Davison, Bayesian Inference from Composite Likelihoods, Statistica Sinica 22,
+    2012: the magnitude adjustment, p / tr(H⁻¹ J).
+    """
+    if not seen.shape[1]:
+        return 1.0
+    clusters = _clusters(problem)[0][0]
+    pulls, stiff = _per_cluster(problem, errors, by, weights, scales, seen, clusters)
+    apart = pulls - pulls.mean(axis=0)
+    share = len(pulls) / max(len(pulls) - 1, 1)
+    trace = share * float(np.sum(apart * np.linalg.solve(stiff.sum(axis=0), apart.T).T))
+    return max(trace / seen.shape[1], 1.0)
 
 
 def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, int]:
     """Covariance from leaving out one cluster of windows after another, and its degrees of freedom."""
-    which, plausible = problem.which, problem.model.plausible
-    factor = np.sqrt(solution.weights) / solution.scales[which][:, [0, 0, 1]]
-    slopes = (solution.by * plausible) @ solution.seen * factor[:, :, None]
-    pulls = np.einsum("mrq,mr->mq", slopes, solution.errors * factor)
-    curvatures = np.einsum("mrq,mrs->mqs", slopes, slopes)
+    pulls, stiff = _per_cluster(
+        problem,
+        solution.errors,
+        solution.by,
+        solution.weights,
+        solution.scales,
+        solution.seen,
+        clusters,
+    )
     # Where one cluster alone shows a direction, nothing is known without it but what is plausible.
-    whole = curvatures.sum(axis=0) + np.eye(solution.seen.shape[1])
-    names = np.unique(clusters)
-    moves = []
-    for name in names:
-        kept = whole - curvatures[clusters == name].sum(axis=0)
-        moves.append(np.linalg.solve(kept, pulls[clusters == name].sum(axis=0)))
-    together = np.array(moves).reshape(len(names), -1)
-    share = (len(names) - 1) / len(names)
-    outer = plausible[:, None] * solution.seen
-    inner = share * together.T @ together if len(names) > 1 else np.eye(outer.shape[1])
-    return outer @ inner @ outer.T, max(len(names) - 1, 1)
+    whole = stiff.sum(axis=0) + np.eye(solution.seen.shape[1])
+    moves = [np.linalg.solve(whole - own, pull) for own, pull in zip(stiff, pulls, strict=True)]
+    together = np.array(moves).reshape(pulls.shape)
+    share = (len(pulls) - 1) / len(pulls)
+    outer = problem.model.plausible[:, None] * solution.seen
+    inner = share * together.T @ together if len(pulls) > 1 else np.eye(outer.shape[1])
+    return outer @ inner @ outer.T, max(len(pulls) - 1, 1)
 
 
 def quantile(degrees: int, confidence: float) -> float:
@@ -339,4 +416,4 @@ def quantile(degrees: int, confidence: float) -> float:
 def refit(linear: Problem, start: Solution) -> Floats:
     """Values for some of the drives of a problem that was solved for all of them, after one step in full."""
     values = _settle(linear, start.values, start.scales).values
-    return _settle(linear.linearised(values), values, start.scales).values
+    return _settle(linear.linearised(values, start.scales), values, start.scales).values

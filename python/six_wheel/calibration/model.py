@@ -11,7 +11,7 @@ import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter
+from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter, prior, size
 from six_wheel.logs import Log
 from six_wheel.poses import Floats, between, inverse, joined
 from six_wheel.rebuild import with_wheels
@@ -29,6 +29,8 @@ class Model:
         self.names = tuple(parameter.name for parameter in self.parameters)
         self.start = np.array([parameter.value for parameter in self.parameters])
         self.plausible = np.array([parameter.plausible for parameter in self.parameters])
+        # Takes a change in units of what is plausible to independent ones of deviation 1.
+        self.surprise = np.linalg.inv(np.linalg.cholesky(prior(self.parameters)))
         self._by: dict[str, Floats] = {}
         for quantity in WHEEL_QUANTITIES:
             columns = [p.wheels.get(quantity, np.zeros(len(nominal.wheels))) for p in self.parameters]
@@ -154,6 +156,27 @@ class Model:
         if not drive.truth.has_positions:
             error[:, :2], turned[:, :2] = 0.0, 0.0
         return error, turned
+
+    def shortened(self, drive: Drive, values: Floats) -> Floats:
+        """By how much of its way each window ends short (m, 2) per squared error of its heading.
+
+        A heading errs by the root of the way since the start of a window, so what comes early counts least:
+        the mean over the way of what is left to the end. In the frame of `errors`; 0 where headings are not
+        compared.
+        """
+        if not (drive.truth.has_headings and drive.truth.has_positions):
+            return np.zeros((len(drive.rows), 2))
+        poses = self.poses(drive, values)
+        steps = np.diff(poses, axis=0) * (1.0, 1.0, size(self.nominal))
+        way = np.linalg.norm(steps, axis=1)
+        middles = (poses[1:, :2] + poses[:-1, :2]) / 2.0
+        begin = np.zeros((1, 2))
+        sums = np.concatenate((begin, np.cumsum(middles * way[:, None], axis=0)))
+        along = np.concatenate(([0.0], np.cumsum(way)))
+        first, last = drive.rows.T
+        mean = (sums[last] - sums[first]) / (along[last] - along[first])[:, None]
+        left = (poses[last, :2] - mean)[:, :, None]
+        return _rotated(-poses[last, 2], left)[:, :, 0]
 
     def _places(self, values: Floats, poses: Floats, by_pose: Floats) -> tuple[Floats, Floats]:
         """Positions of what is tracked (..., 2) at poses (..., 3), with their derivatives (..., 2, p)."""

@@ -258,7 +258,7 @@ def _noise(
     alone = len(set(sessions)) in (1, len(drives))
     keys = list(range(len(drives))) if alone else [sessions.index(session) for session in sessions]
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
-    linear = problem.linearised(solution.values)
+    linear = problem.linearised(solution.values, solution.scales)
 
     def ends_of(chosen: Sequence[Log], values: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
