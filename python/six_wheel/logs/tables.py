@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.errors import FileError
 from six_wheel.logs.columns import TIME_UNITS, Column, TableError, find_columns, is_number
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ LATEST_SECOND = 1e11
 LONGEST_LINE, LARGEST_BLOCK = 1 << 16, 1 << 24  # [byte]
 
 
-class RowError(ValueError):
+class RowError(FileError):
     """A row that cannot be used: `row` (counted from 1) and what is wrong with it."""
 
     def __init__(self, row: int, message: str) -> None:

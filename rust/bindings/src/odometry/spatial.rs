@@ -16,7 +16,7 @@ use six_wheel_core::odometry::spatial::{
 use super::input::{encoders, optional, row, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
-use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, refuse};
+use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, ready, refuse};
 use crate::shared::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -126,6 +126,7 @@ impl Odometry3 {
         lag: Option<&Bound<'_, PyAny>>,
         history: usize,
     ) -> PyResult<Self> {
+        ready(arm.py())?;
         let chain = &arm.get().chain;
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
         let steered: Vec<&str> = (0..chain.steering().len())
