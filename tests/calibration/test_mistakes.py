@@ -105,7 +105,7 @@ def test_fewer_numbers_unless_more_win_clearly():
     # Much better on one session, a little worse on two: not worth its numbers.
     assert choose([nominal, two, candidate(4, 0.1, 0.52, 0.61)]) is two
     # Much better on two of three: worth them.
-    assert choose([nominal, two, four := candidate(4, 0.1, 0.1, 0.8)]) is four
+    assert choose([nominal, two, four := candidate(4, 0.1, 0.1, 0.3)]) is four
     # Better on most, but wrong altogether on one.
     assert choose([nominal, two, candidate(4, 0.1, 0.1, 3.0)]) is two
     # A tenth for every number more is asked.

@@ -13,7 +13,7 @@ from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
 from six_wheel.calibration.model import Model
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
-from six_wheel.cluster import collect
+from six_wheel.cluster import Journal, collect
 from six_wheel.logs.recordings import Log
 from six_wheel.poses import Floats
 
@@ -163,10 +163,12 @@ def cross_validate(
     progress: Callable[[int, int, str], object] | None,
     client: Any = None,
     workers: int | None = 1,
+    journal: Journal | None = None,
 ) -> CrossValidation | None:
     """Every set fitted without one fold after another and tried there; None if there is but one.
 
-    The sets are independent of one another: on a cluster or in processes each is an item.
+    The sets are independent of one another: on a cluster or in processes each is an item, and what a journal
+    holds already is not done again.
     """
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     by_run = len(sessions) == 1 or len(sessions) == len(drives)
@@ -192,7 +194,10 @@ def cross_validate(
     items = [
         Trial(replace(problem, model=Model(rover, catalogue.find(names))), tuple(keys)) for names in sets
     ]
-    outcomes = collect(errors_left_out, items, cluster=client, workers=None if client else workers, tell=tell)
+    workers = None if client else workers
+    outcomes = collect(
+        errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell
+    )
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
     for names, item, each in zip(sets, items, outcomes.values, strict=True):

@@ -30,6 +30,7 @@ from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.cluster import Journal
 from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.poses import Floats
@@ -62,6 +63,7 @@ def calibrate(
     progress: Progress | None = None,
     client: Any = None,
     workers: int | None = 1,
+    journal: Journal | None = None,
 ) -> Calibration:
     """Identify a rover's dimensions from what its encoders said and how it really moved.
 
@@ -104,6 +106,9 @@ def calibrate(
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
     workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
+    journal : six_wheel.cluster.Journal, optional
+        Keeps what each set of parameters is worth: a calibration of the same logs that was stopped goes on
+        there.
 
     Returns
     -------
@@ -173,7 +178,7 @@ def calibrate(
             slides = _slides(slipped, 0)
             folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
         checked = cross_validate(
-            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers
+            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers, journal
         )
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
