@@ -10,7 +10,7 @@ import numpy as np
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
-from six_wheel.calibration.model import Model
+from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
 from six_wheel.cluster import Journal, collect
@@ -34,8 +34,9 @@ class Candidate:
     """A set of parameters, the errors on what was left out of its fits, and their score.
 
     `errors` (folds,) [m] is the mean over the runs of a fold of their root mean square position error, first
-    pose given; `runs` those of each run. `score` is their root mean square over the folds as a share of that with the nominal
-    dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong counts.
+    pose given; `runs` are those of each run. `score` is their root mean square over the folds as a share of
+    that with the nominal dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong
+    counts.
     """
 
     parameters: tuple[str, ...]
@@ -192,17 +193,16 @@ def cross_validate(
     tell(0)
     problem = Problem(empty, drives, loss, lengths, margin)
     items = [
-        Trial(replace(problem, model=Model(rover, catalogue.find(names))), tuple(keys)) for names in sets
+        Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
+        for names in sets
     ]
     workers = None if client else workers
-    outcomes = collect(
-        errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell
-    )
+    outcomes = collect(errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell)
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
     for names, item, each in zip(sets, items, outcomes.values, strict=True):
         errors = _per_fold(each, keys)
-        count = len(item.problem.model.names)
+        count = item.problem.model.own
         tried.append(Candidate(tuple(names), count, errors, _score(errors, nominal), each))
     chosen = choose(tried)
     tried.sort(key=lambda one: (one.score, one.count))

@@ -103,9 +103,9 @@ class Problem:
 class Solution:
     """Values that fit best, and what is needed to say how well they are known.
 
-    `seen` (p, q) are the directions the data see, in units of what is plausible, `unseen` (p, p - q) the
-    others; `spread` (p,) says how far the data would let each direction go, in the same units, seen ones
-    first.
+    `seen` (p, q) are the directions the data see, in units of what is plausible for each parameter, `unseen`
+    (p, p - q) the others; all of them are as long as is plausible, and independent of one another. `spread`
+    (p,) says how far the data would let each go, as a share of that, seen ones first.
     """
 
     values: Floats
@@ -130,7 +130,7 @@ def solve(problem: Problem, start: Floats | None = None) -> Solution:
     scales = np.repeat(FIRST_SCALE * np.append(problem.lengths, problem.lengths[-1])[:, None], 2, axis=1)
     values = model.start.copy() if start is None else start.copy()
     if start is None and len(values):
-        values = _descend(problem, np.eye(len(values)), values, scales, hold=1.0, fine=False)
+        values = _descend(problem, model.likely, values, scales, hold=1.0, fine=False)
     errors, _ = problem.errors(values)
     scales, _ = _scales(problem, errors, scales)
     solution = _settle(problem.linearised(values, scales), values, scales)
@@ -158,7 +158,7 @@ def _settle(problem: "Problem", values: Floats, scales: Floats) -> Solution:
     for _ in range(ROUNDS):
         scales, weights = _scales(problem, errors, scales)
         seen, unseen, spread = _directions(problem, by, weights, scales)
-        values = nominal + plausible * (seen @ (seen.T @ ((values - nominal) / plausible)))
+        values = nominal + plausible * (seen @ _steps(model, seen, values))
         hold = _hold(problem, errors, by, weights, scales, seen)
         found = _descend(problem, seen, values, scales, hold=hold, fine=True)
         moved, values = np.abs(found - values), found
@@ -183,7 +183,7 @@ def _descend(
     per_row = DOUBT * scales[which][:, [0, 0, 1]]
     latest: dict[bytes, tuple[Floats, Floats]] = {}
     low, high = problem.bounds()
-    held = math.sqrt(hold) / DOUBT * model.surprise @ directions
+    held = math.sqrt(hold) / DOUBT * np.eye(directions.shape[1])
 
     def place(steps: Floats) -> Floats:
         return np.clip(nominal + plausible * (directions @ steps), low, high)
@@ -206,7 +206,7 @@ def _descend(
     def slopes_of(steps: Floats) -> Floats:
         return both(steps)[1]
 
-    start = directions.T @ ((values - nominal) / plausible)
+    start = _steps(model, directions, values)
     result = least_squares(
         errors_of,
         start,
@@ -218,6 +218,13 @@ def _descend(
         max_nfev=60,
     )
     return place(result.x)
+
+
+def _steps(model: Model, directions: Floats, values: Floats) -> Floats:
+    """How far values are along directions that are independent, each plausible as far as 1."""
+    independent = model.surprise @ directions
+    found: Floats = independent.T @ (model.surprise @ ((values - model.start) / model.plausible))
+    return found
 
 
 def _scales(problem: "Problem", errors: Floats, before: Floats) -> tuple[Floats, Floats]:
@@ -290,13 +297,15 @@ def _directions(
     kinds = np.append(problem.lengths, problem.lengths[-1])
     new = problem.lengths[0] / OVERLAP / kinds[which] / len(kinds)
     factor = np.sqrt(weights * new[:, None]) / scales[which][:, [0, 0, 1]]
-    slopes = (by * plausible * factor[:, :, None]).reshape(-1, len(plausible))
+    slopes = (by * plausible * factor[:, :, None]).reshape(-1, len(plausible)) @ problem.model.likely
     triangle = np.linalg.qr(np.concatenate((slopes, np.zeros((len(plausible), len(plausible))))), mode="r")
     _, sizes, rows = np.linalg.svd(triangle)
     known = (sizes > 1.0 / OPEN) & (sizes > 1e-9 * sizes.max(initial=0.0))
     with np.errstate(divide="ignore"):
         spread = 1.0 / sizes
-    return _clean(rows[known].T), _clean(rows[~known].T), np.concatenate((spread[known], spread[~known]))
+    likely = problem.model.likely
+    seen, unseen = (_clean(likely @ rows[one].T) for one in (known, ~known))
+    return seen, unseen, np.concatenate((spread[known], spread[~known]))
 
 
 def _clean(directions: Floats) -> Floats:

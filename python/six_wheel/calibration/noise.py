@@ -6,14 +6,15 @@ as far off as it says. Slip grows with the root of the way, whatever the rate of
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import chdtri, ndtri
 
-from six_wheel._core import Noise, Rover, wrap_angle
+from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
+from six_wheel.calibration.drives import RESTED, at_rest
 from six_wheel.calibration.values import Estimate
 from six_wheel.logs import Log
 from six_wheel.odometry import dead_reckon
@@ -47,6 +48,11 @@ class MeasuredNoise:
         What these were.
     nees : ndarray, shape (sections,)
         Normalised error squared of their ends under `noise`: 95 % are meant to lie below 7.81.
+    yaw_rate : Estimate or None
+        Of one reading of the gyroscope [rad/s], from where the rover stands; None where no log has one and
+        stands for a second.
+    gyroscope : Gyroscope or None
+        The same with the bias at rest, to give to `Odometry` beside `noise`, which counts the bias as noise.
     """
 
     noise: Noise
@@ -55,6 +61,8 @@ class MeasuredNoise:
     sections: int
     basis: str
     nees: Floats
+    yaw_rate: Estimate | None = None
+    gyroscope: Gyroscope | None = None
 
     @property
     def covered(self) -> float:
@@ -151,6 +159,53 @@ def measure(
     return MeasuredNoise(
         noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]
     )
+
+
+def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
+    """What was measured, and what a gyroscope errs by about its mean where the rover stands for a second."""
+    squares, degrees, biases = 0.0, 0, []
+    for log in logs:
+        for rates in _resting(log):
+            squares += float(np.square(rates - rates.mean()).sum())
+            degrees += len(rates) - 1
+            biases.append(rates.mean())
+    if degrees < 1 or squares == 0.0:
+        return measured
+    chance = (1.0 - confidence) / 2.0
+    interval = [math.sqrt(squares / float(chdtri(degrees, one))) for one in (chance, 1.0 - chance)]
+    value = math.sqrt(squares / degrees)
+    std = value / math.sqrt(2.0 * degrees)
+    bias = math.sqrt(float(np.mean(np.square(biases))))
+    was = measured.noise
+    noise = Noise(
+        was.speed,
+        was.steering,
+        slip=was.slip,
+        side_slip=was.side_slip,
+        yaw_rate=_digits(math.hypot(value, bias)),
+    )
+    return replace(
+        measured,
+        noise=noise,
+        yaw_rate=Estimate("yaw_rate", "rad/s", 0.0, value, std, (interval[0], interval[1])),
+        gyroscope=Gyroscope(_digits(value), bias_noise=_digits(bias)),
+    )
+
+
+def _resting(log: Log) -> Iterator[Floats]:
+    """Readings of a gyroscope (k,) inside each stretch in which no wheel turns for a second or more."""
+    if log.yaw_rate is None:
+        return
+    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
+    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))] if len(rows) else rows
+    if len(rows) < 2:
+        return
+    dt = np.diff(log.stamps[rows])
+    still = at_rest(np.diff(log.wheel_angles[rows], axis=0) / dt[:, None])
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(int)))
+    for first, last in edges.reshape(-1, 2).tolist():
+        if dt[first:last].sum() >= RESTED and last - first > 2:
+            yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
 def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:

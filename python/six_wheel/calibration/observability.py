@@ -83,7 +83,9 @@ def describe(
     model: Model, solution: Solution, drives: Sequence[Drive], hints: Sequence[str] = ()
 ) -> Observability:
     """The open directions of a solution, and what they mean for each parameter; after other `hints`."""
-    unseen = solution.unseen
+    # Mounts of sessions are nobody's business: what only they leave open is left out.
+    own = solution.unseen[: model.own]
+    unseen = own[:, np.linalg.norm(own, axis=0) > MOVED]
     openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
     identified = openness < KNOWN
     messages = [
@@ -96,7 +98,8 @@ def describe(
             _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
         )
     messages += _correlated(model, solution, identified)
-    return Observability(model.names, identified, unseen, solution.spread, (*hints, *messages))
+    names = model.names[: model.own]
+    return Observability(names, identified, unseen, solution.spread[: model.own], (*hints, *messages))
 
 
 def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive]) -> str:
@@ -136,7 +139,7 @@ def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) ->
 def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_]) -> list[str]:
     """Pairs that are identified but could nearly stand for each other."""
     kept = solution.seen.shape[1]
-    root = solution.seen * solution.spread[:kept]
+    root = (solution.seen * solution.spread[:kept])[: len(identified)]
     covariance = root @ root.T
     sizes = np.sqrt(np.diag(covariance))
     messages = []

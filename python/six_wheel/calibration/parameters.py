@@ -21,6 +21,9 @@ PLAUSIBLE_APART = 0.02
 PLAUSIBLE_ANGLE = 0.1  # [rad]
 PLAUSIBLE_DELAY = 0.1  # [s]
 
+# A mount that is not asked for was measured: it is off by this share of what one may be that is asked for.
+MEASURED = 0.1
+
 # Sides and angles smaller than this share are rounding.
 LEVEL = 1e-9
 
@@ -45,6 +48,18 @@ class Parameter:
     gain: Floats | None = None
     positive: bool = False
     kind: str = ""  # numbers of one kind are nearly the same share off
+
+
+def mounts(rover: Rover, sessions: Iterable[str], axes: Iterable[str]) -> list[Parameter]:
+    """Where the truth of each session looks from: numbers of that session, not of the rover."""
+    reach = size(rover)
+    plausible = {"x": MEASURED * reach, "y": MEASURED * reach, "yaw": MEASURED * PLAUSIBLE_ANGLE}
+    units = {"x": "m", "y": "m", "yaw": "rad"}
+    return [
+        Parameter(f"mount_{axis}[{session}]", units[axis], 0.0, plausible[axis])
+        for session in sessions
+        for axis in axes
+    ]
 
 
 def prior(parameters: Sequence[Parameter]) -> Floats:

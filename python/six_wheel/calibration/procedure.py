@@ -24,7 +24,7 @@ from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cros
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
-from six_wheel.calibration.model import Model
+from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.parameters import Catalogue
@@ -157,7 +157,9 @@ def calibrate(
     sets = all_candidates(catalogue) if asked is None else [asked]
     whole, slipped = records, list[mistakes.Slip]()
     if loss == "auto":
-        first = Problem(Model(rover, catalogue.find(sets[0])), drives, "cauchy", lengths, margin)
+        first = Problem(
+            with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
+        )
         slipped = mistakes.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
@@ -183,7 +185,7 @@ def calibrate(
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")
-    model = Model(rover, catalogue.find(chosen))
+    model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(result, slips=tuple(map(str, slipped)))
     if progress is not None:
@@ -219,7 +221,7 @@ def _fit(
     observability = describe(model, solution, drives, hints)
     half = fitting.quantile(degrees, confidence)
     estimates = []
-    for number, parameter in enumerate(model.parameters):
+    for number, parameter in enumerate(model.parameters[: model.own]):
         std = float(np.sqrt(covariance[number, number])) if observability.identified[number] else float("nan")
         value = float(solution.values[number])
         interval = (value - half * std, value + half * std)
@@ -229,7 +231,7 @@ def _fit(
         model.rover(solution.values),
         model.nominal,
         tuple(estimates),
-        covariance,
+        covariance[: model.own, : model.own],
         confidence,
         basis,
         observability,
@@ -284,7 +286,8 @@ def _noise(
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    return noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
+    measured = noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
+    return None if measured is None else noise.with_gyroscope(measured, records, confidence)
 
 
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:

@@ -236,27 +236,6 @@ def dead_reckon_chunks(
     ValueError, ModuleNotFoundError
         As `dead_reckon`.
     """
-    if sensor is not None:
-        pose = mount(sensor)
-        start, start_covariance = start_of_body(start, start_covariance, pose)
-        track = dead_reckon(
-            rover,
-            steering,
-            wheel_angles,
-            stamps,
-            noise=noise,
-            yaw=yaw,
-            yaw_rate=yaw_rate,
-            start=start,
-            start_covariance=start_covariance,
-            errors=errors,
-            covariances=covariances,
-            residuals=residuals,
-            columns=columns,
-            progress=progress,
-            **options,
-        )
-        return seen_by(track, pose)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}

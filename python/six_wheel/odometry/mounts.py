@@ -1,4 +1,4 @@
-"""A track as what sits somewhere in the body has it: a lever arm carries poses, twists and covariances over."""
+"""A track as what sits somewhere in the body has it: poses, twists and covariances by a lever arm."""
 
 from __future__ import annotations  # NumPy is not loaded for its names
 
