@@ -34,6 +34,8 @@ FIRST_SCALE = 0.02
 # Windows of one length that tell by themselves how much they err.
 FEW = 10
 ROUNDS, STEPS = 12, 8
+# Rounds of reweighting, and the change of the sum of squares that ends them.
+REWEIGHTED, NOTHING = 60, 1e-14
 # How far the first, coarse fit goes: the second begins there.
 COARSE = 1e-3
 SETTLED = 1e-3  # of a standard deviation
@@ -207,6 +209,11 @@ def _descend(
         return both(steps)[1]
 
     start = _steps(model, directions, values)
+    if problem.around is not None:
+        found = _reweighted(problem, directions, start, per_row, hold)
+        inside = nominal + plausible * (directions @ found)
+        if np.all((low < inside) & (inside < high)):
+            return inside
     result = least_squares(
         errors_of,
         start,
@@ -218,6 +225,28 @@ def _descend(
         max_nfev=60,
     )
     return place(result.x)
+
+
+def _reweighted(
+    problem: "Problem", directions: Floats, start: Floats, per_row: Floats, hold: float
+) -> Floats:
+    """The same of a linearised problem by least squares reweighted until they settle, bounds aside."""
+    model = problem.model
+    here, by = problem.errors(model.start + model.plausible * (directions @ start))
+    rows = (here / per_row).ravel()
+    slopes = ((by * model.plausible) @ directions / per_row[:, :, None]).reshape(len(rows), -1)
+    firm = hold / DOUBT**2
+    steps = start.copy()
+    for _ in range(REWEIGHTED):
+        weights = _weights(rows, problem.loss)
+        heavy = slopes * weights[:, None]
+        stiff = heavy.T @ slopes + firm * np.eye(len(steps))
+        change = np.linalg.solve(stiff, -(heavy.T @ rows) - firm * steps)
+        steps, rows = steps + change, rows + slopes @ change
+        # As a share of how far the windows alone would let it go.
+        if change @ stiff @ change <= NOTHING:
+            break
+    return steps
 
 
 def _steps(model: Model, directions: Floats, values: Floats) -> Floats:

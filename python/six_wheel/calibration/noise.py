@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import chdtri, ndtri
+from scipy.special import chdtri, fdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.drives import RESTED, at_rest
@@ -116,24 +116,24 @@ def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> 
     return found
 
 
-def measure(
-    groups: Sequence[Sequence[End]], fitted: Sequence[End], confidence: float, basis: str
-) -> MeasuredNoise | None:
-    """Slip that makes errors most likely, sized by what most groups ask for; None without an end.
+def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> MeasuredNoise | None:
+    """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
+
+    Ends of one session go together: each tells three numbers of how large errors are, however many runs it
+    has, and all weigh alike. Of a variance known from so few numbers 95 % of what is new lies within more
+    than the bound of one that is known for sure: the size is that of a prediction, the wider the fewer.
 
     Parameters
     ----------
     groups : sequence of sequence of End
-        Errors of what was left out together. All tell how slip along and across compare. Of the size that
-        each group asks for the median is taken, of two the larger: a fit without one of a few sessions may go
-        wrong altogether, which says little of the fit to all.
-    fitted : sequence of End
-        Errors under the fit to all: the size is widened until 95 % of them lie within what it says.
+        Errors of what was left out together.
+
+    Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
-    found = [end for group in groups for end in group]
-    if not found:
+    groups = [group for group in groups if group]
+    if not groups:
         return None
-    errors, along, across = _stacked(found)
+    errors, along, across = _stacked([end for group in groups for end in group])
     sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
 
     def cost(logs: Floats) -> float:
@@ -144,21 +144,17 @@ def measure(
     begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
     best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
     logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-    # As multiples of the median of what chance would have of so many ends.
-    sums = [(_nees(logs, *_stacked(group))[0].sum(), 3 * len(group)) for group in groups if group]
-    asked = np.sort([total / float(chdtri(degrees, 0.5)) for total, degrees in sums])
-    sized = logs + 0.5 * math.log(max(float(asked[len(asked) // 2]), 1e-6))
-    at_once = _nees(sized, *_stacked(fitted))[0]
-    wide = sized + 0.5 * math.log(max(float(np.quantile(at_once, COVERED)) / _bound(), 1.0))
+    found = [float(np.mean(_nees(logs, *_stacked(group))[0])) / 3.0 for group in groups]
+    predicted = 3.0 * float(fdtri(3, 3 * len(found), COVERED)) / _bound()
+    wide = logs + 0.5 * math.log(max(predicted * float(np.mean(found)), 1e-6))
     along_wheels = _estimate("slip", logs, 0, cost, confidence)
     across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
     if sides:
         across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
     slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
     noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
-    return MeasuredNoise(
-        noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]
-    )
+    nees = _nees(wide, errors, along, across)[0]
+    return MeasuredNoise(noise, along_wheels, across_wheels, len(errors), basis, nees)
 
 
 def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:

@@ -273,20 +273,17 @@ def _noise(
         logs = (model.corrected(record, values) for record in chosen)
         return [end for log in logs for end in noise.ends(rover, log, sensor, offset, pieces)]
 
-    fitted = ends_of(records, solution.values)
-    groups = [fitted]
-    if len(set(keys)) > 1:
-        groups = []
-        for key in dict.fromkeys(keys):
-            values = solution.values
-            if len(values):
-                values = fitting.refit(linear.only([other != key for other in keys]), solution)
-            own = [record for record, other in zip(records, keys, strict=True) if other == key]
-            groups.append(ends_of(own, values))
+    groups = []
+    for key in dict.fromkeys(keys):
+        values = solution.values
+        if len(values) and len(set(keys)) > 1:
+            values = fitting.refit(linear.only([other != key for other in keys]), solution)
+        own = [record for record, other in zip(records, keys, strict=True) if other == key]
+        groups.append(ends_of(own, values))
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    measured = noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
+    measured = noise.measure(groups, confidence, f"{count} {what}, {left}")
     return None if measured is None else noise.with_gyroscope(measured, records, confidence)
 
 
