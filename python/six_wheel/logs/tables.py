@@ -174,7 +174,10 @@ class Table:
             self._types["time"] = "int64"
 
     def _cells(self, line: str) -> list[str]:
-        return next(csv.reader([line], delimiter=self._delimiter))
+        try:
+            return next(csv.reader([line], delimiter=self._delimiter))
+        except csv.Error as error:
+            raise TableError(f"the header must be a line of cells, got {line!r:.60} ({error})") from None
 
     def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
         for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):

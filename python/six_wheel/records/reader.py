@@ -90,6 +90,10 @@ class Record:
             elif isinstance(record, records.DataEnd):
                 return
 
+    def topics(self) -> set[str]:
+        """The topics that have messages."""
+        return {message.topic for message in self.messages()}
+
     def parsed(self, message: Message) -> Any:
         """The content of a message by the names of its fields."""
         return self._libraries.store.deserialize_cdr(message.data, message.kind)
