@@ -27,6 +27,8 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 DOUBT = 3.0
 # A direction is open if the data leave it wider than this share of what is plausible.
 OPEN = 0.5
+# Parameters less open than this share are known.
+KNOWN = 0.05
 # Errors smaller than this are rounding of the recording, not knowledge [m and rad].
 SMALLEST_SCALE = 1e-6
 # First guess of the error of a motion, as a share of its length.
@@ -342,8 +344,8 @@ def _clean(directions: Floats) -> Floats:
     return np.where(np.abs(directions) < 1e-9, 0.0, directions)
 
 
-def covariance(problem: Problem, solution: Solution) -> tuple[Floats, int, str]:
-    """Covariance of the values, its degrees of freedom, and in words what it rests on.
+def covariance(problem: Problem, solution: Solution) -> tuple[Floats, Floats, str]:
+    """Covariance of the values, degrees of freedom of the rover's, and in words what it rests on.
 
     Errors of neighbouring windows go together and have heavy tails: the usual formula would promise ten times
     too much. What the values do when a whole cluster of windows is taken away knows no such assumption.
@@ -356,7 +358,17 @@ def covariance(problem: Problem, solution: Solution) -> tuple[Floats, int, str]:
     """
     labels, basis = _clusters(problem)
     parts = [_jackknife(problem, solution, one) for one in labels]
-    return np.sum([part[0] for part in parts], axis=0), min(part[1] for part in parts), basis
+    degrees = np.min([part[1] for part in parts], axis=0)
+    # What is known for the most part may be off by what is plausible of the rest.
+    rest = problem.model.plausible[:, None] * solution.unseen
+    rest[openness(solution.unseen) >= KNOWN] = 0.0
+    return np.sum([part[0] for part in parts], axis=0) + rest @ rest.T, degrees, basis
+
+
+def openness(unseen: Floats) -> Floats:
+    """The share of every parameter that no window sees (p,), of directions as in `Solution`."""
+    share: Floats = (unseen * unseen).sum(axis=1)
+    return share
 
 
 def _clusters(problem: Problem) -> tuple[list[NDArray[np.int64]], str]:
@@ -425,8 +437,9 @@ def _hold(
     return max(trace / seen.shape[1], 1.0)
 
 
-def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, int]:
-    """Covariance from leaving out one cluster of windows after another, and its degrees of freedom."""
+def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Covariance from leaving out one cluster of windows after another, and degrees of freedom of each of the
+    rover's numbers."""
     pulls, stiff = _per_cluster(
         problem,
         solution.errors,
@@ -438,15 +451,33 @@ def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]
     )
     # Where one cluster alone shows a direction, nothing is known without it but what is plausible.
     whole = stiff.sum(axis=0) + np.eye(solution.seen.shape[1])
-    moves = [np.linalg.solve(whole - own, pull) for own, pull in zip(stiff, pulls, strict=True)]
-    together = np.array(moves).reshape(pulls.shape)
+    without = np.linalg.inv(whole - stiff)
+    together = np.einsum("kqr,kr->kq", without, pulls)
     share = (len(pulls) - 1) / len(pulls)
     outer = problem.model.plausible[:, None] * solution.seen
     inner = share * together.T @ together if len(pulls) > 1 else np.eye(outer.shape[1])
-    return outer @ inner @ outer.T, max(len(pulls) - 1, 1)
+    degrees = np.array([_degrees(row, without, stiff, whole) for row in outer[: problem.model.own]])
+    return outer @ inner @ outer.T, degrees
 
 
-def quantile(degrees: int, confidence: float) -> float:
+def _degrees(direction: Floats, without: Floats, stiff: Floats, whole: Floats) -> float:
+    """For how many independent squares the variance along a direction counts.
+
+    One less than there are clusters if these tell the same; where one of them tells most, it is little more
+    than its own square. Of clusters whose errors are as the fit weighs them.
+
+    Source: Bell & McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage
+    Samples, Survey Methodology 28(2), 2002: Satterthwaite's degrees of freedom, here of the jackknife.
+    """
+    reach = without @ direction
+    told = np.einsum("kqr,kr->kq", stiff, reach)
+    squares = np.diag((reach * told).sum(axis=1)) - told @ np.linalg.solve(whole, told.T)
+    total = float(np.sum(squares * squares))
+    most = max(len(stiff) - 1, 1)
+    return float(np.clip(np.trace(squares) ** 2 / total, 1.0, most)) if total > 0.0 else float(most)
+
+
+def quantile(degrees: float, confidence: float) -> float:
     """Of Student's t distribution: half the width of an interval in standard deviations."""
     return float(stdtrit(degrees, 0.5 + confidence / 2.0))
 

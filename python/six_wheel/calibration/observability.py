@@ -7,13 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import RESTED, Drive, at_rest
-from six_wheel.calibration.fitting import OPEN, Solution
+from six_wheel.calibration.fitting import KNOWN, OPEN, Solution, openness
 from six_wheel.calibration.model import Model
 from six_wheel.poses import Floats
 
-# Parts of a direction smaller than this are not worth a word, and parameters less open than that are known.
+# Parts of a direction smaller than this are not worth a word.
 WORTH_A_WORD = 0.1
-KNOWN = 0.05
 # A value that went less far than this share of what is plausible has stayed where it was.
 MOVED = 1e-4
 # A drive that turns less than this is called straight [rad].
@@ -86,12 +85,12 @@ def describe(
     # Mounts of sessions are nobody's business: what only they leave open is left out.
     own = solution.unseen[: model.own]
     unseen = own[:, np.linalg.norm(own, axis=0) > MOVED]
-    openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
-    identified = openness < KNOWN
+    share = openness(unseen)
+    identified = share < KNOWN
     messages = [
-        _alone(model, solution, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()
+        _alone(model, solution, number, drives) for number in np.flatnonzero(share > 1.0 - KNOWN).tolist()
     ]
-    mixed = np.flatnonzero(~identified & (openness <= 1.0 - KNOWN))
+    mixed = np.flatnonzero(~identified & (share <= 1.0 - KNOWN))
     if len(mixed):
         count = unseen.shape[1] - len(messages)
         messages.append(

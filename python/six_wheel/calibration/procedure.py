@@ -219,12 +219,12 @@ def _fit(
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
-    half = fitting.quantile(degrees, confidence)
     estimates = []
     for number, parameter in enumerate(model.parameters[: model.own]):
         std = float(np.sqrt(covariance[number, number])) if observability.identified[number] else float("nan")
         value = float(solution.values[number])
-        interval = (value - half * std, value + half * std)
+        half = fitting.quantile(float(degrees[number]), confidence) * std
+        interval = (value - half, value + half)
         estimates.append(Estimate(parameter.name, parameter.unit, parameter.value, value, std, interval))
     before, _ = problem.errors(model.start)
     return Calibration(

@@ -372,7 +372,7 @@ pub fn exp<'py>(
     over_time(
         py,
         ("twist", twist),
-        (dt, Steps::check),
+        (dt, |steps, count| steps.check(count)),
         threads,
         |row, dt| Twist::from(row).exp(dt).into(),
     )
@@ -404,7 +404,7 @@ pub fn log<'py>(
     over_time(
         py,
         ("pose", pose),
-        (dt, Steps::check_positive),
+        (dt, |steps, count| steps.check_positive(count)),
         threads,
         |row, dt| Pose::from(row).log(dt).into(),
     )
