@@ -27,6 +27,8 @@ LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 DOUBT = 3.0
 # A direction is open if the data leave it wider than this share of what is plausible.
 OPEN = 0.5
+# A parameter of which the data see less than this, in units of what is plausible, stays exactly where it is.
+UNTOUCHED = 1e-2
 # Parameters less open than this share are known.
 KNOWN = 0.05
 # Errors smaller than this are rounding of the recording, not knowledge [m and rad].
@@ -336,6 +338,7 @@ def _directions(
         spread = 1.0 / sizes
     likely = problem.model.likely
     seen, unseen = (_clean(likely @ rows[one].T) for one in (known, ~known))
+    seen[np.linalg.norm(seen, axis=1) < UNTOUCHED] = 0.0
     return seen, unseen, np.concatenate((spread[known], spread[~known]))
 
 
@@ -434,7 +437,7 @@ def _hold(
     apart = pulls - pulls.mean(axis=0)
     share = len(pulls) / max(len(pulls) - 1, 1)
     trace = share * float(np.sum(apart * np.linalg.solve(stiff.sum(axis=0), apart.T).T))
-    return max(trace / seen.shape[1], 1.0)
+    return max(trace / float(seen.shape[1]), 1.0)
 
 
 def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]) -> tuple[Floats, Floats]:

@@ -37,8 +37,8 @@ class Model:
         self.start = np.array([parameter.value for parameter in self.parameters])
         self.plausible = np.array([parameter.plausible for parameter in self.parameters])
         # Takes independent changes of deviation 1 to those that are plausible, in units of these; and back.
-        self.likely = np.linalg.cholesky(prior(self.parameters))
-        self.surprise = np.linalg.inv(self.likely)
+        self.likely = np.asarray(np.linalg.cholesky(prior(self.parameters)), dtype=np.float64)
+        self.surprise = np.asarray(np.linalg.inv(self.likely), dtype=np.float64)
         self._by: dict[str, Floats] = {}
         for quantity in WHEEL_QUANTITIES:
             columns = [p.wheels.get(quantity, np.zeros(len(nominal.wheels))) for p in parameters]
@@ -57,7 +57,8 @@ class Model:
 
     def change(self, values: Floats) -> Floats:
         """By how much the numbers of the rover differ from the nominal ones, (own,): mounts move no wheel."""
-        return (values - self.start)[: self.own]
+        change: Floats = (values - self.start)[: self.own]
+        return change
 
     def wheels(self, values: Floats) -> Rover:
         """The rover with these values, in the nominal body frame.

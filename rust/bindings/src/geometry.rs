@@ -410,14 +410,14 @@ pub fn log<'py>(
     )
 }
 
+/// Whether so many durations are what they must be.
+type Check = fn(&Steps<'_>, usize) -> Result<(), Error>;
+
 /// Applies a map of three numbers and a duration to every row.
 fn over_time<'py>(
     py: Python<'py>,
     (argument, value): (&'static str, &Bound<'py, PyAny>),
-    (dt, check): (
-        Option<&Bound<'py, PyAny>>,
-        fn(&Steps<'_>, usize) -> Result<(), Error>,
-    ),
+    (dt, check): (Option<&Bound<'py, PyAny>>, Check),
     threads: Option<i64>,
     map: impl Fn([f64; 3], f64) -> [f64; 3] + Sync + Send,
 ) -> PyResult<Array<'py>> {
