@@ -25,7 +25,7 @@ use crate::rover::Rover;
 /// twists : array_like, shape (..., n, 3)
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
 /// dt : float or array_like, shape (n,)
-///     Duration of the steps [s].
+///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
 /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
@@ -45,7 +45,7 @@ use crate::rover::Rover;
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 ///
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
@@ -107,7 +107,7 @@ pub fn integrate<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 #[pyfunction]
 #[pyo3(
     signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
@@ -411,9 +411,11 @@ fn over_time<'py>(
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
     together([named(argument, &mut rows), named("dt", &mut dt)])?;
-    dt.steps()
-        .check(rows.count())
-        .map_err(|error| raise(error, &rows.leading))?;
+    match map {
+        batch::Map::Log => dt.steps().check_positive(rows.count()),
+        _ => dt.steps().check(rows.count()),
+    }
+    .map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
     let mut result = Output::fresh(py, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
