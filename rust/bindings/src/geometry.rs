@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_core::batch::{self, Durations, Table, Workers};
-use six_wheel_core::geometry as core;
+use six_wheel_core::geometry::{self as core, Steps};
 use six_wheel_core::planner::{self, Present};
 use six_wheel_core::{Error, Pose, Twist};
 
@@ -25,7 +25,7 @@ use crate::rover::Rover;
 /// twists : array_like, shape (..., n, 3)
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
 /// dt : float or array_like, shape (n,)
-///     Duration of the steps [s].
+///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
 /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
@@ -45,7 +45,7 @@ use crate::rover::Rover;
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 ///
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
@@ -107,7 +107,7 @@ pub fn integrate<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 #[pyfunction]
 #[pyo3(
     signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
@@ -369,9 +369,13 @@ pub fn exp<'py>(
     dt: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, ("twist", twist), dt, threads, |row, dt| {
-        Twist::from(row).exp(dt).into()
-    })
+    over_time(
+        py,
+        ("twist", twist),
+        (dt, |steps, count| steps.check(count)),
+        threads,
+        |row, dt| Twist::from(row).exp(dt).into(),
+    )
 }
 
 /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
@@ -397,16 +401,23 @@ pub fn log<'py>(
     dt: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, ("pose", pose), dt, threads, |row, dt| {
-        Pose::from(row).log(dt).into()
-    })
+    over_time(
+        py,
+        ("pose", pose),
+        (dt, |steps, count| steps.check_positive(count)),
+        threads,
+        |row, dt| Pose::from(row).log(dt).into(),
+    )
 }
+
+/// Whether so many durations are what they must be.
+type Check = fn(&Steps<'_>, usize) -> Result<(), Error>;
 
 /// Applies a map of three numbers and a duration to every row.
 fn over_time<'py>(
     py: Python<'py>,
     (argument, value): (&'static str, &Bound<'py, PyAny>),
-    dt: Option<&Bound<'py, PyAny>>,
+    (dt, check): (Option<&Bound<'py, PyAny>>, Check),
     threads: Option<i64>,
     map: impl Fn([f64; 3], f64) -> [f64; 3] + Sync + Send,
 ) -> PyResult<Array<'py>> {
@@ -415,9 +426,7 @@ fn over_time<'py>(
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
     together([named(argument, &mut rows), named("dt", &mut dt)])?;
-    dt.steps()
-        .check(rows.count())
-        .map_err(|error| raise(error, &rows.leading))?;
+    check(&dt.steps(), rows.count()).map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
     let mut result = Output::fresh(py, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());

@@ -194,10 +194,19 @@ impl Steps<'_> {
         }
     }
 
-    /// Fails unless there are `count` finite, positive durations.
+    /// Fails unless there are `count` finite durations, of which none is negative: recordings hold the same stamp
+    /// twice, and in no time nothing moves.
     pub fn check(&self, count: usize) -> Result<(), Error> {
-        let wrong = |dt: f64| !(dt.is_finite() && dt > 0.0);
-        let rule = "be finite and positive";
+        self.check_each(count, |dt| dt >= 0.0, "be finite and not negative")
+    }
+
+    /// Fails unless there are `count` finite, positive durations, to divide by.
+    pub fn check_positive(&self, count: usize) -> Result<(), Error> {
+        self.check_each(count, |dt| dt > 0.0, "be finite and positive")
+    }
+
+    fn check_each(&self, count: usize, good: fn(f64) -> bool, rule: &str) -> Result<(), Error> {
+        let wrong = |dt: f64| !(dt.is_finite() && good(dt));
         match self {
             Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule, number(*dt))),
             Self::Constant(_) => Ok(()),

@@ -33,7 +33,7 @@ pub fn differentiate(
     workers: Workers,
 ) -> Result<(), Error> {
     debug_assert_eq!(poses.len(), twists.len() + 1);
-    steps.check(twists.len())?;
+    steps.check_positive(twists.len())?;
     for (k, pose) in poses.iter().enumerate() {
         finite("poses", pose).map_err(|error| error.at_row(k))?;
     }
