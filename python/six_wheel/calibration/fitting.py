@@ -458,9 +458,10 @@ def _jackknife(problem: Problem, solution: Solution, clusters: NDArray[np.int64]
     together = np.einsum("kqr,kr->kq", without, pulls)
     share = (len(pulls) - 1) / len(pulls)
     outer = problem.model.plausible[:, None] * solution.seen
-    inner = share * together.T @ together if len(pulls) > 1 else np.eye(outer.shape[1])
+    # As a square, so that no variance is negative by rounding.
+    spread = math.sqrt(share) * outer @ together.T if len(pulls) > 1 else outer
     degrees = np.array([_degrees(row, without, stiff, whole) for row in outer[: problem.model.own]])
-    return outer @ inner @ outer.T, degrees
+    return spread @ spread.T, degrees
 
 
 def _degrees(direction: Floats, without: Floats, stiff: Floats, whole: Floats) -> float:
