@@ -1,8 +1,8 @@
 //! Threads that stay: they wait, parked, for the next batch, since starting one takes as long as some thousand rows.
 //!
-//! There is one crew in a process, as large as the most hands anybody asked for. It works for one caller at a time; who
-//! comes meanwhile does without. A fork leaves threads behind: its child finds a crew of another process, and starts one
-//! of its own without looking at what that one holds.
+//! There is one crew in a process, as large as the most hands anybody asked for, and no larger than the machine. It works
+//! for one caller at a time; who comes meanwhile does without. A fork leaves threads behind: its child finds a crew of
+//! another process, and starts one of its own without looking at what that one holds.
 
 use std::any::Any;
 use std::hint::spin_loop;
@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process;
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -54,6 +54,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 fn wait<'a, T>(signal: &Condvar, guard: MutexGuard<'a, T>) -> MutexGuard<'a, T> {
     signal.wait(guard).unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Helpers beyond the machine's cores do nothing sooner, and as they stay, their stacks would keep what memory there is.
+fn most() -> usize {
+    static MOST: OnceLock<usize> = OnceLock::new();
+    *MOST.get_or_init(|| thread::available_parallelism().map_or(1, |cores| cores.get() - 1))
 }
 
 /// The crew of this process.
@@ -168,6 +174,7 @@ impl Drop for Over {
 /// Does a task here and, at the same time, in so many other threads at most; all are done with it on return. A task ends
 /// when there is nothing left to do, so it does not matter how many join in, or when.
 pub(crate) fn together(helpers: usize, task: &(dyn Fn() + Sync)) {
+    let helpers = helpers.min(most());
     if helpers == 0 {
         return task();
     }
