@@ -211,3 +211,20 @@ def test_free_threaded_interpreters_switch_their_lock_on():
     command = [sys.executable, "-W", "ignore", "-c", textwrap.dedent(program)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert result.stdout == "True\n", result.stderr
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="nowhere to count threads here")
+def test_no_more_threads_stay_than_the_machine_has_cores():
+    """With threads=4000 as many stayed as could start, and their stacks kept all memory a limit had left."""
+    program = """
+        import os
+        import numpy as np
+        import six_wheel as sw
+
+        before = len(os.listdir("/proc/self/task"))
+        sw.Rover.preset("perseverance").project(np.zeros((200_000, 3)), threads=4000)
+        print(len(os.listdir("/proc/self/task")) - before)
+    """
+    command = [sys.executable, "-c", textwrap.dedent(program)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert int(result.stdout) < (os.cpu_count() or 1), result.stderr
