@@ -1031,6 +1031,8 @@ class Suspension:
         view: Literal["body", "plan"] = "body",
         steering: ArrayLike | None = None,
         max_wheel_speed: float | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> GroundCommand: ...
     def forward(
         self,
@@ -1042,6 +1044,8 @@ class Suspension:
         *,
         steering_rates: ArrayLike | None = None,
         weights: ArrayLike | None = None,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> GroundMotion: ...
     def traction(
         self,
@@ -1056,6 +1060,8 @@ class Suspension:
         wheel_speeds: ArrayLike | None = None,
         lift_angle: float = 1.0,
         lift_speed: float = 0.01,
+        threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> Traction: ...
     def slip(
         self, stand: Stand, speeds: ArrayLike, twist: ArrayLike, joint_rates: ArrayLike

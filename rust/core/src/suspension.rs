@@ -10,6 +10,7 @@
 
 mod chain;
 mod dimensions;
+pub(crate) mod lanes;
 mod table;
 mod vehicles;
 

@@ -61,7 +61,7 @@ impl Suspension {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
-        let leading = stands.leading.clone();
+        let leading = stands.leading().to_vec();
         let read = |name: &'static str, value, width| {
             let rows = Rows::read(name, value, width)?;
             rows.check_leading(name, &leading)?;
@@ -72,12 +72,13 @@ impl Suspension {
         let twists = read("twist", twist, 6)?;
         let rates = read("joint_rates", joint_rates, joints)?;
         let (mut ratios, mut angles) = (fresh(py, &leading, wheels)?, fresh(py, &leading, wheels)?);
+        let footings = stands.footings();
         for k in 0..stands.count() {
             let mut row = [0.0; COLUMNS];
             row[..6].copy_from_slice(&twists.flat()[k * 6..][..6]);
             row[6..6 + joints].copy_from_slice(&rates.flat()[k * joints..][..joints]);
             let speeds = &speeds.flat()[k * wheels..][..wheels];
-            let slips = slip(chain, &stands.row(chain, k), &row, speeds);
+            let slips = footings.with(chain, k, |footing| slip(chain, footing, &row, speeds));
             for (wheel, slip) in slips[..wheels].iter().enumerate() {
                 ratios.flat()[k * wheels + wheel] = slip.ratio;
                 angles.flat()[k * wheels + wheel] = slip.angle;
