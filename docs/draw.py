@@ -1,8 +1,14 @@
-"""Draw the pictures of the pages: ``python docs/draw.py`` writes docs/pictures/<vehicle>.png and others."""
+"""Draw the pictures of the pages: ``python docs/draw.py`` writes all of docs/pictures, with names only those.
+
+A picture of one's own is a function that returns it, and its line in `DRAWN`.
+"""
 
 import io
 import math
 import runpy
+import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -219,24 +225,34 @@ def write(name: str, figure: Figure, dpi: int) -> None:
     picture.save(PICTURES / f"{name}.png", optimize=True)
 
 
-def main() -> None:
-    figures = {
-        name: plot.show_figure(rover, twist, title=name.replace("_", " "))
-        for name, (rover, twist) in VEHICLES.items()
-    }
-    figures["four_axle"] = four_axles()
-    figures["transitions"] = transitions()
-    figures["calibration"] = calibration()
-    figures["honesty"] = honesty()
-    figures["drive"] = driven()
-    figures["limits"] = limits()
-    figures |= over_ground()
-    figures["foxglove"] = foxglove_figure()
-    figures |= planned()
-    for name, figure in figures.items():
-        write(name, figure, DPI)
-    write("demo", demo(), DEMO_DPI)
+def seen_from_above(name: str) -> Figure:
+    """A vehicle as it makes one motion."""
+    rover, twist = VEHICLES[name]
+    return plot.show_figure(rover, twist, title=name.replace("_", " "))
+
+
+# By the picture's name; of several pictures by what they begin with.
+DRAWN: dict[str, Callable[[], Figure | dict[str, Figure]]] = {
+    **{name: partial(seen_from_above, name) for name in VEHICLES},
+    "four_axle": four_axles,
+    "transitions": transitions,
+    "calibration": calibration,
+    "honesty": honesty,
+    "drive": driven,
+    "limits": limits,
+    "ground": over_ground,
+    "foxglove": foxglove_figure,
+    "planner": planned,
+    "demo": demo,
+}
+
+
+def main(*names: str) -> None:
+    for name in names or DRAWN:
+        found = DRAWN[name]()
+        for each, figure in (found if isinstance(found, dict) else {name: found}).items():
+            write(each, figure, DEMO_DPI if each == "demo" else DPI)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -19,6 +19,7 @@ from six_wheel.records import Record
 from six_wheel.records import rover_record as topics
 from six_wheel.records.layouts import foxglove
 
+NOTHING = 1e-9  # [m/s] slip that is rounding
 MARGIN = (0.035, 0.012, 0.03, 0.035)  # left, right, bottom, top of a panel, in figures
 
 
@@ -77,6 +78,8 @@ def draw(axes: Axes, panel: str, config: dict[str, Any], seen: dict[str, list[tu
                     text = value.replace("|", "\n") or "free"
                     axes.text((begin + end) / 2.0, 0.5, text, fontsize=6, ha="center", va="center")
             axes.set_yticks([])
+    if kind == "Plot" and max(map(abs, axes.get_ylim())) < NOTHING:
+        axes.set_ylim(-0.01, 0.01)
     handles, labels = axes.get_legend_handles_labels()
     named = dict(zip(labels, handles, strict=True))
     if named:

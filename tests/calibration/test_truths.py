@@ -153,3 +153,40 @@ def _inverse(poses):
     from six_wheel.poses import inverse
 
     return inverse(poses)
+
+
+def test_what_dead_reckon_takes_is_calibrated(tmp_path):
+    log = drive(TRUE, 1, 20.0)
+    columns = {"time": log.stamps, "left": log.wheel_angles[:, 0], "right": log.wheel_angles[:, 1]}
+    path = tmp_path / "log.csv"
+    rows = np.column_stack((*columns.values(), log.truth.poses))
+    header = "time,left [rad],right [rad],x,y,yaw"
+    np.savetxt(path, rows, "%.17g", ",", header=header, comments="")
+    values = calibrate(PAIR, log, **SIZES).values
+    for logs, truth in (
+        ((one for one in [log]), None),
+        (path, None),
+        ([str(path)], None),
+        (columns, log),
+        ([columns], [log.truth]),
+    ):
+        np.testing.assert_allclose(calibrate(PAIR, logs, truth, **SIZES).values, values, rtol=1e-9)
+    track = sw.dead_reckon(TRUE, log)  # a truth but for rounding
+    assert calibrate(PAIR, log, track, **SIZES).values == pytest.approx((0.0415, 0.206), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("logs", "kind"), [(5, "int"), (None, "NoneType"), ([5], "int"), (np.zeros((9, 2)), "ndarray")]
+)
+def test_what_is_no_log_is_named(logs, kind):
+    with pytest.raises(TypeError, match=f"logs must be Logs, paths or tables of columns, got a {kind}"):
+        calibrate(PAIR, logs, **SIZES)
+
+
+def test_a_reading_that_is_missing_is_left_out():
+    log = drive(TRUE, 1, 20.0)
+    angles = log.wheel_angles.copy()
+    angles[[50, 300], 0] = np.nan
+    found = calibrate(PAIR, replace(log, wheel_angles=angles), **SIZES)
+    # Two of 401 rows that say the same.
+    np.testing.assert_allclose(found.values, calibrate(PAIR, log, **SIZES).values, rtol=1e-4)

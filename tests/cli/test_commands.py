@@ -387,12 +387,13 @@ def test_show_keeps_to_the_limits_of_the_file_or_says_so(run: Run) -> None:
 
 def test_examples_are_files_that_the_commands_take(run: Run, refused: Callable[..., str]) -> None:
     code, out, _ = run("example")
-    assert (code, out.split()) == (0, ["commands.csv", "log.csv", "rover.yaml"])
+    assert (code, out.split()) == (0, ["commands.csv", "log.csv", "map.asc", "rover.yaml"])
     Path("own").mkdir()
     for name in out.split():
         assert run("example", name, "-o", f"own/{name}")[0] == 0
     assert "there already" in refused("example", "rover.yaml")
     assert 'did you mean "log.csv"?' in refused("example", "lgo.csv")
+    assert sw.Terrain.read("own/map.asc").shape == (65, 65)
     assert run("check", "own/rover.yaml")[0] == 0
     code, out, err = run("drive", "own/rover.yaml", "own/commands.csv", "-o", "run.csv")
     assert (code, err) == (0, "")

@@ -144,6 +144,22 @@ def test_only_the_log_that_slipped_is_cut():
     np.testing.assert_allclose(found.values, (0.1, 0.102, 0.5), rtol=1e-6)
 
 
+def test_a_log_and_another_track_stand_for_a_truth():
+    log, _ = slipped()
+    track, better = sw.dead_reckon(PAIR, log), sw.dead_reckon(PAIR, slipped(slip=0.0)[0])
+    assert slip_against(track, log) == slip_against(track, log.truth)
+    assert evaluate(track, log).first.rmse == evaluate(track, log.truth).first.rmse
+    assert evaluate(track, better).first.rmse == pytest.approx(evaluate(track, log).first.rmse, rel=1e-9)
+    assert evaluate(track, track).first.rmse == 0.0
+    unknown = Log(log.stamps, None, log.wheel_angles, name="unknown")
+    with pytest.raises(ValueError, match="truth must be known, got a log without one: Log\\('unknown'"):
+        evaluate(track, unknown)
+    with pytest.raises(TypeError, match="truth must be a Truth, a Log with one, or a Track, got a ndarray"):
+        slip_against(track, log.stamps)
+    with pytest.raises(ValueError, match="estimate must be a Track where truth is a Truth"):
+        evaluate(track.poses, log)
+
+
 def test_any_result_has_a_picture():
     pytest.importorskip("matplotlib")
     from six_wheel import plot
@@ -151,6 +167,7 @@ def test_any_result_has_a_picture():
     log, _ = slipped()
     track = sw.dead_reckon(PAIR, log)
     assert len(plot.figure(track, truth=log.truth).axes) == 4
+    assert len(sw.plot(track, truth=log).axes) == 4
     assert len(sw.plot(track).axes) == 3
     assert sw.plot(PAIR, twist=(0.3, 0.0, 0.2), title="pair").axes
     assert sw.plot(sw.Rover.preset("open_source_rover"), limits=sw.Limits(speed=0.5, wheel_speed=8.0)).axes

@@ -110,12 +110,28 @@ def test_of_several_readings_the_angle_is_taken_unless_told() -> None:
     assert joint_columns(headers[:-1], CART).reading == "speed"  # all wheels in one way
 
 
+def test_the_joints_that_wheels_have_by_themselves_are_known_whatever_a_file_calls_them():
+    wheels = sw.Rover.bicycle(1.0, 0.2, driven="all").wheels
+    rover = sw.Rover(wheels, traction_joints={"m1": "front", "m2": "rear"}, steering_joints={"s": "front"})
+    plain = ["time", "front_steering_joint [rad]", "front_wheel_joint [rad]", "rear_wheel_joint [rad]"]
+    assert joint_columns(plain, rover).columns.keys() == {
+        "time",
+        "steering front",
+        "wheel front",
+        "wheel rear",
+    }
+
+
 @pytest.mark.parametrize(
     ("headers", "words"),
     [
         ("left [rad]", ["no column for time"]),
         ("time,a,b", ["no column for any wheel", '"left_wheel_joint", "right_wheel_joint"', '"a", "b"']),
         ("time,left,right", ['column "left" must state its unit', '"left [rad/s]"', "got none"]),
+        (
+            "time,left_temp [rad]",
+            ['"left_temp [rad]" must say what it is by one of angle, count', 'got "temp"'],
+        ),
         ("time,left [V]", ['column "left [V]" must state its unit', 'got "V"']),
         ("time,left [rad],left_position", ['wheel left must be in one column, got "left [rad]" and']),
         ("time,left [rad],right [rpm]", ["must be read in one way", '"right [rpm]" (speed)']),

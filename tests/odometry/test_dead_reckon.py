@@ -364,3 +364,11 @@ def test_nominal_dimensions_reach_the_published_figures(robot):
         np.testing.assert_allclose(again.poses, track.poses, rtol=0, atol=1e-8)
     print(f"{robot}: {len(data.RUNS[robot])} runs, within {worst:.2%} of the published errors")
     assert worst < 0.02
+
+
+def test_a_file_of_another_kind_says_what_reads_it(tmp_path):
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "log.csv"
+    path.write_text("time,left,right\n0,0,0\n")
+    with pytest.raises(ValueError, match="must be a Parquet file; six_wheel.logs.read_log makes a Log of"):
+        sw.dead_reckon(VEHICLES["differential"], path)

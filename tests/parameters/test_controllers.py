@@ -29,6 +29,7 @@ ROVERS = {
     "tricycle_controller": sw.Rover.tricycle(1.2, 0.7, 0.15, driven="front", steering_limit=1.4),
     "bicycle_steering_controller": sw.Rover.bicycle(1.0, 0.33),
     "mecanum_drive_controller": sw.Rover.mecanum(0.2, 0.25, 0.076),
+    "clearpath_mecanum_drive_controller": sw.Rover.mecanum(0.2, 0.25, 0.076),
 }
 
 

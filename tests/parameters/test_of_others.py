@@ -307,8 +307,84 @@ controller:
     assert found.rover.wheels[0].y == pytest.approx(0.358 * 1.76 / 2)
     assert found.control == {"timeout": None}
     assert next(iter(found.rover.traction_joints)) == "wheel_FL_joint"
-    mecanum = read(text.replace("false", "true")).rover
-    assert mecanum.wheels == sw.Rover.mecanum(0.15, 0.179, 0.0625).wheels
+    mecanum = read(text.replace("false", "true"))
+    assert mecanum.kind == "mecanum"
+    assert mecanum.rover.wheels == sw.Rover.mecanum(0.15, 0.179, 0.0625).wheels
+
+
+def test_clearpaths_mecanum_controller_goes_by_the_order_of_its_joints(read) -> None:
+    text = """
+controller_manager:
+  ros__parameters:
+    platform_velocity_controller.type: clearpath_mecanum_drive_controller/MecanumDriveController
+platform_velocity_controller:
+  ros__parameters:
+    command_joint_names: [j0, j1, j2, j3]
+    interface_name: velocity
+    kinematics.wheels_radius: 0.0759
+    kinematics.sum_of_robot_center_projection_on_X_Y_axis: 0.59
+    kinematics.base_frame_offset: {x: 0.0, y: 0.0, theta: 0.0}
+"""
+    found = read(text)
+    assert (found.kind, found.controller) == ("mecanum", "clearpath_mecanum_drive_controller")
+    places = ("front_left", "rear_left", "rear_right", "front_right")
+    assert found.rover.traction_joints == {f"j{k}": place for k, place in enumerate(places)}
+    # The controller's own lines: 1 / r (vx -+ vy -+ (lx + ly) omega), in that order.
+    (vx, vy, omega), radius, sum_ = (0.7, -0.3, 0.4), 0.0759, 0.59
+    turning = sum_ * omega
+    by_hand = [vx - vy - turning, vx + vy - turning, vx - vy + turning, vx + vy + turning]
+    speeds = found.rover.commands((vx, vy, omega))
+    assert [speeds[f"j{k}"] * radius for k in range(4)] == pytest.approx(by_hand, rel=1e-12)
+    # With names of its own for every wheel, as Clearpath writes them, those count.
+    names = "".join(f"    {place}_wheel_command_joint_name: {place}_wheel_joint\n" for place in places)
+    assert dict(read(text + names).rover.traction_joints)["rear_left_wheel_joint"] == "rear_left"
+    with pytest.raises(ParameterFileError, match="command_joint_names must name 4 joints, got 3"):
+        read(text.replace("j0, ", ""))
+
+
+def test_the_driver_of_rover_robotics(read) -> None:
+    text = """
+roverrobotics_driver:
+  ros__parameters:
+    drivetrain: "differential"
+    robot_type: "max"
+    wheel_radius: 0.127
+    wheel_base: 0.4953  # from side to side
+    robot_length: 0.4445
+    gear_ratio: 3.33
+    linear_top_speed: 2.0
+    odom_child_frame_id: "base"
+"""
+    found = read(text)
+    assert found.warnings == ()
+    assert (
+        found.rover.wheels == sw.Rover.differential(0.4953, 0.127, wheels_per_side=2, wheelbase=0.4445).wheels
+    )
+    assert (found.limits.speed, found.base_frame_id) == (2.0, "base")
+    assert len(read(text.replace('"max"', '"mini_2wd"')).rover.wheels) == 2
+    assert read(text.replace('"differential"', '"mecanum"')).kind == "mecanum"
+    assert "drivetrain must be" in refusal(read, text.replace('"differential"', '"tracks"'))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("realsense:\n  ros__parameters: {odom_frame_id: odom, base_frame_id: link}\n", "nothing here says"),
+        ("streamer:\n  ros__parameters: {presets: {a: {x: 1}}, limits: 3}\n", "nothing here says"),
+        ("ros__parameters: {timeout: 1.0}\n", "nothing here says"),
+        (
+            "diff_drive:\n  wheel_radius: {type: double, default_value: 0.0}\n",
+            "the file declares parameters (wheel_radius) for generate_parameter_library",
+        ),
+    ],
+)
+def test_files_of_neighbours_are_refused_by_one_line(read, text: str, says: str) -> None:
+    assert says in refusal(read, text)
+
+
+def test_a_stand_in_for_what_is_missing_is_not_questioned(read) -> None:
+    text = "type: diff_drive_controller/DiffDriveController\nleft_wheel: l\nright_wheel: r\n"
+    assert "wheel_radius is missing" in refusal(read, text + "wheel_separation: 0.4\n")
 
 
 def test_a_yagsl_drive_is_gathered_from_its_files(tmp_path: Path) -> None:

@@ -31,7 +31,8 @@ from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.evaluation.slip import Stretch
-from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.opening import as_logs
+from six_wheel.logs.recordings import Log, Reference, as_truth
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
@@ -50,8 +51,8 @@ def parameter_names(rover: Rover, logs: Sequence[Log] = ()) -> list[str]:
 
 def calibrate(
     rover: Rover,
-    logs: Log | Sequence[Log],
-    truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None = None,
+    logs: Any,
+    truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None = None,
     parameters: Literal["auto"] | str | Iterable[str] = "auto",
     *,
     loss: Loss | Literal["auto"] = "auto",
@@ -72,8 +73,9 @@ def calibrate(
     ----------
     rover : Rover
         With its nominal dimensions: what the drives do not tell stays as it is.
-    logs : Log or sequence of Log
-        Drives of this rover. `Log.session` says which belong together.
+    logs : Log, path or table, or a sequence of them
+        Drives of this rover: what `dead_reckon` takes, and any file that `read_log` reads. `Log.session` says
+        which belong together.
     truth : Truth, poses, or a sequence of them, optional
         One per log, instead of the truth the logs carry: poses, positions or headings (see `Truth`), those of
         another odometry, or the same place again where a loop closes. A log with a gyroscope and without a
@@ -122,7 +124,7 @@ def calibrate(
     Sensor Parameters for Mobile Robots, IEEE T-RO 29(2), 2013; intervals from leaving out clusters, see
     `six_wheel.calibration.fitting.covariance`.
     """
-    records = _with_truth([logs] if isinstance(logs, Log) else list(logs), truth)
+    records = _with_truth(as_logs(logs, rover), truth)
     if loss not in ("auto", *fitting.LOSSES):
         raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
     if not 0.0 < confidence < 1.0:
@@ -291,17 +293,19 @@ def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
     return lengths
 
 
-def _with_truth(logs: list[Log], truth: Truth | ArrayLike | Sequence[Truth | ArrayLike] | None) -> list[Log]:
+def _with_truth(
+    logs: list[Log], truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None
+) -> list[Log]:
     """The logs, each with the truth given for it."""
     if not logs:
         raise ValueError("logs must hold one at least, got none")
     if truth is None:
         return logs
-    single = isinstance(truth, Truth) or np.ndim(truth) == 2  # type: ignore[arg-type]
+    single = hasattr(truth, "stamps") or np.ndim(truth) == 2  # type: ignore[arg-type]
     truths = [truth] if single else list(truth)  # type: ignore[arg-type]
     if len(truths) != len(logs):
         raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")
     return [
-        replace(log, truth=one)  # type: ignore[arg-type]
+        replace(log, truth=as_truth(one) if hasattr(one, "stamps") else one)  # type: ignore[arg-type]
         for log, one in zip(logs, truths, strict=True)
     ]

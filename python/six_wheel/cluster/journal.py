@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from six_wheel.errors import FileError
+
 __all__ = ["Journal", "JournalError"]
 
 MANIFEST = "journal.json"
@@ -22,7 +24,7 @@ ARRAY = "__array__"  # key of a stand-in for an array
 TUPLE = "__tuple__"  # key of a stand-in for a tuple
 
 
-class JournalError(ValueError):
+class JournalError(FileError):
     """A journal that is not one, or that belongs to another run."""
 
 

@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from six_wheel.errors import FileError, printable
+
 __all__ = ["Finding", "ParameterFileError", "Severity"]
 
 Severity: TypeAlias = Literal["error", "warning"]
@@ -24,10 +26,10 @@ class Finding:
         place = self.path if self.line is None else f"{self.path}:{self.line}"
         warning = "warning: " if self.severity == "warning" else ""
         remedy = f" ({self.remedy})" if self.remedy else ""
-        return " ".join(f"{place}: {warning}{self.message}{remedy}".splitlines())
+        return printable(" ".join(f"{place}: {warning}{self.message}{remedy}".splitlines()))
 
 
-class ParameterFileError(ValueError):
+class ParameterFileError(FileError):
     """A file that does not describe a rover; ``str()`` has one line for each finding."""
 
     def __init__(self, findings: Iterable[Finding]) -> None:

@@ -114,7 +114,7 @@ class ControlledDrive(Engine):
         self._controller, self._rate = loop.start(rover)
         self.limits, self._timeout = loop.limits, loop.option("timeout")
         self.summary.rate = self._rate
-        self._block_rows = min(block_rows, BLOCK_ROWS)
+        self.block_rows = min(block_rows, BLOCK_ROWS)
         self.course = Course(6 + 2 * len(self._steered) + len(self._wheels))
         self._names: dict[int, str] = {0: ""}
         # Commands that no step has been given yet, their rows, and the latest one that was given.
@@ -187,7 +187,7 @@ class ControlledDrive(Engine):
         while True:
             if self._step - last > MOST_STEPS:
                 raise RowError(self._row, f"the rover must stop within {MOST_STEPS:,} steps of the last row")
-            times, run = self._run(min(END_STEPS, self._block_rows))
+            times, run = self._run(min(END_STEPS, self.block_rows))
             idle = (run.reasons & Reason.STALE > 0) | asleep
             still = idle & ~run.speeds.any(axis=1) & ~run.steering_rates.any(axis=1)
             if self._controller.stopped and still[-1]:
@@ -216,7 +216,7 @@ class ControlledDrive(Engine):
 
     def _go(self, end: int) -> Iterator[list[Any]]:
         while self._step < end:
-            times, run = self._run(min(end - self._step, self._block_rows))
+            times, run = self._run(min(end - self._step, self.block_rows))
             yield self._columns(times, run, len(times))
 
     def _run(self, count: int) -> tuple[Floats, Any]:

@@ -89,6 +89,9 @@ class Engine:
     trace : Trace
     """
 
+    block_rows = 0
+    """Most rows that come out at a time; 0 if those that came in."""
+
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
         if keep is not None and keep not in KEEP:
             raise ValueError(f'keep must be one of {", ".join(KEEP)}, got "{keep}"')

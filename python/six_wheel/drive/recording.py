@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Odometry
 from six_wheel.drive.engine import Engine
-from six_wheel.logs.tables import RowError
+from six_wheel.logs.tables import Chunk, RowError
 from six_wheel.records import RoverRecord
 
 __all__ = ["DriveRecord"]
@@ -44,7 +44,18 @@ class DriveRecord:
         self._origin: int | None = None
         self._rows = 0
         self._wanted: list[float] | None = None
-        self._record = RoverRecord(path, engine.rover, "drive", parameters)
+        told = {"unit": engine.time_unit.symbol, "rate": engine.summary.rate, "keep": engine.keep}
+        told["block_rows"] = engine.block_rows
+        self._record = RoverRecord(path, engine.rover, "drive", parameters, {"drive": told})
+
+    def given(self, chunk: Chunk) -> None:
+        """Append a chunk of the table, exactly, before what comes of it: so the drive can be done again."""
+        stamps = self._nearest(chunk.time).tolist()
+        rows = zip(stamps, chunk.time.tolist(), chunk.twists.tolist(), strict=True)
+        for stamp, time, twist in rows:
+            self._record.given(stamp, [time, *twist])
+        # Where a chunk ends decides in which order poses are summed up, and with it their last bit.
+        self._record.given(stamps[-1], [])
 
     def write(self, columns: Sequence[NDArray[Any]]) -> None:
         """Append rows.
@@ -87,7 +98,11 @@ class DriveRecord:
             rule = "a time in a bag must be from 0 to 2^31 seconds"
             raise RowError(self._rows + k + 1, f"{rule}, got {time[k]}")
         self._rows += len(stamps)
-        return stamps if stamps.dtype == np.int64 else np.rint(stamps).astype(np.int64)
+        return self._nearest(time)
+
+    def _nearest(self, time: NDArray[Any]) -> NDArray[np.int64]:
+        stamps: NDArray[Any] = np.clip(time * self._nanoseconds, 0, LATEST - 1)
+        return np.rint(stamps).astype(np.int64) if stamps.dtype != np.int64 else stamps
 
     @staticmethod
     def _controlled(named: Mapping[str, Any], twists: Any) -> tuple[Any, Any, Any]:

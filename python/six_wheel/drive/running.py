@@ -83,6 +83,8 @@ def drive(
         with _writer(result, engine, loop) if result else contextlib.nullcontext() as writer:
             try:
                 for chunk in table.chunks(chunk_rows):
+                    if isinstance(writer, DriveRecord):
+                        writer.given(chunk)
                     _write(writer, engine.blocks(chunk))
                     if progress is not None:
                         progress(table.position, table.size)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import wrap_angle
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import Reference, as_truth
 from six_wheel.odometry.tracks import Track
 from six_wheel.poses import Floats, as_poses, between, inverse, joined
 
@@ -354,15 +354,16 @@ class Evaluation:
         }
 
 
-def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Truth) -> tuple[ArrayLike, ArrayLike]:
-    """Poses of both at the same times: a `Track` and a `Truth` are brought together by their stamps.
+def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> tuple[ArrayLike, ArrayLike]:
+    """Poses of both at the same times: a `Track` and a `Truth` (or what `as_truth` takes) by their stamps.
 
     Raises
     ------
     ValueError
         If they do not overlap in time for two rows of the track, or a truth comes without a track.
     """
-    if isinstance(truth, Truth):
+    if hasattr(truth, "stamps"):
+        truth = as_truth(truth)
         if not isinstance(estimate, Track):
             raise ValueError(
                 f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}"
@@ -379,7 +380,7 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Truth) -> tupl
 
 def evaluate(
     estimate: ArrayLike | Track,
-    truth: ArrayLike | Truth,
+    truth: ArrayLike | Reference,
     *,
     length: float = 0.5,
     stride: int | None = STRIDE,
@@ -390,7 +391,7 @@ def evaluate(
     ----------
     estimate, truth : array_like, shape (n, 3), or Track and Truth
         Poses at the same times [m, m, rad]; a `Truth` is interpolated at the stamps of a `Track`, whose rows
-        outside it are left out.
+        outside it are left out. For a `Truth` stands also the `Log` that has it, or another `Track`.
     length, stride
         Of the relative error; see `segments`.
 

@@ -1,13 +1,15 @@
 """Where in time an estimate lost its truth: slip that the wheels alone need not show."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import Reference, as_truth
 from six_wheel.odometry.tracks import Track
 from six_wheel.poses import Floats, between
 
@@ -32,7 +34,7 @@ class Stretch:
 
 
 def slip_against(
-    track: Track, truth: Truth | None = None, yaw_rate: Floats | None = None
+    track: Track, truth: Reference | None = None, yaw_rate: ArrayLike | None = None
 ) -> tuple[Stretch, ...]:
     """When the wheels did not say what the rover did, as a truth or a gyroscope knows.
 
@@ -42,9 +44,9 @@ def slip_against(
     ----------
     track : Track
         Of the wheels alone, at stamps that grow.
-    truth : Truth, optional
-        Where the rover was.
-    yaw_rate : ndarray, shape (n,), optional
+    truth : Truth, Log or Track, optional
+        Where the rover was: a truth, a log that has it, or a track that knows better.
+    yaw_rate : array_like, shape (n,), optional
         Of a gyroscope at the stamps of the track [rad/s]; its bias is the median of what it differs by.
 
     Returns
@@ -60,7 +62,7 @@ def slip_against(
     if (truth is None) == (yaw_rate is None):
         raise ValueError("truth or yaw_rate must be given, got neither or both")
     if truth is not None:
-        real = truth.at(track.stamps)
+        real = as_truth(truth).at(track.stamps)
         known = np.isfinite(real).all(axis=1)
         return lost_stretches(track.stamps[known], track.poses[known], real[known], reach(track.rover))
     rates = np.asarray(yaw_rate, dtype=np.float64)

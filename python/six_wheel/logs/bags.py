@@ -117,7 +117,9 @@ class Bag:
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
             self.close()
             raise TableError(f"{self.path}: no topic has messages of the type {kinds}; the bag has {listed}")
-        names = sorted({c.topic for c in there})
+        # A recorder of everything lists topics on which nothing came.
+        spoken = {c.topic for c in there if c.msgcount} or {c.topic for c in there}
+        names = sorted({c.topic for c in there} if topics else spoken)
         wanted = set(topics or [])
         if topics is None:
             wanted = set(names) if len(names) == 1 else {n for n in names if usual and n.endswith(usual)}
@@ -125,7 +127,8 @@ class Bag:
         if unknown or not wanted:
             kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(names) or "none"
-            got = unknown[0] if unknown else "no choice"
+            option = "--truth-topic" if types == POSES else "--topic"
+            got = unknown[0] if unknown else f"no choice (say which with {option})"
             self.close()
             raise TableError(f"{self.path}: the topic must be one of {listed} ({kinds}), got {got}")
         self._topics = [c for c in there if c.topic in wanted]
@@ -192,7 +195,7 @@ class JointBag(Bag):
         kinds: dict[str, set[Reading]] = {}
         strangers: dict[str, None] = {}
         for number, _, message in self._messages():
-            for joint, position, velocity in _states(message):
+            for joint, position, velocity in self._states(message):
                 if (name := self._joints.get(joint)) is None:
                     strangers[joint] = None
                     continue
@@ -223,13 +226,27 @@ class JointBag(Bag):
             + ", ".join(f"{name} ({' and '.join(sorted(known))})" for name, known in wheels.items())
         )
 
+    def _states(self, message: Any) -> Iterator[tuple[str, float, float]]:
+        """Joint, position and velocity; NaN for what the message leaves out."""
+        try:
+            names = [str(name) for name in message.name]
+            positions, velocities = message.position.tolist(), message.velocity.tolist()
+        except (AttributeError, TypeError):  # bags bring the definitions of their messages along
+            rule = "joint states must have names, positions and velocities, which this bag's have not"
+            raise TableError(f"{self.path}: {rule}") from None
+        nothing = [math.nan] * len(names)
+        positions, velocities = (
+            values if len(values) == len(names) else nothing for values in (positions, velocities)
+        )
+        return zip(names, positions, velocities, strict=True)
+
     def batches(self, chunk_rows: int) -> Iterator[Batch]:
         """Rows at the messages of the first wheel, numbered as those messages are."""
         series = {name: _Series() for name in self.names}
         first = next(name for name in self.names if name.startswith("wheel "))
         for number, stamp, message in self._messages():
             self.position = number
-            for joint, position, velocity in _states(message):
+            for joint, position, velocity in self._states(message):
                 if (name := self._joints.get(joint)) in series:
                     speed = name.startswith("wheel ") and self.reading == "speed"
                     value = velocity if speed else position
@@ -390,15 +407,6 @@ def _composed(poses: Sequence[tuple[float, float, float]]) -> tuple[float, ...]:
 def _like_wheels(joints: Iterable[str]) -> list[str]:
     """Those of the joints whose names tell a place, as a wheel's do; all of them if none does."""
     return [joint for joint in joints if said_by(joint) is not None] or [*joints]
-
-
-def _states(message: Any) -> Iterator[tuple[str, float, float]]:
-    """Joint, position and velocity; NaN for what the message leaves out."""
-    count = len(message.name)
-    nothing = [math.nan] * count
-    positions = message.position.tolist() if len(message.position) == count else nothing
-    velocities = message.velocity.tolist() if len(message.velocity) == count else nothing
-    return zip(message.name, positions, velocities, strict=True)
 
 
 def _pose(message: Any) -> tuple[float, ...]:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from six_wheel.errors import FileError
+
 __all__ = [
     "BRACKETS",
     "QUANTITIES",
@@ -22,7 +24,7 @@ __all__ = [
 ]
 
 
-class TableError(ValueError):
+class TableError(FileError):
     """A table that cannot be used. Its text is one line that names the file and what is wrong with it."""
 
 

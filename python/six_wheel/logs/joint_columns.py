@@ -76,6 +76,11 @@ YAW = _truth("yaw", _HEADINGS, _ANGLES)
 QUATERNION = tuple(_truth(f"q{axis}", _QUATERNIONS, _NONE, axis) for axis in "xyzw")
 
 
+# What wheels and their joints are called: their own names, and those that joints have where none are given.
+_STEERING_FORMS = ("{0}_steering", "{0}_steer", "steering_{0}", "{0}_steering_joint", "{0}_steer_joint")
+_WHEEL_FORMS = ("{0}", "{0}_wheel", "{0}_wheel_joint")
+
+
 @dataclass(frozen=True)
 class JointColumns:
     """Columns by what they hold.
@@ -126,10 +131,8 @@ def joint_columns(
         raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
     found = find_columns(headers, (TIME,)) | truth_columns(headers)
     taken = {column.index for column in found.values()}
-    steering = _stems(
-        rover.steered_names, rover.steering_joints, ("{0}_steering", "{0}_steer", "steering_{0}")
-    )
-    wheels = _stems(rover.wheel_names, rover.traction_joints, ("{0}", "{0}_wheel"))
+    steering = _stems(rover.steered_names, rover.steering_joints, _STEERING_FORMS)
+    wheels = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)
     backwards = {words(joint) for joint in rover.reversed_joints}
     turned: set[str] = set()
     by_reading: dict[str, dict[Reading, Column]] = {}
@@ -148,7 +151,7 @@ def joint_columns(
             meaning = _reading(rest, given, "angle" if part == "steering" else reading)
             if meaning is None or (part == "steering" and meaning[0] == "speed"):
                 if meaning is None and (given or not rest):
-                    doubts.setdefault(name, _doubt(header, text, given, part))
+                    doubts.setdefault(name, _doubt(header, text, rest, given, part))
                 break
             columns = by_reading.setdefault(name, {})
             if meaning[0] in columns:
@@ -212,8 +215,12 @@ def _named(text: str, stems: Mapping[str, str]) -> tuple[str, str, str] | None:
     return None if rest is None else (rests[rest][0], rest, rests[rest][1])
 
 
-def _doubt(header: str, text: str, given: str | None, part: str) -> str:
+def _doubt(header: str, text: str, rest: str, given: str | None, part: str) -> str:
     kinds: Sequence[Reading] = ("angle", "ticks") if part == "steering" else READINGS
+    units = {spelling for kind in kinds for each in _UNITS[kind] for spelling in each.spellings}
+    if rest and given is not None and words(given) in units:
+        said = ", ".join(sorted({word for kind in kinds for word in _WORDS[kind]}))
+        return f'column "{header}" must say what it is by one of {said}, or nothing, got "{rest}"'
     known = ", ".join(each.symbol for kind in kinds for each in _UNITS[kind])
     such = f'"{text.strip()} [{"rad" if part == "steering" else "rad/s"}]"'
     got = "none" if given is None else f'"{given}"'

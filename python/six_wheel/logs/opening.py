@@ -4,7 +4,8 @@ A format of one's own is a function that makes a `Log` and its entry in `READERS
 """
 
 import difflib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
@@ -20,6 +21,7 @@ from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.logs.tables import FORMATS
 from six_wheel.logs.tolerant import Findings
+from six_wheel.odometry.tables import is_table, table
 from six_wheel.poses import Floats, inverse, joined
 
 __all__ = [
@@ -27,6 +29,7 @@ __all__ = [
     "AnyLog",
     "LogOptions",
     "Reader",
+    "as_logs",
     "corrections",
     "example_run",
     "log_format",
@@ -266,10 +269,39 @@ def _instead_of(path: Path) -> str:
     return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
 
 
+def as_logs(source: Any, rover: Rover) -> list[Log]:
+    """Drives from what tells one, or from some of those: a `Log`, the path of any that `read_log` reads, a
+    table of columns.
+
+    Raises
+    ------
+    TypeError
+        If it is nothing of these.
+    ValueError
+        If a file or a table cannot be used.
+    """
+    many = isinstance(source, Iterable) and not (isinstance(source, str) or is_table(source))
+    return [_as_log(one, rover) for one in (source if many else [source])]
+
+
+def _as_log(source: Any, rover: Rover) -> Log:
+    if isinstance(source, Log):
+        return source
+    if isinstance(source, str | os.PathLike):
+        return read_log(source, rover)[0]
+    if not is_table(source):
+        kind = type(source).__name__
+        raise TypeError(f"logs must be Logs, paths or tables of columns, got a {kind}")
+    pieces = list(table(rover, source, None, {}, {}).pieces)
+    steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
+    stamps = np.concatenate([piece.stamps for piece in pieces])
+    return Log(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
+
+
 def read_log(
-    path: Path,
+    path: str | os.PathLike[str],
     rover: Rover,
-    options: LogOptions,
+    options: LogOptions | None = None,
     *,
     truth: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -281,6 +313,7 @@ def read_log(
     TableError
         If log or truth cannot be used.
     """
+    path, options = Path(path), options or LogOptions()
     session = str(path.parent)
     with open_log(path, rover, options) as log:
         whole = log.read(truth=truth, truth_topic=options.truth_topic, session=session, progress=progress)

@@ -5,7 +5,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Encoder, Rover
 from six_wheel.poses import Floats, as_poses, interpolate
 
-__all__ = ["Log", "Truth"]
+if TYPE_CHECKING:
+    from six_wheel.odometry.tracks import Track
+
+__all__ = ["Log", "Truth", "as_truth"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +113,8 @@ class Log:
         Angles of the steered wheels at those times, in the rover's order [rad]; None without such wheels.
     wheel_angles : array_like, shape (n, wheels)
         How far each wheel has turned since anywhere: running totals, in the rover's order [rad]. NaN all the
-        way down where a passive wheel has no encoder.
+        way down where a passive wheel has no encoder; NaN in a row, here or in `steering`, is a reading that
+        is missing: `dead_reckon` flags that row, `calibrate` leaves it out.
     truth : Truth, or array_like of shape (n, 3), optional
         The reference; bare poses are taken to be measured at `stamps`.
     name, session : str
@@ -215,6 +219,32 @@ class Log:
     def __repr__(self) -> str:
         known = "with truth" if self.truth is not None else "without truth"
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
+
+
+Reference: TypeAlias = "Truth | Log | Track"
+
+
+def as_truth(given: object) -> Truth:
+    """What something tells as a reference: a `Truth`, the truth of a `Log`, or another track's poses.
+
+    Raises
+    ------
+    ValueError
+        If it is a log without a truth.
+    TypeError
+        If it tells no poses with their stamps.
+    """
+    if isinstance(given, Log):
+        if given.truth is None:
+            raise ValueError(f"truth must be known, got a log without one: {given!r}")
+        return given.truth
+    if isinstance(given, Truth):
+        return given
+    try:
+        return Truth(given.stamps, given.poses)  # type: ignore[attr-defined]
+    except AttributeError:
+        kind = type(given).__name__
+        raise TypeError(f"truth must be a Truth, a Log with one, or a Track, got a {kind}") from None
 
 
 def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:

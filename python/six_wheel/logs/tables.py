@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.errors import FileError
 from six_wheel.logs.columns import TIME_UNITS, Column, TableError, find_columns, is_number
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ LATEST_SECOND = 1e11
 LONGEST_LINE, LARGEST_BLOCK = 1 << 16, 1 << 24  # [byte]
 
 
-class RowError(ValueError):
+class RowError(FileError):
     """A row that cannot be used: `row` (counted from 1) and what is wrong with it."""
 
     def __init__(self, row: int, message: str) -> None:
@@ -173,7 +174,10 @@ class Table:
             self._types["time"] = "int64"
 
     def _cells(self, line: str) -> list[str]:
-        return next(csv.reader([line], delimiter=self._delimiter))
+        try:
+            return next(csv.reader([line], delimiter=self._delimiter))
+        except csv.Error as error:
+            raise TableError(f"the header must be a line of cells, got {line!r:.60} ({error})") from None
 
     def _csv_batches(self, chunk_rows: int) -> "Iterator[pa.RecordBatch]":
         for lines in self._blocks(min(max(chunk_rows * self._line_bytes, LONGEST_LINE), LARGEST_BLOCK)):

@@ -148,11 +148,15 @@ def _parquet(
     chunk_rows: int,
 ) -> Source:
     try:
-        from pyarrow import parquet
+        from pyarrow import ArrowInvalid, parquet
     except ModuleNotFoundError as error:
         message = f'Parquet files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
-    opened = parquet.ParquetFile(path)
+    try:
+        opened = parquet.ParquetFile(path)
+    except ArrowInvalid:
+        rule = "be a Parquet file; six_wheel.logs.read_log makes a Log of tables, bags and others"
+        raise ValueError(f"a path must {rule}, got {str(path)!r}") from None
     found = _find(rover, opened.schema_arrow.names, columns, sensors, options)
 
     def pieces() -> Iterator[Piece]:
@@ -166,6 +170,11 @@ def _parquet(
                 yield _piece(rover, found, read, origin)
 
     return Source(opened.metadata.num_rows, pieces())
+
+
+def is_table(source: Any) -> bool:
+    """Whether something has columns with names."""
+    return any(hasattr(source, attribute) for attribute in ("column_names", "columns", "keys"))
 
 
 def _headers(source: Any) -> Iterable[Any]:

@@ -37,7 +37,7 @@ from six_wheel.parameters import syntax
 from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
-from six_wheel.parameters.nodes import PARAMETERS, Section, closest
+from six_wheel.parameters.nodes import PARAMETERS, Section, closest, declares
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
 from six_wheel.parameters.units import question_units
 from six_wheel.rebuild import joints_as_given
@@ -325,8 +325,14 @@ class _Log:
 
 
 def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) -> Parameters:
-    found = section_of(_tree(text, path, log), node, log.error)
-    form = None if found is None else form_of(found, log.error, log.warning, kind)
+    tree = _tree(text, path, log)
+    before = len(log.findings)
+    found = section_of(tree, node, log.error)
+    if found is not None:
+        nesting = len(log.findings)
+        form = form_of(found, log.error, log.warning, kind)
+        if form is None:
+            del log.findings[before:nesting]  # of what is no rover's
     if found is None or form is None:
         raise log.failure(warnings=False)  # there is nothing that they would be about
     check_keys(found, form, log.error, log.warning)
@@ -345,8 +351,9 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
             named["control"] = named["control"] | {key: None}
     named["limits"] = Limits(**values.get("limits", {}))
     controller = form.name if form in FOREIGN else None
+    of_kind = form.kind if form.kind_of is None else form.kind_of(values)
     parameters = Parameters(
-        path, found.node, rover, **named, warnings=log.in_order(), kind=form.kind, controller=controller,
+        path, found.node, rover, **named, warnings=log.in_order(), kind=of_kind, controller=controller,
         asked=kind,
     )  # fmt: skip
     _check_controller(found, parameters, log)
@@ -400,6 +407,9 @@ def _tree(text: str, path: Path, log: _Log) -> syntax.Tree:
     if not isinstance(tree.data, dict):
         what = "a list" if isinstance(tree.data, list) else "a single value"
         log.fail(1, f"the file must be a mapping, got {what}", "write lines such as `d1: 0.4`")
+    if declared := declares(tree.data):
+        message = f"the file declares parameters ({declared}) for generate_parameter_library, without values"
+        log.fail(1, message, "give the file that a robot's values are in")
     before = len(log.findings)
     gathered = gather_modules(tree, path, log.error)
     if len(log.findings) > before:
@@ -412,7 +422,7 @@ def _rover(section: Section, form: Form, values: Values, log: _Log) -> Rover | N
     layout = _layout(section, form, values, log)
     if layout is None:
         return None  # whose wheels are not known
-    question_units(section, layout, log.warning)
+    question_units(section, layout, form.needed - section.data.keys(), log.warning)
     joints = _joints(section, form, values, layout, log)
     if log.has_errors:
         return None

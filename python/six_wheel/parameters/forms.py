@@ -89,7 +89,8 @@ def form_of(section: Section, error: Report, warning: Report, asked: str | None 
         message = f"kind is missing, and {first} is no key of {KINDS['six_wheel'].name}"
         error(section.line, ("kind",), message, f"add {names}")
         return None
-    if by_keys is None and data and not (data.keys() & OWN_KEYS or "kind" in data or _nearly_own(data)):
+    telling = {*OWN_TELLING, *DIMENSIONS}
+    if by_keys is None and data and not (data.keys() & telling or _nearly_own(data)):
         _report_unknown(section, error)
         return None
     return by_keys or KINDS["six_wheel"]
@@ -124,7 +125,8 @@ def _of_unknown_type(section: Section, by_keys: Form | None, error: Report, warn
 
 
 def _nearly_own(data: dict[str, Any]) -> bool:
-    return any(closest(key, (*OWN_TELLING, *DIMENSIONS)) for key in data)
+    known = (*OWN_TELLING, *DIMENSIONS)
+    return any(closest(key, known) for key, value in data.items() if not isinstance(value, dict))
 
 
 def _report_unknown(section: Section, error: Report) -> None:

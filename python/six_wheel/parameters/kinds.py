@@ -297,7 +297,9 @@ class _FourAxle(_Steered):
 
 
 def _wheel(values: Values) -> Wheel:
-    return Wheel(**{key: as_argument(value) for key, value in values.items()})
+    """A wheel; keys that it has not are reported elsewhere."""
+    known = NESTED["wheels"].model_fields
+    return Wheel(**{key: as_argument(value) for key, value in values.items() if key in known})
 
 
 def _check_names(wheels: dict[str, _Wheel]) -> dict[str, _Wheel]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from six_wheel.parameters.syntax import Path, Place, Report, Tree, nearest, one_line
 
-__all__ = ["PARAMETERS", "Section", "closest", "drives", "flat_keys", "section"]
+__all__ = ["PARAMETERS", "Section", "closest", "declares", "drives", "flat_keys", "section"]
 
 PARAMETERS = "ros__parameters"
 ANY_NODE = "/**"
@@ -114,6 +114,19 @@ def flat_keys(data: Any) -> set[str]:
     for key, value in data.items() if isinstance(data, dict) else ():
         keys |= {".".join([key, *inner]) for inner in _leaves(value)} if _is_group(key, value) else {key}
     return keys
+
+
+def declares(data: dict[str, Any]) -> str | None:
+    """A parameter that a file declares, as the source of a controller does, and gives no value."""
+    for group in data.values():
+        for name, value in group.items() if isinstance(group, dict) else ():
+            if (
+                isinstance(value, dict)
+                and "type" in value
+                and {"default_value", "description"} & value.keys()
+            ):
+                return str(name)
+    return None
 
 
 def _merged(below: Any, above: Any) -> Any:

@@ -277,6 +277,8 @@ class Form:
     """Whether its files have no ``ros__parameters``."""
     more: tuple[str, ...] = ()
     """Further types that have the same keys."""
+    kind_of: Callable[[Values], str] | None = None
+    """The kind by its values, of a form that describes several."""
     ignored: frozenset[str] = frozenset()
     """Keys beside those of every node that are no matter of kinematics."""
 

@@ -1,5 +1,7 @@
 """Numbers that cannot be a rover's in metres and radians: questions, with the unit that is likely."""
 
+from collections.abc import Collection
+
 from six_wheel._core import Rover, unit_questions
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.syntax import Report
@@ -7,13 +9,15 @@ from six_wheel.parameters.syntax import Report
 __all__ = ["question_units"]
 
 
-def question_units(section: Section, rover: Rover, warning: Report) -> None:
+def question_units(section: Section, rover: Rover, missing: Collection[str], warning: Report) -> None:
     """Warn of what `SuspiciousUnitsWarning` warns of in Python, at the key that says so.
 
-    Of a rover made with stand-ins for what the file does not say, too: its range is the file's.
+    Of a rover made with stand-ins for what is `missing`, too: its range is the file's. Not of the stand-ins.
     """
     for about, says, likely in unit_questions(rover):
         word = about.rpartition("_")[2]
+        if any(word in key for key in missing):
+            continue
         keys = (key for key in section.data if word in key and "multiplier" not in key)
         at = (about if about in section.data else next(keys, ""),)
         warning(section.line_of(at) if at[0] else section.line, at, says, likely)

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, SOFT, new_figure, tidy, write_title
-from six_wheel.replay.again import Replayed, Run
 from six_wheel.replay.difference import compare
+from six_wheel.replay.runs import Replayed, Run
 
 DRAWN = 4000  # points of a line at most, more than any screen shows
 SECOND = 1e9

@@ -1,12 +1,14 @@
 """The picture of a result, whichever it is."""
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 from collections.abc import Callable
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from six_wheel._core import Rover
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import Reference
 from six_wheel.odometry.tracks import Track
 
 __all__ = ["figure"]
@@ -18,7 +20,8 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     Parameters
     ----------
     result : Track, Rover, Calibration, FourAxleSimulation, or a drive that has ended
-        A track takes ``truth=``, a rover ``twist=`` or ``limits=``.
+        A track takes ``truth=`` (a `Truth`, a `Log` that has one, another track), a rover ``twist=`` or
+        ``limits=``.
     title : str, optional
         Written above the picture.
     **options
@@ -40,7 +43,7 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     raise TypeError(f"result must be one of {', '.join(PICTURES)}, got a {type(result).__name__}")
 
 
-def _track(track: Track, *, title: str | None, truth: Truth | None = None) -> Figure:
+def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
     from six_wheel.reckoning.tracks import of_track
 
     return _reckoned(of_track(track, truth), title=title)

@@ -1,10 +1,12 @@
 """A `Track` in memory as what dead reckoning of a log on disk comes to, for pictures and reports."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from six_wheel.evaluation.paths import at_same_times, evaluate, path_distance
 from six_wheel.evaluation.slip import slip_against
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import Reference
 from six_wheel.odometry.tracks import Track
 from six_wheel.reckoning.running import Reckoned
 
@@ -12,7 +14,7 @@ __all__ = ["of_track"]
 
 
 def of_track(
-    track: Track, truth: Truth | None = None, *, name: str = "track", length: float = 0.5
+    track: Track, truth: Reference | None = None, *, name: str = "track", length: float = 0.5
 ) -> Reckoned:
     """What there is to say about a track, against its truth if that is known.
 
@@ -20,7 +22,7 @@ def of_track(
     ----------
     track : Track
         With covariances and residuals.
-    truth : Truth, optional
+    truth : Truth, Log or Track, optional
         Brought to its stamps.
     name : str
         What to call it.

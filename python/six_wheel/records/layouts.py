@@ -6,7 +6,7 @@ files hold for one version: a blueprint alone, or with the record in one file th
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from six_wheel._core import Rover
 from six_wheel.rebuild import joints_as_given
@@ -25,7 +25,32 @@ PATH = "/path"  # of the rover, as a line
 INSTALL = 'pip install "six-wheel[viewer]"'
 COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b")
 
+MOTIONS = ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
 WANTED_AND_LIMITED = (("linear.x", "vx [m/s]"), ("linear.y", "vy [m/s]"), ("angular.z", "omega [rad/s]"))
+
+
+class Seen(NamedTuple):
+    """What a layout can show: topics, and the joints in the order of their states."""
+
+    topics: frozenset[str]
+    joints: tuple[str, ...] = ()
+
+
+ALL = Seen(
+    frozenset(
+        {topics.WANTED, topics.LIMITED, topics.COMMANDS, topics.ODOMETRY, topics.REASONS, topics.SLIP}
+        | {topics.DIAGNOSTICS}
+    )
+)
+"""The topics of a node."""
+
+
+def _seen(record: Record) -> Seen:
+    joints: tuple[str, ...] = ()
+    for message in record.messages([topics.JOINTS]):
+        joints = tuple(record.parsed(message).name)
+        break
+    return Seen(frozenset(record.topics()), joints)
 
 
 def write(path: Path, rover: Rover, record: Path | None = None) -> None:
@@ -41,12 +66,13 @@ def write(path: Path, rover: Rover, record: Path | None = None) -> None:
         The record, for an .rrd.
     """
     check(path, record)
+    seen = ALL if record is None else _seen(Record(record))
     if path.suffix == ".json":
-        path.write_text(json.dumps(foxglove(rover), indent=2) + "\n")
+        path.write_text(json.dumps(foxglove(rover, seen), indent=2) + "\n")
     elif path.suffix == ".rbl":
-        rerun(rover).save(APPLICATION, path)
+        rerun(rover, seen).save(APPLICATION, path)
     elif record is not None:
-        blueprint = rerun(rover)
+        blueprint = rerun(rover, seen)
         import rerun as rr
 
         stream = rr.RecordingStream(APPLICATION)
@@ -82,54 +108,87 @@ def check(path: Path, record: Path | None) -> None:
 # Foxglove
 
 
-def foxglove(rover: Rover) -> dict[str, Any]:
+def foxglove(rover: Rover, seen: Seen = ALL) -> dict[str, Any]:
     """The layout: the rover in 3D, plots of motion, joints and slip, reasons over time, diagnostics."""
-    steering, driving = joints_as_given(rover)
-    joints = len(steering)
-    motion = [
-        (f"{topic}.twist.{field}", f"{label}, {name}")
-        for field, name in WANTED_AND_LIMITED
-        for topic, label in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
-    ]
-    angles = [(f"{topics.COMMANDS}.position[{k}]", joint) for k, joint in enumerate(steering)]
-    speeds = [(f"{topics.COMMANDS}.velocity[{joints + k}]", joint) for k, joint in enumerate(driving)]
-    slip = [(f"{topics.SLIP}.data[{k}]", wheel) for k, wheel in enumerate(rover.wheel_names)]
     panels: dict[str, Any] = {
         "3D!rover": {
             "followMode": "follow-pose",
-            "followTf": "odom",
+            "followTf": "map" if topics.TRUTH in seen.topics else "odom",
             "topics": {
                 topics.ODOMETRY: {"visible": True, "type": "arrow"},
                 topics.DESCRIPTION: {"visible": True},
             },
             "transforms": {},
             "layers": {"grid": {"layerId": "foxglove.Grid", "visible": True, "frameLocked": True}},
-        },
-        "Plot!motion": _plot("wanted and commanded motion", motion),
-        "Plot!wheels": _plot("wheel speeds [rad/s]", speeds),
-        "Plot!slip": _plot("slip [m/s]", slip),
-        "StateTransitions!reasons": {
-            "paths": [
-                {"value": f"{topics.REASONS}.data", "timestampMethod": "receiveTime", "label": "limited by"}
-            ],
-            "isSynced": True,
-        },
-        "DiagnosticSummary!all": {"topicToRender": topics.DIAGNOSTICS, "minLevel": 0, "sortByLevel": True},
+        }
     }
-    left: Any = _split("column", "3D!rover", "DiagnosticSummary!all", 60)
-    right: Any = _split("column", "Plot!wheels", "Plot!slip", 50)
-    if steering:
-        panels["Plot!steering"] = _plot("steering angles [rad]", angles)
-        right = _split("column", "Plot!steering", right, 34)
-    right = _split("column", "Plot!motion", right, 30)
-    right = _split("column", right, "StateTransitions!reasons", 88)
+    plots = {
+        "Plot!motion": _plot(*_motion_lines(seen)),
+        "Plot!steering": _plot(*_joint_lines(rover, seen, steering=True)),
+        "Plot!wheels": _plot(*_joint_lines(rover, seen, steering=False)),
+    }
+    if topics.SLIP in seen.topics:
+        slip = [(f"{topics.SLIP}.data[{k}]", wheel) for k, wheel in enumerate(rover.wheel_names)]
+        plots["Plot!slip"] = _plot("slip [m/s]", slip)
+    panels |= {name: plot for name, plot in plots.items() if plot["paths"]}
+    right = [name for name in panels if name != "3D!rover"]
+    if topics.REASONS in seen.topics:
+        path = {"value": f"{topics.REASONS}.data", "timestampMethod": "receiveTime", "label": "limited by"}
+        panels["StateTransitions!reasons"] = {"paths": [path], "isSynced": True}
+    left: Any = "3D!rover"
+    if topics.DIAGNOSTICS in seen.topics:
+        said = {"topicToRender": topics.DIAGNOSTICS, "minLevel": 0, "sortByLevel": True}
+        panels["DiagnosticSummary!all"] = said
+        left = _split("column", left, "DiagnosticSummary!all", 60)
+    stack = _stack(right)
+    if topics.REASONS in seen.topics:
+        stack = _split("column", stack, "StateTransitions!reasons", 88)
     return {
         "configById": panels,
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": {"speed": 1},
-        "layout": _split("row", left, right, 40),
+        "layout": _split("row", left, stack, 40),
     }
+
+
+def _motion_lines(seen: Seen) -> tuple[str, list[tuple[str, str]]]:
+    """What was wanted and commanded; of a record without commands what odometry says."""
+    told = [
+        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
+    ]
+    lines = [
+        (f"{topic}.twist.{field}", f"{label}, {name}")
+        for field, name in WANTED_AND_LIMITED
+        for topic, label in told
+    ]
+    if lines:
+        return "wanted and commanded motion", lines
+    lines = [(f"{topics.ODOMETRY}.twist.twist.{field}", name) for field, name in WANTED_AND_LIMITED]
+    return "motion by odometry", lines
+
+
+def _joint_lines(rover: Rover, seen: Seen, *, steering: bool) -> tuple[str, list[tuple[str, str]]]:
+    """Commands to the joints; of a record without commands the readings."""
+    steered, driving = map(list, joints_as_given(rover))
+    names = steered if steering else driving
+    if topics.COMMANDS in seen.topics:
+        if steering:
+            lines = [(f"{topics.COMMANDS}.position[{k}]", joint) for k, joint in enumerate(names)]
+            return "steering angles [rad]", lines
+        first = len(steered)
+        lines = [(f"{topics.COMMANDS}.velocity[{first + k}]", joint) for k, joint in enumerate(names)]
+        return "wheel speeds [rad/s]", lines
+    read = [
+        (f"{topics.JOINTS}.position[{k}]", joint) for k, joint in enumerate(seen.joints) if joint in names
+    ]
+    return ("steering angles [rad]" if steering else "wheel angles [rad]"), read
+
+
+def _stack(panels: list[str]) -> Any:
+    """Panels below each other, of one height."""
+    first, *rest = panels
+    return _split("column", first, _stack(rest), 100 / len(panels)) if rest else first
 
 
 def _plot(title: str, paths: list[tuple[str, str]]) -> dict[str, Any]:
@@ -162,7 +221,7 @@ def _split(direction: str, first: Any, second: Any, share: float) -> dict[str, A
 # Rerun
 
 
-def rerun(rover: Rover) -> Any:
+def rerun(rover: Rover, seen: Seen = ALL) -> Any:
     """The blueprint: the path in 3D, plots of motion, joints and slip, the reasons.
 
     Raises
@@ -188,36 +247,43 @@ def rerun(rover: Rover) -> Any:
         )
         return rr.SeriesLines(names=name).visualizer(mappings=[mapping])
 
+    told = [
+        each for each in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded")) if each[0] in seen.topics
+    ]
+    kind, inner = "geometry_msgs.msg.TwistStamped", ".twist"
+    if not told:
+        told, kind, inner = [(topics.ODOMETRY, "by odometry")], "nav_msgs.msg.Odometry", ".twist.twist"
+
     def motion(field: str, name: str) -> Any:
-        kind = "geometry_msgs.msg.TwistStamped"
-        overrides: Any = {
-            topic: [line(kind, f".twist.{field}", label)]
-            for topic, label in ((topics.WANTED, "wanted"), (topics.LIMITED, "commanded"))
-        }
+        overrides: Any = {topic: [line(kind, f"{inner}.{field}", label)] for topic, label in told}
         return rrb.TimeSeriesView(name=name, origin="/", contents=list(overrides), overrides=overrides)
 
-    plots = [
-        motion("linear.x", "forward [m/s]"),
-        motion("angular.z", "turning [rad/s]"),
-        rrb.TimeSeriesView(name="joint commands: speeds [rad/s]", origin=f"{topics.COMMANDS}/velocity"),
-        rrb.TimeSeriesView(name=f"slip [m/s]: {', '.join(rover.wheel_names)}", origin=topics.SLIP),
-    ]
-    if rover.steering_joints:
-        plots.insert(
-            2, rrb.TimeSeriesView(name="joint commands: angles [rad]", origin=f"{topics.COMMANDS}/position")
+    plots = [motion("linear.x", "forward [m/s]"), motion("angular.z", "turning [rad/s]")]
+    if topics.COMMANDS in seen.topics:
+        steered = [("joint commands: angles [rad]", "position")] if rover.steering_joints else []
+        plots += [
+            rrb.TimeSeriesView(name=name, origin=f"{topics.COMMANDS}/{part}")
+            for name, part in (*steered, ("joint commands: speeds [rad/s]", "velocity"))
+        ]
+    else:
+        plots.append(
+            rrb.TimeSeriesView(name="joint states: angles [rad]", origin=f"{topics.JOINTS}/position")
         )
+    if topics.SLIP in seen.topics:
+        plots.append(
+            rrb.TimeSeriesView(name=f"slip [m/s]: {', '.join(rover.wheel_names)}", origin=topics.SLIP)
+        )
+    space = rrb.Spatial3DView(
+        name="rover",
+        origin="/",
+        contents=[topics.TRANSFORMS, PATH],
+        overrides={topics.TRANSFORMS: rr.TransformAxes3D(1.0)},
+    )
+    reasons = [rrb.TextDocumentView(name="limited by", origin=topics.REASONS)]
+    shown = reasons if topics.REASONS in seen.topics else []
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(
-                rrb.Spatial3DView(
-                    name="rover",
-                    origin="/",
-                    contents=[topics.TRANSFORMS, PATH],
-                    overrides={topics.TRANSFORMS: rr.TransformAxes3D(1.0)},
-                ),
-                rrb.TextDocumentView(name="limited by", origin=topics.REASONS),
-                row_shares=[4, 1],
-            ),
+            rrb.Vertical(space, *shown, row_shares=[4, 1][: 1 + len(shown)]),
             rrb.Vertical(*plots),
             column_shares=[2, 3],
         ),

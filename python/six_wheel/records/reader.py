@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from six_wheel.errors import FileError
 from six_wheel.records.writer import FORMAT, SETTINGS, libraries
 
 __all__ = ["Message", "Record", "RecordError"]
@@ -14,7 +15,7 @@ __all__ = ["Message", "Record", "RecordError"]
 MAGIC = b"\x89MCAP0\r\n"
 
 
-class RecordError(ValueError):
+class RecordError(FileError):
     """A file that is no record of this package."""
 
 
@@ -88,6 +89,10 @@ class Record:
                 channels[record.id] = record.topic, schemas[record.schema_id]
             elif isinstance(record, records.DataEnd):
                 return
+
+    def topics(self) -> set[str]:
+        """The topics that have messages."""
+        return {message.topic for message in self.messages()}
 
     def parsed(self, message: Message) -> Any:
         """The content of a message by the names of its fields."""

@@ -16,6 +16,7 @@ from six_wheel.records.writer import RecordWriter
 __all__ = [
     "CHANGES",
     "COMMANDS",
+    "GIVEN",
     "JOINTS",
     "LIMITED",
     "ODOMETRY",
@@ -32,6 +33,7 @@ WANTED = "/cmd_vel"
 JOINTS = "/joint_states"
 TICK = "/six_wheel/tick"  # a step of the timer, without new readings
 CHANGES = "/six_wheel/changes"  # parameters, poses, resets: JSON
+GIVEN = "/six_wheel/given"  # rows of a table of commands, in its own numbers: JSON
 # Out: what it makes of that.
 COMMANDS = "/joint_commands"
 LIMITED = "/cmd_vel_out"
@@ -41,6 +43,7 @@ REASONS = "/reasons"  # when they change
 SLIP = "/wheel_slip"
 DIAGNOSTICS = "/diagnostics"
 DESCRIPTION = "/robot_description"
+TRUTH = "/truth"  # of a simulation
 
 Numbers = Sequence[float]
 PARAMETERS = "rover.yaml"
@@ -140,6 +143,10 @@ class RoverRecord:
     def change(self, now: int, what: Mapping[str, Any]) -> None:
         """Something that was set while it ran."""
         self._text(CHANGES, now, json.dumps(what))
+
+    def given(self, now: int, row: Sequence[float]) -> None:
+        """A row of a table: its time as the table has it, and the twist; an empty one ends a chunk."""
+        self._text(GIVEN, now, json.dumps(row))
 
     # Out
 

@@ -5,151 +5,25 @@ that were measured: what a rover would have measured under other commands nobody
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from six_wheel._core import Rover
-from six_wheel.onboard import Loop, Options, Settings, Step
+from six_wheel.onboard import Loop, Options, Settings
 from six_wheel.onboard.recorder import Recorder
 from six_wheel.records import Record, RecordError, rover_record
-from six_wheel.records.frames import JointStates, planar_pose
+from six_wheel.records.frames import JointStates
 from six_wheel.records.reader import Message
+from six_wheel.replay.drives import DRIVE, replay_drive
+from six_wheel.replay.runs import OUT, Collected, Replayed, planar
 
-__all__ = ["Replayed", "Run", "replay", "settings_of"]
+__all__ = ["replay", "settings_of"]
 
-Floats = NDArray[np.float64]
-LOOPS = ("node", "simulate")
-SECOND = 1_000_000_000
+LOOPS = ("node",)
+READ = ("odometry", "simulate")  # records of what was measured
 IN = (rover_record.WANTED, rover_record.JOINTS, rover_record.TICK, rover_record.CHANGES)
-OUT = (rover_record.COMMANDS, rover_record.LIMITED, rover_record.REASONS, rover_record.ODOMETRY)
-
-
-@dataclass
-class Run:
-    """What a loop commanded and counted; times in ns.
-
-    Attributes
-    ----------
-    times : ndarray, shape (n,)
-        Of the commands.
-    steering, speeds : ndarray, shape (n, joints)
-        In the order of the rover's joints [rad, rad/s].
-    twists : ndarray, shape (n, 3)
-    reasons : list of str, n
-        Names, joined by ``|``.
-    stamps : ndarray, shape (m,)
-        Of the odometry.
-    poses : ndarray, shape (m, 3)
-    motions : ndarray, shape (m, 3)
-        Twists that were measured.
-    covariances : ndarray, shape (m, 72)
-        Of both, 6 x 6 each.
-    """
-
-    times: NDArray[np.int64]
-    steering: Floats
-    speeds: Floats
-    twists: Floats
-    reasons: list[str]
-    stamps: NDArray[np.int64]
-    poses: Floats
-    motions: Floats
-    covariances: Floats
-
-
-@dataclass
-class Replayed:
-    """A record and what came of running it again.
-
-    Attributes
-    ----------
-    name : str
-    before, after : Settings
-        Of the record, and with the changes.
-    recorded, again : Run
-    wanted : ndarray, shape (k, 4)
-        Commands that came: time [ns], vx, vy, omega.
-    warnings : list of str
-    """
-
-    name: str
-    before: Settings
-    after: Settings
-    recorded: Run
-    again: Run
-    wanted: Floats
-    warnings: list[str] = field(default_factory=list)
-
-    @property
-    def rover(self) -> Rover:
-        """That of the record."""
-        return self.before.rover
-
-    @property
-    def same_bits(self) -> bool:
-        """Whether commands and odometry are the same numbers to the last bit."""
-        one, other = self.recorded, self.again
-        return one.reasons == other.reasons and all(
-            getattr(one, name).tobytes() == getattr(other, name).tobytes()
-            for name in ("times", "steering", "speeds", "twists", "stamps", "poses", "motions", "covariances")
-        )
-
-
-class _Collected:
-    """Outputs as they come."""
-
-    def __init__(self, steered: int, driven: int) -> None:
-        self._widths = steered, driven
-        self.times: list[int] = []
-        self.joints: list[Sequence[float]] = []
-        self.twists: list[Sequence[float]] = []
-        self.reasons: list[str] = []
-        self.stamps: list[int] = []
-        self.motion: list[Sequence[float]] = []
-
-    def add(self, step: Step) -> None:
-        """What a step says."""
-        if step.steering is not None and step.speeds is not None:
-            self.times.append(step.now)
-            self.joints.append([*step.steering, *step.speeds])
-            self.twists.append(step.twist)
-            self.reasons.append(rover_record.reason_names(step.reasons))
-        if step.state is not None and step.stamp is not None:
-            state = step.state
-            both = (state.covariance_6x6().ravel(), state.twist_covariance_6x6().ravel())
-            self.stamps.append(step.stamp)
-            # The record has the yaw as a quaternion: it is compared as that.
-            pose = planar_pose(state.pose.tolist())
-            self.motion.append([*pose, *state.twist.tolist(), *both[0], *both[1]])
-
-    def end(self, steps: int, counted: int) -> None:
-        """Leave out what comes after so many commands, and so many messages of odometry."""
-        for each in (self.times, self.joints, self.twists, self.reasons):
-            del each[steps:]
-        del self.stamps[counted:], self.motion[counted:]
-
-    def run(self) -> Run:
-        """All of it."""
-        steered, driven = self._widths
-        joints = np.array(self.joints, dtype=float).reshape(-1, steered + driven)
-        motion = np.array(self.motion, dtype=float).reshape(-1, 82)
-        yaw = 2.0 * np.arctan2(motion[:, 5], motion[:, 6])
-        return Run(
-            np.array(self.times, dtype=np.int64),
-            joints[:, :steered].copy(),
-            joints[:, steered:].copy(),
-            np.array(self.twists, dtype=float).reshape(-1, 3),
-            self.reasons,
-            np.array(self.stamps, dtype=np.int64),
-            np.column_stack([motion[:, 0], motion[:, 1], yaw]),
-            motion[:, 7:10].copy(),
-            motion[:, 10:].copy(),
-        )
 
 
 def replay(
@@ -164,7 +38,7 @@ def replay(
     Parameters
     ----------
     path : Path
-        A record of a node, or of a simulation.
+        A record of a node, or of a drive.
     changes : mapping of str to object, optional
         Keys of the parameter file or options, with other values: ``{"limits.speed": 0.3}``.
     output : Path, optional
@@ -181,19 +55,37 @@ def replay(
     """
     record = Record(path)
     made_by = record.settings.get("made_by")
-    if made_by not in LOOPS:
-        raise RecordError(
-            f"{path}: only a record of {' or '.join(LOOPS)} can be replayed, got one of {made_by}"
-        )
+    if made_by not in (*LOOPS, DRIVE):
+        had = "readings" if made_by in READ else "none"
+        remedy = f"; six-wheel odometry ROVER {path} reckons it again" if made_by in READ else ""
+        message = f"only a record of {' or '.join((*LOOPS, DRIVE))} has commands to run again"
+        raise RecordError(f"{path}: {message}, got one of {made_by}, which has {had}{remedy}")
     before = settings_of(record)
     after = before.changed(changes) if changes else before
     rover = before.rover
     if after.rover.command_joints != rover.command_joints:
         raise ValueError("changes must leave the joints of the rover as they are: the record is of those")
-    again = _Again(after, changes or {}, Recorder(output, after, made_by) if output else None)
-    recorded = _Collected(len(rover.steering_joints), len(rover.traction_joints))
+    again_by = replay_drive if made_by == DRIVE else _replay_loop
+    result = again_by(record, before, after, changes or {}, output, progress)
+    if record.cut_off:
+        result.warnings.append(f"{path}: the record was cut off; it is replayed up to there")
+    return result
+
+
+def _replay_loop(
+    record: Record,
+    before: Settings,
+    after: Settings,
+    changes: Mapping[str, Any],
+    output: Path | None,
+    progress: Callable[[int, int], None] | None,
+) -> Replayed:
+    """A node's events through a loop."""
+    rover = before.rover
+    recorder = Recorder(output, after, "node") if output else None
+    again = _Again(after, changes, recorder)
+    recorded = Collected(len(rover.steering_joints), len(rover.traction_joints))
     wanted: list[tuple[float, ...]] = []
-    reasons = ""
     try:
         for number, message in enumerate(record.messages((*IN, *OUT))):
             if progress is not None and not number % 4096:
@@ -203,41 +95,15 @@ def replay(
                 if given is not None:
                     wanted.append((message.time, *given))
                 continue
-            content = record.parsed(message)
-            if message.topic == rover_record.COMMANDS:
-                steered = len(rover.steering_joints)
-                recorded.times.append(message.time)
-                recorded.joints.append([*content.position[:steered], *content.velocity[steered:]])
-            elif message.topic == rover_record.LIMITED:
-                recorded.twists.append(_planar(content.twist))
-                recorded.reasons.append(reasons)
-            elif message.topic == rover_record.REASONS:
-                reasons = content.data
-                recorded.reasons[-1] = reasons  # written behind the motion that it is about
-            else:
-                pose, twist = content.pose.pose, content.twist.twist
-                recorded.stamps.append(message.stamp)
-                recorded.motion.append(
-                    [
-                        *(pose.position.x, pose.position.y, pose.position.z),
-                        *(pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w),
-                        *_planar(twist),
-                        *content.pose.covariance,
-                        *content.twist.covariance,
-                    ]
-                )
+            recorded.read(record, message)
     finally:
         again.close()
     if record.cut_off:  # in the middle of a step, perhaps
         steps, counted = max(min(len(recorded.times), len(recorded.twists)) - 1, 0), len(recorded.stamps)
         for each in (recorded, again.collected):
             each.end(steps, counted)
-    result = Replayed(
-        path.name, before, after, recorded.run(), again.collected.run(), np.array(wanted).reshape(-1, 4)
-    )
-    if record.cut_off:
-        result.warnings.append(f"{path}: the record was cut off; it is replayed up to there")
-    return result
+    commands = np.array(wanted).reshape(-1, 4)
+    return Replayed(record.path.name, before, after, recorded.run(), again.collected.run(), commands)
 
 
 class _Again:
@@ -246,7 +112,7 @@ class _Again:
     def __init__(self, settings: Settings, changes: Mapping[str, Any], recorder: Recorder | None) -> None:
         self.loop = Loop(settings)
         rover = settings.rover
-        self.collected = _Collected(len(rover.steering_joints), len(rover.traction_joints))
+        self.collected = Collected(len(rover.steering_joints), len(rover.traction_joints))
         self._changes, self._recorder = changes, recorder
         self._states = JointStates()
 
@@ -263,7 +129,7 @@ class _Again:
             if recorder is not None:
                 recorder.tick(now)
         elif message.topic == rover_record.WANTED:
-            given = _planar(record.parsed(message).twist)
+            given = planar(record.parsed(message).twist)
             loop.command(given, message.stamp, now)
             if recorder is not None:
                 recorder.command(given, message.stamp, now)
@@ -307,7 +173,3 @@ def settings_of(record: Record) -> Settings:
     options = Options.of(json.loads(record.settings.get("options", "{}")))
     node = json.loads(record.settings.get("node", "null"))
     return Settings.of_text(text, node=node, path=record.path, options=options)
-
-
-def _planar(twist: Any) -> tuple[float, float, float]:
-    return twist.linear.x, twist.linear.y, twist.angular.z

@@ -1,6 +1,5 @@
 """A drive over ground as a table, or as a bag with transforms that viewers draw."""
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from six_wheel.logs.columns import TableError
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.simulation.ground import GroundSimulation
-from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned
+from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned, record_of
 
 __all__ = ["write_ground"]
 
@@ -101,36 +100,28 @@ def _columns(run: GroundSimulation, arm: RockerBogie) -> dict[str, tuple[str, An
 def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
     if run.options:
         raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
-    from six_wheel.logs.bag_files import rosbags_names
-
     assert run.stand is not None
     assert run.truth is not None
     assert run.orientations is not None
     assert run.angular_velocity is not None
-    rosbags = rosbags_names()
-    store = rosbags.get_typestore(rosbags.Stores.LATEST)
     planar, stand = arm.planar(0.0, (0.0, 0.0)), run.stand
     columns = joint_columns(run, planar) | dict(zip(arm.free_joints, stand.joints.T, strict=True))
     rows = np.stack(list(columns.values()), axis=-1)
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
     wheels = _wheel_transforms(run, arm)
-    with replacing(path) as place, tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag") as folder:
-        plugin = rosbags.StoragePlugin.MCAP
-        with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
-            messages = _GroundMessages(writer, store)
-            odometry = reckoned(run, planar)
-            for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
-                if not np.isfinite(places[row]).all():
-                    continue  # no way to stand was found here
-                messages.joints(stamp, list(columns), rows[row])
-                frames = {BODY: (WORLD, places[row], run.orientations[row])}
-                frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
-                messages.transforms(stamp, frames)
-                messages.posed(stamp, places[row], run.orientations[row])
-                messages.odometry(stamp, *odometry[row])
-                messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
-        (file,) = Path(folder).glob("bag/*.mcap")
-        file.replace(place)
+    with replacing(path) as place, record_of(place, planar) as writer:
+        messages = _GroundMessages(writer)
+        odometry = reckoned(run, planar)
+        for row, stamp in enumerate(np.rint(run.stamps * 1e9).astype(np.int64).tolist()):
+            if not np.isfinite(places[row]).all():
+                continue  # no way to stand was found here
+            messages.joints(stamp, list(columns), rows[row])
+            frames = {BODY: (WORLD, places[row], run.orientations[row])}
+            frames |= {name: (BODY, *transform[row]) for name, transform in wheels.items()}
+            messages.transforms(stamp, frames)
+            messages.posed(stamp, places[row], run.orientations[row])
+            messages.odometry(stamp, *odometry[row])
+            messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
 
 
 def _wheel_transforms(run: GroundSimulation, arm: RockerBogie) -> dict[str, list[tuple[Floats, Floats]]]:

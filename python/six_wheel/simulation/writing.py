@@ -1,7 +1,6 @@
 """A log in memory, into a table or a bag that `six-wheel odometry` and `calibrate` read."""
 
 import math
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, ClassVar
@@ -13,6 +12,9 @@ from six_wheel._core import Odometry, Rover
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.onboard.settings import text_of
+from six_wheel.records.rover_record import PARAMETERS, TRUTH
+from six_wheel.records.writer import RecordWriter, libraries
 
 Floats = NDArray[np.float64]
 
@@ -81,30 +83,27 @@ def joint_columns(log: Log, rover: Rover) -> dict[str, Floats]:
 def _write_bag(log: Log, rover: Rover, path: Path) -> None:
     if log.options:
         raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
-    from six_wheel.logs.bag_files import rosbags_names
-
-    rosbags = rosbags_names()
-    store = rosbags.get_typestore(rosbags.Stores.LATEST)
     columns = joint_columns(log, rover)
     rows = np.stack(list(columns.values()), axis=-1)
-    with replacing(path) as place, tempfile.TemporaryDirectory(dir=path.parent, prefix=".bag") as folder:
-        plugin = rosbags.StoragePlugin.MCAP
-        with rosbags.Writer(Path(folder) / "bag", version=9, storage_plugin=plugin) as writer:
-            messages = Messages(writer, store)
-            poses = None if log.truth is None else log.truth.at(log.stamps)
-            odometry = reckoned(log, rover)
-            for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
-                messages.joints(stamp, list(columns), rows[row])
-                if poses is not None and np.isfinite(poses[row]).all():
-                    x, y, yaw = poses[row].tolist()
-                    at, turn = np.array((x, y, 0.0)), upright(yaw)
-                    messages.posed(stamp, at, turn)
-                    messages.transforms(stamp, {BODY: (WORLD, at, turn)})
-                messages.odometry(stamp, *odometry[row])
-                if log.yaw_rate is not None:
-                    messages.imu(stamp, float(log.yaw_rate[row]))
-        (file,) = Path(folder).glob("bag/*.mcap")
-        file.replace(place)
+    with replacing(path) as place, record_of(place, rover) as writer:
+        messages = Messages(writer)
+        poses = None if log.truth is None else log.truth.at(log.stamps)
+        odometry = reckoned(log, rover)
+        for row, stamp in enumerate(np.rint(log.stamps * 1e9).astype(np.int64).tolist()):
+            messages.joints(stamp, list(columns), rows[row])
+            if poses is not None and np.isfinite(poses[row]).all():
+                x, y, yaw = poses[row].tolist()
+                at, turn = np.array((x, y, 0.0)), upright(yaw)
+                messages.posed(stamp, at, turn)
+                messages.transforms(stamp, {BODY: (WORLD, at, turn)})
+            messages.odometry(stamp, *odometry[row])
+            if log.yaw_rate is not None:
+                messages.imu(stamp, float(log.yaw_rate[row]))
+
+
+def record_of(path: Path, rover: Rover) -> RecordWriter:
+    """A record of a simulation, with the rover's parameter file."""
+    return RecordWriter(path, {"made_by": "simulate"}, {PARAMETERS: text_of(rover)})
 
 
 def upright(yaw: float) -> Floats:
@@ -133,15 +132,14 @@ class Messages:
 
     TOPICS: ClassVar = {
         "sensor_msgs/msg/JointState": "/joint_states",
-        "geometry_msgs/msg/PoseStamped": "/truth",
+        "geometry_msgs/msg/PoseStamped": TRUTH,
         "sensor_msgs/msg/Imu": "/imu",
         "nav_msgs/msg/Odometry": "/odom",
         "tf2_msgs/msg/TFMessage": "/tf",
     }
 
-    def __init__(self, writer: Any, store: Any) -> None:
-        self._writer, self._store = writer, store
-        self._connections: dict[str, Any] = {}
+    def __init__(self, writer: RecordWriter) -> None:
+        self._writer, self._store = writer, libraries().store
 
     def _make(self, kind: str, /, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
@@ -155,11 +153,7 @@ class Messages:
         self._send(kind, stamp, header=self._header(stamp, frame), **fields)
 
     def _send(self, kind: str, stamp: int, **fields: Any) -> None:
-        if kind not in self._connections:
-            topic = self.TOPICS[kind]
-            self._connections[kind] = self._writer.add_connection(topic, kind, typestore=self._store)
-        message = self._make(kind, **fields)
-        self._writer.write(self._connections[kind], stamp, self._store.serialize_cdr(message, kind))
+        self._writer.write_object(self.TOPICS[kind], kind, stamp, lambda types: types[kind](**fields))
 
     def joints(self, stamp: int, names: list[str], positions: Floats) -> None:
         nothing = np.empty(0)

@@ -6,12 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from six_wheel.errors import FileError
+
 __all__ = ["Grid", "TerrainFileError", "Window", "cut"]
 
 Window = tuple[float, float, float, float]
 
 
-class TerrainFileError(ValueError):
+class TerrainFileError(FileError):
     """A file that is no map, or one that cannot be used."""
 
 

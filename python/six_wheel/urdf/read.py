@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from six_wheel._core import Limits, RockerBogie, Rover, Wheel
+from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
 from six_wheel.descriptions.findings import Finding
+from six_wheel.urdf.macros import expanded, has_macros
 from six_wheel.urdf.suspension import Suspension, find_suspension
 from six_wheel.urdf.tree import MAX_BYTES, Notes, read_tree
 from six_wheel.urdf.wheels import FoundWheel, find_wheels, names_of
 
 __all__ = ["Robot", "read_urdf"]
-
-XACRO = ".xacro"
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,9 @@ def parse_urdf(
     found = find_wheels(tree, notes, wheel_radius)
     wheels = _in_rows(dict(zip(names_of(tree, found, notes), found, strict=True)))
     suspension = find_suspension(tree, wheels, notes)
-    rover = _rover(wheels, suspension)
+    rover = without_questions(lambda: _rover(wheels, suspension))
+    for _, says, likely in unit_questions(rover):
+        notes.warn(says, likely)
     _say_of_slip(wheels, notes)
     warnings = tuple(sorted(notes.warnings, key=lambda finding: finding.line or 0))
     return Robot(path, tree.name, tree.root, rover, wheels, suspension, _limits(wheels), tree.up, warnings)
@@ -112,21 +113,7 @@ def _text(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:
         )
     except ValueError as error:  # bytes that are no text, a path with a null character
         notes.fail(f"the file is no text: {error}", "save it as UTF-8 text")
-    if path.suffix != XACRO and "<xacro:" not in text:
-        return text
-    try:
-        from xacrodoc import XacroDoc
-    except ModuleNotFoundError as error:
-        message = f'xacro files need {error.name}: pip install "six-wheel[urdf]"'
-        raise ModuleNotFoundError(message, name=error.name) from None
-    try:
-        expanded: str = XacroDoc.from_file(str(path), subargs=dict(arguments or {})).to_urdf_string()
-    except Exception as error:  # xacro has many, and the XML parser's
-        reason = " ".join(str(error).split()) or type(error).__name__
-        notes.fail(
-            f"the xacro cannot be expanded: {reason}", "expand it where its packages are, and give that"
-        )
-    return expanded
+    return expanded(path, arguments, notes) if has_macros(path, text) else text
 
 
 def _in_rows(wheels: dict[str, FoundWheel]) -> dict[str, FoundWheel]:

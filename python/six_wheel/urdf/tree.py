@@ -192,7 +192,8 @@ def _arrange(tree: Tree, notes: Notes) -> Tree:
         tree.below.setdefault(joint.parent, []).append(joint)
     roots = [name for name in tree.links if name not in tree.above]
     if not tree.links:
-        notes.fail("the file has no links", "expand it first if it is a xacro that includes others")
+        remedy = "it has parts for other files: give that of the whole robot"
+        notes.fail("the file has no links", remedy if tree.path.suffix == ".xacro" else None)
     if not roots:
         notes.fail("the links form a circle", "one link, such as base_link, has no joint above it")
 

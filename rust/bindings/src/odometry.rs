@@ -11,7 +11,6 @@ pub mod values;
 use std::str::FromStr;
 
 use numpy::PyArray1;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::odometry::{
@@ -24,7 +23,7 @@ pub use quick::install;
 use crate::convert::{Array, Output, Rows, Scalars, compute, memory, number, raise, refuse};
 use crate::rover::Rover;
 use crate::shared::Shared;
-use input::{encoders, optional, row, steering_left_out, triple};
+use input::{Columns, build_track, encoders, optional, row, triple};
 use state::{OdometryState, Spares};
 use values::Noise;
 
@@ -273,40 +272,19 @@ impl Odometry {
         covariances: bool,
         residuals: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let strict = match errors {
-            "raise" => true,
-            "flag" => false,
-            _ => {
-                return Err(refuse(
-                    "errors",
-                    "be 'flag' or 'raise'",
-                    &format!("'{errors}'"),
-                ));
-            }
-        };
-        let (count, joints) = (self.wheels(), self.joints());
-        let wheels = Rows::read_table("wheel_angles", wheel_angles, count)?;
-        let leading = wheels.leading.as_slice();
-        let steering = if steering.is_none() {
-            steering_left_out(joints)?
-        } else {
-            Rows::read_beside("steering", Some(steering), joints, leading)?
-        };
-        let column = |argument, value: &Bound<'py, PyAny>| {
-            let column = Scalars::read(argument, value)?;
-            column.fit_exactly(argument, leading).map(|()| column)
-        };
-        let stamps = column("stamps", stamps)?;
-        let yaws = yaw.map(|yaw| column("yaw", yaw)).transpose()?;
-        let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
+        let count = self.wheels();
+        let widths = [count, self.joints()];
+        let log = Columns::read(wheel_angles, steering, stamps, errors, widths)?;
+        let yaws = log.optional("yaw", yaw)?;
+        let rates = log.optional("yaw_rate", yaw_rate)?;
         let recording = Recording {
-            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
-            wheels: wheels.flat(),
-            stamps: stamps.flat(),
+            steering: log.angles(),
+            wheels: log.wheels.flat(),
+            stamps: log.stamps.flat(),
             yaws: yaws.as_ref().map(Scalars::flat),
             yaw_rates: rates.as_ref().map(Scalars::flat),
         };
-        let rows = wheels.count();
+        let rows = log.wheels.count();
         let output = |shape: &[usize]| Output::fresh(py, shape);
         let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
         let is_robust = self.work.lock(py)?.core.settings().method == Method::Robust;
@@ -325,24 +303,22 @@ impl Odometry {
         };
         let mut work = self.work.lock(py)?;
         let core = &mut work.core;
-        compute(py, rows, || core.run(recording, strict, track))
-            .map_err(|error| raise(error, leading))?;
+        compute(py, rows, || core.run(recording, log.is_strict, track))
+            .map_err(|error| raise(error, &log.wheels.leading))?;
         drop(work);
         let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> {
             out.map(Output::finish).transpose()
         };
         let keywords = PyDict::new(py);
         keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("stamps", memory::array(py, stamps.flat(), &[rows])?)?;
+        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
         keywords.set_item("poses", poses.finish()?)?;
         keywords.set_item("twists", twists.finish()?)?;
         keywords.set_item("covariances", finish(covariances)?)?;
         keywords.set_item("residuals", finish(residuals)?)?;
         keywords.set_item("weights", finish(weights)?)?;
         keywords.set_item("health", PyArray1::from_vec(py, flags))?;
-        py.import(intern!(py, "six_wheel.odometry"))?
-            .getattr(intern!(py, "Track"))?
-            .call((), Some(&keywords))
+        build_track(&keywords, "Track")
     }
 
     /// Open loop, for a rover without readings: it is taken to have held a commanded twist since the last stamp.

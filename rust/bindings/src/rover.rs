@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_core::suspension::WHEELS;
 use six_wheel_core::{Rover as Core, SteeringRange, units};
 
-use crate::convert::{ArgumentTypeError, ask, items, raise, refuse, short_repr};
+use crate::convert::{ArgumentTypeError, ask, items, raise, ready, refuse, short_repr};
 use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
 use crate::suspension::RockerBogie;
 use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
@@ -88,6 +88,7 @@ impl Rover {
 
     /// A rover of the core with what it has beside its wheels.
     pub fn build(py: Python<'_>, core: Core, fittings: Fittings<'_, '_>) -> PyResult<Self> {
+        ready(py)?;
         let motors = driven(&core);
         let (traction, steering) = (fittings.traction, fittings.steering);
         let mut traction = read_joints(&core, &motors, "traction_joints", traction, TRACTION)?;

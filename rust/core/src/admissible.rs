@@ -264,7 +264,7 @@ impl Rover {
                 )
             })
         };
-        match keep {
+        let found = match keep {
             Keep::Speed => nearest(keep).map(|found| Twist {
                 vx: twist.vx,
                 ..found
@@ -281,7 +281,13 @@ impl Rover {
                 }),
                 None => nearest(Keep::Nearest).map(|found| shrink(found, twist)),
             },
+        }?;
+        // Squares of very large twists are not.
+        if <[f64; 3]>::from(found).iter().all(|part| part.is_finite()) {
+            return Ok(found);
         }
+        let rule = "be small enough for a possible twist beside it";
+        Err(infeasible(rule, twist).of_kind(ErrorKind::Value))
     }
 
     /// The planes on which a steered wheel rolls exactly at an end of its range, with its joint.

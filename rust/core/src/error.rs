@@ -114,6 +114,9 @@ pub(crate) fn numbers(values: &[f64]) -> String {
     format!("({})", inner.join(", "))
 }
 
+/// Numbers of a state beyond which sums of their squares might not be finite.
+pub(crate) const HUGE: f64 = 1e60;
+
 /// Fails unless every value is finite.
 pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
     if values.iter().all(|value| value.is_finite()) {

@@ -33,9 +33,8 @@ use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};
 use history::History;
 pub(crate) use spread::Spread;
-pub(crate) use state::HUGE;
 pub(crate) use state::State;
-use state::{advance, check_covariance, meet_yaw};
+use state::{advance, check_covariance, check_pose, meet_yaw};
 pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
 use step::{Motion, Workspace, shared_readings};
 use tolerant::Suspect;
@@ -270,7 +269,7 @@ impl Odometry {
                 numbers(covariance.as_slice()),
             ));
         }
-        crate::error::finite("pose", &<[f64; 3]>::from(pose))?;
+        check_pose(&<[f64; 3]>::from(pose))?;
         self.state.walk = Walk::new(pose.into());
         self.state.uncertainty.set(covariance);
         // The time until which a command was held has been counted.

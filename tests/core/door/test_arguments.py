@@ -1,5 +1,8 @@
 """What is handed over: masks are refused, an argument's own errors come through, shapes go together."""
 
+import subprocess
+import sys
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -25,6 +28,16 @@ MASKED = {
     "in a list": lambda a: [np.ma.array(row) for row in a],
     "in a tuple of lists": lambda a: ([np.ma.masked, *a[0, 1:]], *a[1:]),
 }
+
+
+FIRST_CALLS = [
+    "sw.exp((1.0, 0.0, 0.0))",
+    "sw.integrate([(1.0, 0.0, 0.0)], 0.1)",
+    "sw.Rover.preset('perseverance')",
+    "sw.Odometry3(sw.RockerBogie.rocky7()).state.pose",
+    "sw.FourAxle((0.3, 0.0), 0.2, 0.1)",
+    "sw.Terrain([(0.0, 1.0), (0.0, 1.0)], 0.1)",
+]
 
 
 @pytest.mark.parametrize("mask", MASKED.values(), ids=MASKED.keys())
@@ -125,6 +138,31 @@ def test_what_an_argument_raises_comes_through(call, error):
     with pytest.raises(type(error)) as caught:
         call(Raises(error))
     assert caught.value is error
+
+
+@pytest.mark.parametrize("first", FIRST_CALLS)
+def test_what_loading_numpy_raises_comes_through(first):
+    """A Ctrl-C in the very first call, which loads NumPy, was a PanicException; the next call works."""
+    program = f"""
+        import sys
+        import six_wheel as sw
+
+        class Interrupts:
+            def find_spec(self, name, *_):
+                if name.partition(".")[0] == "numpy":
+                    sys.meta_path.remove(self)
+                    raise KeyboardInterrupt(name)
+
+        sys.meta_path.insert(0, Interrupts())
+        try:
+            {first}
+        except KeyboardInterrupt as error:
+            print(error)
+        {first}
+        print(sw.exp((1.0, 0.0, 0.0)))
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("numpy\n[1. 0. 0.]\n", "")
 
 
 def test_what_an_argument_in_a_list_raises_comes_through():

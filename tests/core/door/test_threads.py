@@ -9,6 +9,7 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -37,40 +38,46 @@ def while_running(run: Callable[[], object], ask: Callable[[], object]) -> tuple
     counter.start()
     running.wait()
     time.sleep(0.02)
-    counted[0] = 0
+    before = counted[0]
     answer = ask()
-    seen = counted[0]
-    is_over = not worker.is_alive()
+    seen = counted[0] - before
     done.set()
     worker.join()
     counter.join()
-    return seen if is_over or seen else -1, answer
+    return seen, answer
+
+
+# Whoever waits with the interpreter's lock lets nobody count, however often it is tried; whoever waits
+# without it lets others count unless the system gave them no time, or the run was over before it was asked.
+TRIES = 20
 
 
 def test_whoever_waits_for_a_controller_lets_other_threads_run():
-    controller = sw.Controller(ROVER)
     times = np.arange(1.0, 400_000.0) / 100.0
-
-    def run() -> None:
-        controller.run([0.0], [(0.05, 0.0, 0.0)], times)
-
-    seen, now = while_running(run, lambda: controller.now)
-    assert now in (None, times[-1])  # before the run or after it, never in the midst
-    if now is not None:
-        assert seen > 3
+    for _ in range(TRIES):
+        controller = sw.Controller(ROVER)
+        seen, now = while_running(
+            partial(controller.run, [0.0], [(0.05, 0.0, 0.0)], times), partial(getattr, controller, "now")
+        )
+        assert now in (None, times[-1])  # before the run or after it, never in the midst
+        if now is not None and seen > 3:
+            return
+    pytest.fail("nobody ran while another waited")
 
 
 def test_whoever_waits_for_odometry_lets_other_threads_run():
-    odometry, rows = sw.Odometry(ROVER), 400_000
-    steering, turned = np.zeros((rows, 4)), np.tile(np.arange(rows)[:, None] / 100.0, (1, 6))
-
-    def run() -> None:
-        odometry.run(steering, turned, np.arange(rows) / 100.0)
-
-    seen, state = while_running(run, lambda: odometry.state)
-    assert state.stamp in (None, (rows - 1) / 100.0)
-    if state.stamp is not None:
-        assert seen > 3
+    rows = 400_000
+    stamps = np.arange(rows) / 100.0
+    steering, turned = np.zeros((rows, 4)), np.tile(stamps[:, None], (1, 6))
+    for _ in range(TRIES):
+        odometry = sw.Odometry(ROVER)
+        seen, state = while_running(
+            partial(odometry.run, steering, turned, stamps), partial(getattr, odometry, "state")
+        )
+        assert state.stamp in (None, stamps[-1])
+        if state.stamp is not None and seen > 3:
+            return
+    pytest.fail("nobody ran while another waited")
 
 
 @pytest.mark.parametrize("kind", ["controller", "odometry"])

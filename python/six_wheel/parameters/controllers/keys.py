@@ -39,6 +39,7 @@ __all__ = [
     "BicycleSteering",
     "DiffDrive",
     "Mecanum",
+    "MecanumInOrder",
     "Omni",
     "SteeringDrive",
     "TricycleDrive",
@@ -110,7 +111,8 @@ def _length_or_unset(value: float) -> float:
 def _count(least: int, most: int) -> AfterValidator:
     def check(joints: list[str]) -> list[str]:
         if not least <= len(joints) <= most:
-            raise ValueError(f"joints must name {least} to {most} joints, got {len(joints)}")
+            many = f"{least}" if least == most else f"{least} to {most}"
+            raise ValueError(f"joints must name {many} joints, got {len(joints)}")
         return joints
 
     return AfterValidator(check)
@@ -147,11 +149,7 @@ class DiffDrive(Common):
     wheelbase: Length = optional("the distance from the last to the first axle, in metres")
 
 
-class Mecanum(Common):
-    front_left: Name = required("the joint of the front left wheel", "front_left_wheel_command_joint_name")
-    front_right: Name = required("the joint of the front right wheel", "front_right_wheel_command_joint_name")
-    rear_right: Name = required("the joint of the rear right wheel", "rear_right_wheel_command_joint_name")
-    rear_left: Name = required("the joint of the rear left wheel", "rear_left_wheel_command_joint_name")
+class MecanumGeometry(Common):
     wheels_radius: Length = required("the wheels' radius, in metres", "kinematics.wheels_radius")
     projection: Length = required(
         "the sum of the distances from the middle to an axle and to a side, in metres",
@@ -171,6 +169,19 @@ class Mecanum(Common):
     half_wheelbase: Length = optional("the distance from the middle to each axle, in metres")
     wheel_separation_multiplier: Length = optional(_FACTOR)
     wheel_radius_multiplier: Factor = optional("a factor; a negative one reverses the joints")
+
+
+class Mecanum(MecanumGeometry):
+    front_left: Name = required("the joint of the front left wheel", "front_left_wheel_command_joint_name")
+    front_right: Name = required("the joint of the front right wheel", "front_right_wheel_command_joint_name")
+    rear_right: Name = required("the joint of the rear right wheel", "rear_right_wheel_command_joint_name")
+    rear_left: Name = required("the joint of the rear left wheel", "rear_left_wheel_command_joint_name")
+
+
+class MecanumInOrder(MecanumGeometry):
+    command_joint_names: Annotated[list[Name], _count(4, 4)] = required(
+        "a list of the joints: front left, rear left, rear right, front right"
+    )
 
 
 class Omni(Common):

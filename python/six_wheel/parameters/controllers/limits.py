@@ -1,7 +1,7 @@
 """Limits and timeouts of controllers, as far as they are limits and ways here too."""
 
 import math
-from typing import Any
+from typing import Any, TypeGuard
 
 from six_wheel.parameters.controllers.keys import (
     ALIGNING,
@@ -43,7 +43,7 @@ def _has_its_sign(key: str, value: float) -> bool:
     return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
 
 
-def is_number(value: Any) -> bool:
+def is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -63,10 +63,14 @@ def _in_force(data: Values, key: str) -> bool:
 def check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
     data = section.data
 
+    def number(key: str) -> float:
+        value = data.get(key)
+        return value if is_number(value) else math.nan
+
     def is_read(key: str) -> bool:
         forwards = key.removesuffix("_reverse")
-        same = forwards != key and abs(data[key]) == abs(data.get(forwards, math.nan))
-        mirrored = ".min_" in key and data[key] == -data.get(key.replace(".min_", ".max_"), math.nan)
+        same = forwards != key and abs(number(key)) == abs(number(forwards))
+        mirrored = ".min_" in key and number(key) == -number(key.replace(".min_", ".max_"))
         limit = key in (LIMITS | SLOWING) and _has_its_sign(key, data[key])
         return key in STEERING_RANGE or same or mirrored or limit
 

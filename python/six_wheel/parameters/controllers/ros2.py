@@ -19,6 +19,7 @@ from six_wheel.parameters.controllers.keys import (
     BicycleSteering,
     DiffDrive,
     Mecanum,
+    MecanumInOrder,
     Omni,
     TricycleDrive,
     TricycleSteering,
@@ -124,6 +125,11 @@ def _corner_by_corner(values: Values, rover: Rover) -> list[JointList]:
     ]
 
 
+def _around_the_body(values: Values, rover: Rover) -> list[JointList]:
+    order = ("front_left", "rear_left", "rear_right", "front_right")
+    return [JointList("command_joint_names", order, order="fixed")]
+
+
 def _around(values: Values, rover: Rover) -> list[JointList]:
     return [JointList("wheel_names", rover.wheel_names, order="fixed")]
 
@@ -192,6 +198,7 @@ def _controller(
 ) -> Form:
     keys = keys_of(schema).keys()
     class_ = "".join(map(str.capitalize, name.split("_")))
+    usual: dict[str, Any] = {"complete": with_limits, "controller": f"{name}/{class_}"}
     return Form(
         name,
         kind,
@@ -199,8 +206,7 @@ def _controller(
         layout,
         telling=frozenset(keys - keys_of(Common).keys() - LIMITS.keys() - {*STEERING_RANGE} - _OF_OTHERS),
         stand_in={key: value for key, value in _STAND_IN.items() if key in keys},
-        controller=f"{name}/{class_}",
-        **{"complete": with_limits} | others,
+        **usual | others,
     )
 
 
@@ -268,7 +274,19 @@ CONTROLLERS = (
                 {"wheel_radius_multiplier": [f"{wheel}_wheel_command_joint_name" for wheel in _CORNERS]}
             ),
         ),
-        more=("clearpath_mecanum_drive_controller/MecanumDriveController",),
+    ),
+    _controller(
+        "clearpath_mecanum_drive_controller",
+        "mecanum",
+        MecanumInOrder,
+        _mecanum,
+        joint_lists=_around_the_body,
+        check=_check_mecanum,
+        complete=with_states(
+            {"command_joint_names": "state_joint_names"},
+            reversed_by_sign({"wheel_radius_multiplier": ["command_joint_names"]}),
+        ),
+        controller="clearpath_mecanum_drive_controller/MecanumDriveController",
     ),
     _controller("omni_wheel_drive_controller", "omni", Omni, _omni, joint_lists=_around, check=check_limits),
 )

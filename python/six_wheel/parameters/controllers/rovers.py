@@ -1,6 +1,6 @@
-"""The Open Source Rover, Curio, Leo and TurtleBot3: what their parameter files call things."""
+"""The Open Source Rover, Curio, Leo, TurtleBot3 and those of Rover Robotics: what their files call things."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, Strict
 
@@ -8,7 +8,18 @@ from six_wheel._core import Rover, Wheel
 from six_wheel.parameters.controllers.limits import check_limits, with_limits
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Name, Values, optional, required
+from six_wheel.parameters.schema import (
+    Common,
+    Finite,
+    Flag,
+    Form,
+    Length,
+    Name,
+    Positive,
+    Values,
+    optional,
+    required,
+)
 from six_wheel.parameters.syntax import Report
 
 __all__ = ["ROVERS"]
@@ -204,6 +215,56 @@ def _with_turtlebot3_joints(section: Section, values: Values) -> Values:
     return {"traction_joints": joints} | values
 
 
+# Rover Robotics: the node roverrobotics_driver.
+
+
+class RoverRobotics(Common):
+    wheel_radius: Length = required("the wheels' radius, in metres")
+    wheel_base: Length = required("the distance from left to right wheels, in metres")
+    robot_length: Length = required("the distance from rear to front axle, in metres")
+    drivetrain: Literal["differential", "mecanum"] = optional("what the wheels are")
+    robot_type: Name = optional("the model; of one with 2wd in it only two wheels drive")
+    linear_top_speed: Positive = optional("a speed in m/s")
+    angular_top_speed: Positive = optional("a rate of turn in rad/s")
+
+
+# Of the driver, and no matter of kinematics.
+_DRIVER_KEYS = frozenset(
+    {
+        "angular_a_coef", "angular_b_coef", "angular_c_coef", "angular_max_scale", "angular_min_scale",
+        "comm_type", "control_mode", "device_port", "diagnostics_frequency", "estop_reset_topic",
+        "estop_state", "estop_trigger_topic", "gear_ratio", "motor_control_d_gain", "motor_control_i_gain",
+        "motor_control_p_gain", "odom_child_frame_id", "odometry_frequency", "robot_info_request_topic",
+        "robot_info_topic", "robot_status_frequency", "robot_status_topic", "speed_topic", "trim_topic",
+    }
+)  # fmt: skip
+
+
+def _rover_robotics_kind(values: Values) -> str:
+    kind: str = values.get("drivetrain", "differential")
+    return kind
+
+
+def _rover_robotics(values: Values) -> Rover:
+    track, base, radius = values["wheel_base"], values["robot_length"], values["wheel_radius"]
+    if _rover_robotics_kind(values) == "mecanum":
+        return Rover.mecanum(base / 2, track / 2, radius)
+    if "2wd" in values.get("robot_type", ""):
+        return Rover.differential(track, radius)
+    return Rover.differential(track, radius, wheels_per_side=2, wheelbase=base)
+
+
+def _with_top_speeds(section: Section, values: Values) -> Values:
+    keys = {"speed": "linear_top_speed", "yaw_rate": "angular_top_speed"}
+    said = {limit: values[key] for limit, key in keys.items() if key in values}
+    frame = (
+        {"base_frame_id": section.data["odom_child_frame_id"]}
+        if "odom_child_frame_id" in section.data
+        else {}
+    )
+    return frame | values | {"limits": said | values.get("limits", {})}
+
+
 ROVERS = (
     Form(
         "open_source_rover",
@@ -260,6 +321,7 @@ ROVERS = (
         stand_in={"controller.wheel_radius": 1.0, "controller.wheel_separation": 1.0},
         check=_check_leo,
         complete=_with_leo_joints,
+        kind_of=lambda values: "mecanum" if values.get("mecanum_wheels") else "differential",
         ros1=True,
         ignored=frozenset({"battery_min_voltage", "wheels"}),
     ),
@@ -273,5 +335,18 @@ ROVERS = (
         stand_in={"wheels.separation": 1.0, "wheels.radius": 1.0},
         complete=_with_turtlebot3_joints,
         ignored=frozenset({"opencr", "motors", "sensors", "enable_stamped_cmd_vel", "odometry", "namespace"}),
+    ),
+    Form(
+        "roverrobotics_driver",
+        "differential",
+        RoverRobotics,
+        _rover_robotics,
+        stated_joints,
+        telling=frozenset({"robot_length", "drivetrain"}),
+        stand_in={"wheel_radius": 1.0, "wheel_base": 1.0, "robot_length": 1.0},
+        check=check_limits,
+        complete=_with_top_speeds,
+        kind_of=_rover_robotics_kind,
+        ignored=_DRIVER_KEYS,
     ),
 )

@@ -16,7 +16,7 @@ use six_wheel_core::geometry::Steps;
 use super::broadcast::Broadcast;
 use super::memory::{self, Held};
 use super::strided::Strided;
-use super::{ArgumentTypeError, joined, numpy, raise, refuse, shape_text, short_repr};
+use super::{ArgumentTypeError, joined, numpy, raise, ready, refuse, shape_text, short_repr};
 
 /// Numbers from which an array in another form is read block by block.
 const MANY: usize = 1 << 15;
@@ -490,6 +490,7 @@ pub fn read_array<'py>(
     value: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = value.py();
+    ready(py)?;
     refuse_masks(argument, value, 0)?;
     let array = match value.cast::<PyUntypedArray>() {
         Ok(array) => array.clone(),

@@ -12,7 +12,7 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use six_wheel_core::batch::Places;
 
-use super::{refuse, shape_text};
+use super::{ready, refuse, shape_text};
 
 /// An array in use.
 struct Entry {
@@ -185,6 +185,7 @@ pub fn zeros<'py, T: numpy::Element>(
     py: Python<'py>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, numpy::PyArrayDyn<T>>> {
+    ready(py)?;
     count(shape)?;
     let mut lengths: Vec<numpy::npyffi::npy_intp> =
         shape.iter().map(|length| length.cast_signed()).collect();

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::memory::{self, Held};
-use super::{ArgumentTypeError, Array, numpy, refuse, shape_text, short_repr};
+use super::{ArgumentTypeError, Array, numpy, ready, refuse, shape_text, short_repr};
 
 /// Set on arrays that warn when they are written to.
 const WARN_ON_WRITE: i32 = 1 << 31;
@@ -78,6 +78,7 @@ impl<'py> Output<'py> {
         precision: Option<Precision>,
         shape: &[usize],
     ) -> PyResult<Self> {
+        ready(py)?;
         if let Some(array) = out.and_then(|out| out.cast::<PyArrayDyn<f32>>().ok()) {
             return Self::into(py, argument, array.as_untyped(), shape);
         }
@@ -107,6 +108,7 @@ impl<'py> Output<'py> {
         let Some(out) = out else {
             return Self::fresh(py, shape);
         };
+        ready(py)?;
         let rule = || rule(shape);
         let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
             let got = match out.cast::<numpy::PyUntypedArray>() {

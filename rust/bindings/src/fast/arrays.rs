@@ -16,6 +16,7 @@ use pyo3::types::PyBool;
 use six_wheel_core::rover::MAX_WHEELS;
 
 use super::arguments::{Object, sequence};
+use crate::convert::is_ready;
 
 /// Set on arrays that warn when they are written to: not for the quick way.
 const WARN_ON_WRITE: i32 = 1 << 31;
@@ -36,13 +37,17 @@ impl Numpy {
     #[inline(always)]
     fn get(py: Python<'_>) -> Option<Self> {
         static NUMPY: PyOnceLock<Option<Numpy>> = PyOnceLock::new();
-        *NUMPY.get_or_init(py, || Self::find(py))
+        match NUMPY.get(py) {
+            Some(numpy) => *numpy,
+            // The general way loads it, and raises what that raises.
+            None if !is_ready(py) => None,
+            None => *NUMPY.get_or_init(py, || Self::find(py)),
+        }
     }
 
     #[cold]
     fn find(py: Python<'_>) -> Option<Self> {
-        py.import("numpy").ok()?;
-        // SAFETY: NumPy is there; the reference to the type description is kept for good.
+        // SAFETY: NumPy is ready; the reference to the type description is kept for good.
         unsafe {
             let array = get_type_object(py, NpyTypes::PyArray_Type);
             let float64 = PY_ARRAY_API.PyArray_DescrFromType(py, NPY_TYPES::NPY_DOUBLE as i32);

@@ -2,11 +2,11 @@
 
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyDict, PyMapping};
 use six_wheel_core::odometry::Encoder as CoreEncoder;
 
 use super::values::Encoder;
-use crate::convert::{Rows, items, number, refuse};
+use crate::convert::{Rows, Scalars, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(
@@ -101,6 +101,86 @@ pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
     }
     let rule = "hold the angles of the steered wheels";
     Err(refuse("steering", rule, "None"))
+}
+
+/// Whether a row that cannot be ends the run, or is flagged.
+fn is_strict(errors: &str) -> PyResult<bool> {
+    match errors {
+        "raise" => Ok(true),
+        "flag" => Ok(false),
+        _ => {
+            let got = format!("'{errors}'");
+            Err(refuse("errors", "be 'flag' or 'raise'", &got))
+        }
+    }
+}
+
+/// What every log has: readings of wheels and steering, and when they were read.
+pub struct Columns<'py> {
+    pub wheels: Rows<'py>,
+    pub steering: Option<Rows<'py>>,
+    pub stamps: Scalars<'py>,
+    pub is_strict: bool,
+}
+
+impl<'py> Columns<'py> {
+    /// `widths`: wheels and steered wheels.
+    pub fn read(
+        wheels: &Bound<'py, PyAny>,
+        steering: &Bound<'py, PyAny>,
+        stamps: &Bound<'py, PyAny>,
+        errors: &str,
+        widths: [usize; 2],
+    ) -> PyResult<Self> {
+        let is_strict = is_strict(errors)?;
+        let wheels = Rows::read_table("wheel_angles", wheels, widths[0])?;
+        let leading = wheels.leading.as_slice();
+        let steering = if steering.is_none() {
+            steering_left_out(widths[1])?
+        } else {
+            Rows::read_beside("steering", Some(steering), widths[1], leading)?
+        };
+        let stamps = column("stamps", stamps, leading)?;
+        Ok(Self {
+            wheels,
+            steering,
+            stamps,
+            is_strict,
+        })
+    }
+
+    /// A column that may be left out.
+    pub fn optional(
+        &self,
+        argument: &str,
+        value: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Option<Scalars<'py>>> {
+        let read = |value| column(argument, value, &self.wheels.leading);
+        value.map(read).transpose()
+    }
+
+    /// Angles of the steered wheels, row by row.
+    pub fn angles(&self) -> &[f64] {
+        self.steering.as_ref().map_or(&[], Rows::flat)
+    }
+}
+
+/// One number a row.
+fn column<'py>(
+    argument: &str,
+    value: &Bound<'py, PyAny>,
+    leading: &[usize],
+) -> PyResult<Scalars<'py>> {
+    let column = Scalars::read(argument, value)?;
+    column.fit_exactly(argument, leading).map(|()| column)
+}
+
+/// The track of `six_wheel.odometry` under this name.
+pub fn build_track<'py>(keywords: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let py = keywords.py();
+    py.import(intern!(py, "six_wheel.odometry"))?
+        .getattr(name)?
+        .call((), Some(keywords))
 }
 
 /// The readings of one joint kind, a single row.

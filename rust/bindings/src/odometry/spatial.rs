@@ -4,7 +4,6 @@ mod input;
 pub mod state;
 
 use numpy::PyArray1;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::Error;
@@ -13,10 +12,10 @@ use six_wheel_core::odometry::spatial::{
     Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3,
 };
 
-use super::input::{encoders, optional, row, steering_left_out};
+use super::input::{Columns, build_track, encoders, optional, row};
 use super::readings_named;
 use super::values::Noise;
-use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, refuse};
+use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, ready};
 use crate::shared::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -126,6 +125,7 @@ impl Odometry3 {
         lag: Option<&Bound<'_, PyAny>>,
         history: usize,
     ) -> PyResult<Self> {
+        ready(arm.py())?;
         let chain = &arm.get().chain;
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
         let steered: Vec<&str> = (0..chain.steering().len())
@@ -268,43 +268,25 @@ impl Odometry3 {
         covariances: bool,
         slips: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let strict = match errors {
-            "raise" => true,
-            "flag" => false,
-            _ => {
-                let rule = "be 'flag' or 'raise'";
-                return Err(refuse("errors", rule, &format!("'{errors}'")));
-            }
-        };
         let [count, steered, free] = self.widths();
-        let wheels = Rows::read_table("wheel_angles", wheel_angles, count)?;
-        let leading = wheels.leading.as_slice();
-        let steering = if steering.is_none() {
-            steering_left_out(steered)?
-        } else {
-            Rows::read_beside("steering", Some(steering), steered, leading)?
-        };
-        let column = |argument, value: &Bound<'py, PyAny>| {
-            let column = Scalars::read(argument, value)?;
-            column.fit_exactly(argument, leading).map(|()| column)
-        };
-        let stamps = column("stamps", stamps)?;
+        let log = Columns::read(wheel_angles, steering, stamps, errors, [count, steered])?;
+        let leading = log.wheels.leading.as_slice();
         let joints = Rows::read_beside("joints", joints, free, leading)?;
         let attitudes = attitude
             .map(|attitude| attitudes(attitude, leading))
             .transpose()?;
-        let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
+        let rates = log.optional("yaw_rate", yaw_rate)?;
         let recording = Recording3 {
-            steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
-            wheels: wheels.flat(),
-            stamps: stamps.flat(),
+            steering: log.angles(),
+            wheels: log.wheels.flat(),
+            stamps: log.stamps.flat(),
             joints: joints.as_ref().map(Rows::flat),
             attitudes: attitudes
                 .as_ref()
                 .map(|(numbers, width)| (numbers.flat(), *width)),
             yaw_rates: rates.as_ref().map(Scalars::flat),
         };
-        let rows = wheels.count();
+        let rows = log.wheels.count();
         let output = |shape: &[usize]| Output::fresh(py, shape);
         let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
         let (mut poses, mut twists) = (output(&[rows, 6])?, output(&[rows, 6])?);
@@ -320,21 +302,19 @@ impl Odometry3 {
         };
         let mut core = self.work.lock(py)?;
         let work = &mut *core;
-        compute(py, rows, || work.run(recording, strict, track))
+        compute(py, rows, || work.run(recording, log.is_strict, track))
             .map_err(|error| raise(error, leading))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
         let keywords = PyDict::new(py);
         keywords.set_item("arm", &self.arm)?;
-        keywords.set_item("stamps", memory::array(py, stamps.flat(), &[rows])?)?;
+        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
         keywords.set_item("poses", poses.finish()?)?;
         keywords.set_item("twists", twists.finish()?)?;
         keywords.set_item("covariances", finish(covariances)?)?;
         keywords.set_item("slips", finish(slips)?)?;
         keywords.set_item("health", PyArray1::from_vec(py, flags))?;
-        py.import(intern!(py, "six_wheel.odometry"))?
-            .getattr(intern!(py, "Track3"))?
-            .call((), Some(&keywords))
+        build_track(&keywords, "Track3")
     }
 
     /// Moves the estimate towards a pose from outside, which may come late: the samples since are taken in again.

@@ -32,7 +32,7 @@ pub use self::options::{Align, Options};
 use self::route::Route;
 pub use self::run::Steps;
 use crate::admissible::Keep;
-use crate::error::{Error, finite, number, numbers};
+use crate::error::{Error, HUGE, finite, number, numbers};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
 
@@ -224,7 +224,7 @@ impl Controller {
         let period = self.options.period.filter(|_| self.options.discretise);
         let finite = <[f64; 3]>::from(twist)
             .iter()
-            .all(|value| value.is_finite());
+            .all(|value| value.abs() < HUGE);
         let (rover, limits, scratch) = (&self.rover, &self.limits, &mut self.scratch);
         let goal = finite
             .then(|| Goal::new(rover, limits, scratch, [mode, held], period, twist))

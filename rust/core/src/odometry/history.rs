@@ -3,10 +3,10 @@
 
 use nalgebra::Matrix3;
 
-use super::state::{State, advance, check_covariance, meet_yaw};
+use super::state::{State, advance, check_covariance, check_pose, meet_yaw};
 use super::step::Motion;
 use super::{Odometry, Readings, Sample, Settings};
-use crate::error::{Error, ErrorKind, finite, number};
+use crate::error::{Error, ErrorKind, number};
 use crate::geometry::{Pose, wrap_angle};
 
 /// A sample with the state after it.
@@ -243,7 +243,7 @@ impl Odometry {
         covariance: [[f64; 3]; 3],
     ) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
-        finite("pose", &<[f64; 3]>::from(pose))?;
+        check_pose(&<[f64; 3]>::from(pose))?;
         let Some(last) = self.stamp().filter(|_| stamp.is_finite()) else {
             let rule = "be finite and follow a first sample";
             return Err(Error::value("stamp", rule, number(stamp)));

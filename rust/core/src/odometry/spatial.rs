@@ -20,6 +20,7 @@ use std::sync::Arc;
 use nalgebra::Matrix6;
 
 use super::settings::{Readings, Settings};
+use super::state::check_pose;
 use super::tolerant::Suspect;
 use super::{Health, Refusal, Sample};
 use crate::error::{Error, finite, number, numbers};
@@ -191,7 +192,7 @@ impl Odometry3 {
     /// Goes on from this pose; the readings count on from the last sample. Roll and pitch that are measured, and z,
     /// roll and pitch that follow from a map, are those, whatever the pose says. On failure nothing has changed.
     pub fn set_pose(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
-        finite("pose", &pose.numbers())?;
+        check_pose(&pose.numbers())?;
         let covariance = state::check_covariance(covariance, false)?;
         let mut state = State::new(pose, covariance);
         if let Some(read) = &self.reference {
@@ -205,7 +206,7 @@ impl Odometry3 {
 
     /// Starts over from a pose: the next sample is a first one. On failure nothing has changed.
     pub fn start_over(&mut self, pose: Pose3, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
-        finite("pose", &pose.numbers())?;
+        check_pose(&pose.numbers())?;
         let covariance = state::check_covariance(covariance, false)?;
         self.state = State::new(pose, covariance);
         self.reference = None;

@@ -4,12 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Apart, Motion, Rules, Workspace, step_jacobian};
 use super::uncertainty::Uncertainty;
-use crate::error::{Error, numbers};
+use crate::error::{Error, HUGE, finite, numbers};
 use crate::geometry::{Pose, Twist, Walk, wrap_angle};
 use crate::rover::Rover;
-
-/// Displacements and variances over one step beyond which sums of squares might not be finite.
-pub(crate) const HUGE: f64 = 1e60;
 
 /// What changes from sample to sample and is taken back when a late pose comes.
 #[derive(Clone, Debug)]
@@ -114,9 +111,31 @@ pub(super) fn meet_yaw(state: &mut State, yaw: f64, deviation: f64) {
     }
 }
 
+/// A pose from outside is one that sums of squares can be made of.
+pub(super) fn check_pose(pose: &[f64]) -> Result<(), Error> {
+    finite("pose", pose)?;
+    if pose.iter().all(|part| part.abs() < HUGE) {
+        return Ok(());
+    }
+    let rule = format!("be smaller than {HUGE:e} in every part");
+    Err(Error::value("pose", rule, numbers(pose)))
+}
+
+/// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
+pub(super) fn read_variance(value: f64) -> f64 {
+    if value < HUGE {
+        value
+    } else {
+        value * f64::INFINITY
+    }
+}
+
 /// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
 pub(super) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>, Error> {
-    let matrix = Matrix3::from(covariance);
+    let mut matrix = Matrix3::from(covariance);
+    for k in 0..3 {
+        matrix[(k, k)] = read_variance(matrix[(k, k)]);
+    }
     let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
     let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
     let diagonal = matrix.diagonal();
@@ -124,7 +143,7 @@ pub(super) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>
         || matrix
             .iter()
             .enumerate()
-            .any(|(k, value)| k % 4 != 0 && value.is_infinite())
+            .any(|(k, value)| k % 4 != 0 && value.abs() >= HUGE)
         || diagonal.iter().any(|value| *value < 0.0)
     {
         return refused("hold variances on its diagonal and finite covariances beside it");

@@ -4,10 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::noise::Noise;
 use super::spread::Spread;
-use super::state::HUGE;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::batch::one_row::step::COLUMNS;
-use crate::error::{Error, numbers};
+use crate::error::{Error, HUGE, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::geometry::{Twist, sinc};

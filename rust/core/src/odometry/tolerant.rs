@@ -55,20 +55,30 @@ impl Suspect {
         self.owed[wheel]
     }
 
-    /// Leaves out a row whose increments did happen.
-    pub(super) fn owe(&mut self, increments: &[f64]) {
-        self.marked = true;
-        for (owed, increment) in self.owed.iter_mut().zip(increments) {
-            *owed += increment;
-        }
+    /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
+    pub(super) fn precedes(&self, flag: Health, stamp: f64) -> bool {
+        (flag == Health::BACKWARDS || flag == Health::JUMP)
+            && self.flag == flag
+            && stamp > self.stamp
     }
 
-    pub(super) fn set(&mut self, flag: Health, sample: &Sample<'_>) {
-        self.marked = true;
-        self.flag = flag;
-        self.stamp = sample.stamp;
-        self.wheels.copy_from_slice(sample.wheels);
-        self.steering.copy_from_slice(sample.steering);
+    /// Notes a row that is left out: what it read, and the increments that did happen.
+    pub(super) fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
+        if flag == Health::BACKWARDS || flag == Health::JUMP {
+            self.marked = true;
+            self.flag = flag;
+            self.stamp = sample.stamp;
+            self.wheels.copy_from_slice(sample.wheels);
+            self.steering.copy_from_slice(sample.steering);
+        }
+        if readings == Readings::Increments
+            && (flag == Health::BACKWARDS || flag == Health::DUPLICATE)
+        {
+            self.marked = true;
+            for (owed, increment) in self.owed.iter_mut().zip(sample.wheels) {
+                *owed += increment;
+            }
+        }
     }
 }
 
@@ -134,20 +144,13 @@ impl Odometry {
 
     fn doubt(&mut self, sample: Sample<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
-        if flag == Health::BACKWARDS || flag == Health::JUMP {
-            if self.suspect.flag == flag
-                && sample.stamp > self.suspect.stamp
-                && let Some(health) = self.restart(sample, flag)
-            {
-                return health;
-            }
-            self.suspect.set(flag, &sample);
+        if self.suspect.precedes(flag, sample.stamp)
+            && let Some(health) = self.restart(sample, flag)
+        {
+            return health;
         }
-        let counts = self.settings.readings == Readings::Increments
-            && (flag == Health::BACKWARDS || flag == Health::DUPLICATE);
-        if counts {
-            self.suspect.owe(sample.wheels);
-        }
+        let readings = self.settings.readings;
+        self.suspect.leave_out(flag, &sample, readings);
         flag
     }
 

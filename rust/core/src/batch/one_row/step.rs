@@ -11,8 +11,9 @@ use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
 use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, padded};
+use crate::error::HUGE;
 use crate::odometry::{
-    Fused, HUGE, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, step_jacobian,
+    Fused, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, step_jacobian,
 };
 pub(crate) use plan::Plan;
 use plan::{Room, Triple};

@@ -9,10 +9,11 @@ use super::Odometry3;
 use super::sample::Read;
 use super::spread::whole;
 use super::state::{Fixed, Pose3, State, check_covariance};
-use crate::error::{Error, finite, number};
+use crate::error::{Error, number};
 use crate::geometry::wrap_angle;
 use crate::odometry::Settings;
 use crate::odometry::preintegrated::space::Motion3;
+use crate::odometry::state::check_pose;
 use crate::suspension::MAX_WHEELS;
 
 /// A sample with the state after it.
@@ -164,7 +165,7 @@ impl Odometry3 {
         covariance: [[f64; 6]; 6],
     ) -> Result<(), Error> {
         let covariance = check_covariance(covariance, true)?;
-        finite("pose", &pose.numbers())?;
+        check_pose(&pose.numbers())?;
         let Some(reference) = self.reference.filter(|_| stamp.is_finite()) else {
             let rule = "be finite and follow a first sample";
             return Err(Error::value("stamp", rule, number(stamp)));

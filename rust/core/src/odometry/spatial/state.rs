@@ -9,10 +9,11 @@ use super::sample::{Read, tilting_axes};
 use super::site::{Place, Site};
 use super::spread::{Errors, StepNoise, TILT, whole};
 use super::step::{Way, displace, halfway, middle_angles};
-use crate::error::{Error, ErrorKind, number, numbers};
+use crate::error::{Error, ErrorKind, HUGE, number, numbers};
 use crate::geometry::{Sum, Walk, wrap_angle};
 use crate::ground::Status;
 use crate::odometry::preintegrated::space::Motion3;
+use crate::odometry::state::read_variance;
 use crate::odometry::{Health, Refusal};
 use crate::suspension::{Chain, MAX_WHEELS, PlanPose};
 use crate::terrain::Terrain;
@@ -357,13 +358,16 @@ pub(super) fn check_covariance(
     covariance: [[f64; 6]; 6],
     may_be_infinite: bool,
 ) -> Result<Matrix6<f64>, Error> {
-    let matrix = Matrix6::from(covariance);
+    let mut matrix = Matrix6::from(covariance);
+    for k in 0..6 {
+        matrix[(k, k)] = read_variance(matrix[(k, k)]);
+    }
     let refused = |rule| Err(Error::value("covariance", rule, numbers(matrix.as_slice())));
     let open = |k: usize| may_be_infinite && matrix[(k, k)] == f64::INFINITY;
     for i in 0..6 {
         for k in 0..6 {
             let value = matrix[(i, k)];
-            if !(value.is_finite() || i == k && open(i)) || i == k && value < 0.0 {
+            if !(value.abs() < HUGE || i == k && open(i)) || i == k && value < 0.0 {
                 return refused("hold variances on its diagonal and finite covariances beside it");
             }
         }

@@ -9,10 +9,10 @@ use super::Settings3;
 use super::sample::Read;
 use super::site::{Place, Site};
 use super::spread::{GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
+use crate::error::HUGE;
 use crate::error::{Error, ErrorKind, numbers};
 use crate::moving::{COLUMNS, Contacts, Found, MEMORY, Readings, Response, Row, Unmapped};
 use crate::odometry::settings::Readings as Kind;
-use crate::odometry::state::HUGE;
 use crate::odometry::step::{ROUNDING, SUSPICIOUS, chord};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 

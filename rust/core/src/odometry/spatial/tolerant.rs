@@ -3,7 +3,7 @@
 use super::Odometry3;
 use super::sample::{Recording3, Sample3, attitude};
 use crate::error::Error;
-use crate::odometry::{Health, Readings, Refusal};
+use crate::odometry::{Health, Refusal};
 
 /// Where the results of a log go, one row per sample.
 #[derive(Debug)]
@@ -32,20 +32,14 @@ impl Odometry3 {
 
     fn doubt(&mut self, sample: Sample3<'_>, refusal: &Refusal) -> Health {
         let flag = refusal.flag;
-        if flag == Health::BACKWARDS || flag == Health::JUMP {
-            if self.suspect.flag == flag
-                && sample.stamp > self.suspect.stamp
-                && let Some(health) = self.restart(sample, flag)
-            {
-                return health;
-            }
-            self.suspect.set(flag, &Self::plain(&sample));
+        if self.suspect.precedes(flag, sample.stamp)
+            && let Some(health) = self.restart(sample, flag)
+        {
+            return health;
         }
-        let counts = self.fixed.settings.common.readings == Readings::Increments
-            && (flag == Health::BACKWARDS || flag == Health::DUPLICATE);
-        if counts {
-            self.suspect.owe(sample.wheels);
-        }
+        let readings = self.fixed.settings.common.readings;
+        let plain = Self::plain(&sample);
+        self.suspect.leave_out(flag, &plain, readings);
         flag
     }
 
