@@ -62,7 +62,7 @@ def widths(arm: sw.Suspension) -> tuple[int, int, int]:
 
 
 def told(arm: sw.Suspension, seed: int, count: int = COUNT) -> Any:
-    """Random stands with the face of settled ones: any attitude, normals, angles; wheels in the air, rows of nothing."""
+    """Random stands with the face of settled ones; wheels in the air, rows of nothing."""
     rng, (wheels, joints, steered) = np.random.default_rng(seed), widths(arm)
     roll, pitch, yaw = rng.uniform([-0.5, -0.5, -3], [0.5, 0.5, 3], (count, 3)).T
     transform = np.zeros((count, 4, 4))
@@ -96,7 +96,7 @@ def settled(arm: sw.Suspension, seed: int) -> sw.Stand:
 
 
 def alike(found: Any, plain: Any, names: tuple[str, ...], part: float = 1e-12) -> None:
-    """NaN where it is, and the rest to a part of what is largest in its row: rounding, times what the system adds."""
+    """NaN where it is, and the rest to a part of what is largest in its row."""
     for name in names:
         a, b = np.asarray(getattr(found, name), float), np.asarray(getattr(plain, name), float)
         np.testing.assert_array_equal(np.isnan(a), np.isnan(b), err_msg=name)
@@ -114,7 +114,7 @@ TRACTION = ("speeds", "steering", "contact_angles", "lifted", "vertical_speed")
 @pytest.mark.parametrize("name", VEHICLES)
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_inverse_is_the_plain_way(name: str, kernel: str) -> None:
-    """Both meanings of a command, rest, limits, angles that are kept; on stands that are told and that have settled."""
+    """Both meanings of a command, rest, limits, kept angles; stands that are told, and settled ones."""
     arm, rng = VEHICLES[name], np.random.default_rng(1)
     commands = rng.uniform([-0.3, -0.05], [0.3, 0.05], (COUNT, 2))
     commands[::13] = 0
@@ -134,7 +134,7 @@ def test_inverse_is_the_plain_way(name: str, kernel: str) -> None:
 @pytest.mark.parametrize("name", VEHICLES)
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_forward_is_the_plain_way(name: str, kernel: str) -> None:
-    """Whatever was measured, in all rows, in some, or in none; weights; other steering angles than those of the stand."""
+    """Whatever was measured, in all rows, some or none; weights; other angles than those of the stand."""
     arm, rng = VEHICLES[name], np.random.default_rng(1)
     wheels, joints, steered = widths(arm)
     speeds, turning = rng.uniform(-1, 1, (COUNT, wheels)), rng.uniform(-0.1, 0.1, (COUNT, 3))

@@ -302,9 +302,9 @@ impl InLanes<'_> {
         let mut turned = zero.below(zero);
         if let Some(steering) = self.job.readings.steering {
             angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
-            for k in 0..steered {
-                turned = turned | !(angles[k] - standing.steering[k]).abs().at_most(zero);
-                *doubt = *doubt | all(simd, LARGEST_TURN).below(angles[k].abs());
+            for (angle, stands) in angles.iter().zip(standing.steering).take(steered) {
+                turned = turned | !(*angle - stands).abs().at_most(zero);
+                *doubt = *doubt | all(simd, LARGEST_TURN).below(angle.abs());
             }
         }
         let any_turned = turned.any();

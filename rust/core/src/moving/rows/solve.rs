@@ -57,8 +57,8 @@ pub(super) fn back<S: Vector, const W: usize, const C: usize, const K: usize>(
         return [[nan; K]; C];
     }
     let mut longest = all(simd, 0.0);
-    for j in 0..used {
-        longest = longest.max(rows[j][j].abs());
+    for (j, row) in rows.iter().enumerate().take(used) {
+        longest = longest.max(row[j].abs());
     }
     let bound = all(simd, DEPENDENT) * longest;
     for j in (0..used).rev() {

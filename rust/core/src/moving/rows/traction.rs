@@ -251,7 +251,7 @@ impl InLanes<'_> {
         let placing = &*placing;
         let mut treads = placing.wheels;
         let mut angles = [zero; MAX_WHEELS];
-        for wheel in 0..wheels {
+        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
             let Some(joint) = plan.steering(wheel) else {
                 continue;
             };
@@ -278,7 +278,7 @@ impl InLanes<'_> {
                 to.turned.0.flip(within.turned),
                 to.turned.1.flip(within.turned),
             );
-            treads[wheel] = placing.steered(simd, wheel, turned);
+            *tread = placing.steered(simd, wheel, turned);
         }
         self.share_joints(simd, placing, &angles, &mut treads);
         let none = Centre {
@@ -383,10 +383,11 @@ impl InLanes<'_> {
         angles: &[Lanes<S>; MAX_WHEELS],
         treads: &mut [WheelAt<S>; MAX_WHEELS],
     ) {
-        for wheel in 0..self.plan.wheels().min(MAX_WHEELS) {
+        let wheels = treads.iter_mut().enumerate().take(self.plan.wheels());
+        for (wheel, tread) in wheels {
             if let Some(joint) = self.plan.shared(wheel) {
                 let turned = direction(simd, angles[joint % MAX_WHEELS]);
-                treads[wheel] = placing.steered(simd, wheel, turned);
+                *tread = placing.steered(simd, wheel, turned);
             }
         }
     }
