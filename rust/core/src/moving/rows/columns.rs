@@ -121,6 +121,12 @@ impl Span {
     }
 }
 
+/// Where a number is finite.
+#[inline(always)]
+pub(super) fn finite<S: Simd>(simd: S, number: Lanes<S>) -> Mask<S> {
+    number.abs().at_most(all(simd, f64::MAX))
+}
+
 /// Where a mask is true.
 #[inline(always)]
 pub(super) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> Column {

@@ -47,10 +47,8 @@ pub(super) fn row<S: Vector>(
 ) -> Row<S> {
     let mut row = [all(simd, 0.0); COLUMNS];
     let moment = cross(point, direction);
-    for k in 0..3 {
-        row[k] = direction[k];
-        row[3 + k] = moment[k];
-    }
+    row[..3].copy_from_slice(&direction);
+    row[3..6].copy_from_slice(&moment);
     for axis in placing.axes(wheel) {
         let arm = cross(less(point, axis.origin), direction);
         let place = 6 + axis.joint % MAX_FREE;

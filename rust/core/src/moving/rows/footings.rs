@@ -121,12 +121,12 @@ impl Footings<'_> {
                 let [_, roll, pitch, joints @ ..] = stand.state;
                 one.attitude = [roll, pitch, poses[place][2]];
                 one.joints = joints;
-                for wheel in 0..wheels.min(MAX_WHEELS) {
+                for (wheel, gap) in gaps.iter_mut().enumerate().take(wheels) {
                     let contact = &stand.wheels[wheel];
                     let [x, y] = contact.gradient;
                     one.at[wheel] = contact.at;
                     one.upwards[wheel] = [-x, -y, 1.0];
-                    gaps[wheel] = contact.gap;
+                    *gap = contact.gap;
                 }
                 for (to, from) in one.steering.iter_mut().zip(row(steering, steered, place)) {
                     *to = *from;
@@ -148,11 +148,11 @@ impl Footings<'_> {
                 {
                     *to = *from;
                 }
-                for wheel in 0..wheels.min(MAX_WHEELS) {
+                for (wheel, gap) in gaps.iter_mut().enumerate().take(wheels) {
                     let which = place * wheels + wheel;
                     one.at[wheel] = Direction::from(told.angles[which]);
                     one.upwards[wheel] = told.normals[which];
-                    gaps[wheel] = told.gap[which];
+                    *gap = told.gap[which];
                 }
             }
         }

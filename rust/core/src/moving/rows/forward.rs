@@ -205,7 +205,10 @@ impl InLanes<'_> {
         }
         let follow = Follow::new::<4>(simd, &standing, &known, &normals[..contacts.len()]);
         // Where there are as many rates to follow the ground as wheels on it, they follow it exactly.
-        let exactly = follow.count >= contacts.len();
+        let some_know = known
+            .iter()
+            .any(|known| matches!(known, Known::Somewhere(..)));
+        let exactly = follow.count >= contacts.len() && !some_know;
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, contacts.len());
         let nan = all(simd, f64::NAN);
         let mut rows = [[zero; 4]; 3 * MAX_WHEELS];

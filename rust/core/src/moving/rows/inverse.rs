@@ -1,7 +1,7 @@
 //! [`inverse`] for many rows.
 
 use super::Prepared;
-use super::columns::{Span, angle_of, truths, way, within};
+use super::columns::{Span, angle_of, finite, truths, way, within};
 use super::follow::{Follow, Known, Row, Touch, row};
 use super::footings::{Footings, Standing, on_plane};
 use super::solve::{back, triangular};
@@ -169,7 +169,10 @@ const ROUNDS: usize = 7;
 const LAST: f64 = 1e-8;
 
 /// Tangent of a turn beyond which a second turn is left to the plain way.
-const FAR: f64 = 0.3;
+const FAR: f64 = 0.1;
+
+/// What a turn of the plain way leaves of what was missing, at most: where it leaves more it may not get there, or elsewhere.
+const LEAVES: f64 = 0.3;
 
 /// A wheel in its own axes: ahead, to the left and up at the steering angle of the footing.
 #[derive(Clone, Copy)]
@@ -237,8 +240,8 @@ impl<S: Vector> Local<S> {
             let across = touch[1].mul_add(cos, -(touch[0] * sin));
             let ahead = touch[0].mul_add(cos, touch[1] * sin);
             let aside = across - an * up;
+            let forward = nz.mul_add(ahead, -(hn * touch[2]));
             if round == 0 {
-                let forward = nz.mul_add(ahead, -(hn * touch[2]));
                 // Both are as long as the rim is seen along the ground.
                 (sin, cos) = way([forward, aside], (zero, one), doubt).turned;
                 continue;
@@ -263,6 +266,9 @@ impl<S: Vector> Local<S> {
             let step = -(aside.quotient(rests.select(one, by)));
             let size = step.abs();
             *doubt = *doubt | (open & !size.at_most(all(simd, FAR)));
+            let left = (by + forward).abs();
+            let leaves = left.at_most(all(simd, LEAVES) * forward.abs());
+            *doubt = *doubt | (open & !(leaves | rests));
             let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
             let inverse = one.quotient(step.mul_add(step, one).sqrt());
             (sin, cos) = (open.select(s * inverse, sin), open.select(c * inverse, cos));
@@ -364,7 +370,7 @@ impl InLanes<'_> {
         for speed in &speeds[..wheels] {
             checked = checked + *speed;
         }
-        doubt = (doubt | !((checked - checked).at_most(zero))) & known;
+        doubt = (doubt | !finite(simd, checked)) & known;
         self.write(span, &angles, &speeds, &rates, known.select(scale, nan));
         doubt
     }
@@ -436,7 +442,8 @@ impl InLanes<'_> {
         }
         let mut angles = [zero; MAX_WHEELS];
         for (wheel, local) in locals.iter().enumerate() {
-            let (Some(local), Some(joint)) = (local, self.plan.steering(wheel)) else {
+            let Some(local) = local else { continue };
+            let Some(joint) = self.plan.steering(wheel) else {
                 continue;
             };
             let joint = joint % MAX_WHEELS;

@@ -1,7 +1,7 @@
 //! [`traction`] for many rows.
 
 use super::Prepared;
-use super::columns::{Span, Way, angle_of, truths, way, within};
+use super::columns::{Span, Way, angle_of, finite, truths, way, within};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
@@ -323,7 +323,7 @@ impl InLanes<'_> {
             lifted[wheel] = most.below(velocity[1].abs()).select(one, zero);
         }
         // What is not finite is not sure to be what the plain way says.
-        doubt = doubt | !((checked - checked).at_most(zero));
+        doubt = doubt | !finite(simd, checked);
         self.write(some, &angles, &speeds, &contacts, &lifted, vertical);
         doubt
     }
@@ -437,7 +437,7 @@ fn along_the_links<S: Vector>(simd: S, centres: &[Centre<S>]) -> Lanes<S> {
         _ => all(simd, 0.5) * (speeds[(middle + MAX_WHEELS - 1) % MAX_WHEELS] + speeds[middle]),
     };
     // NaN where one of them is.
-    (sum - sum).at_most(zero).select(median, sum - sum)
+    sum.at_most(sum).select(median, sum)
 }
 
 /// [`Closure::Wheels`]; lanes that have found theirs wait for the others.
