@@ -147,7 +147,7 @@ def honesty() -> Figure:
     ):
         axes = figure.add_subplot(1, 3, number)
         draw_path(axes, reckon(rover, run, settings=Settings(noise)))
-        axes.set_title(title, fontsize=8)
+        axes.set_title(title, loc="left", fontsize=9, color=plot.drawing.SOFT)
     return figure
 
 

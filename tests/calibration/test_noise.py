@@ -11,6 +11,8 @@ from tests.optiodom_data import REQUIRED, RUNS, read
 
 PAIR = sw.Rover.differential(0.2, 0.042)
 TIMES = np.linspace(0.0, 40.0, 81)
+NOISE = sw.Noise(0.0, 0.0, slip=0.01)
+ONE = {"parameters": ["wheel_radius"], "cross_validation": False}
 
 
 def drives(count: int, noise: sw.Noise, first: int = 0) -> list[sw.Log]:
@@ -62,6 +64,23 @@ def test_one_run_is_cut_into_parts_and_says_so():
     assert result.measured_noise.basis == "4 ends of 4 parts of each run, fitted as well"
     assert "Noise(" in repr(result)
     assert "## Noise" in result.to_markdown()
+
+
+def test_a_gyroscope_errs_as_it_did_where_the_rover_stood():
+    times = np.linspace(0.0, 60.0, 121)
+    twists = np.stack((0.2 + 0 * times, 0 * times, 0.5 * np.sin(0.5 * times)), axis=-1)
+    twists[:20] = 0.0  # 10 s at 20 Hz
+    gyroscope = sw.Gyroscope(0.002, bias_noise=0.02, bias_walk=0.0)
+    log = sw.simulate(PAIR, (times, twists), gyroscope=gyroscope, noise=NOISE, rate=20.0, seed=1)
+    result = calibrate(PAIR, log, parameters=["track_width"], cross_validation=False, confidence=0.999)
+    measured = result.measured_noise
+    low, high = measured.yaw_rate.interval
+    assert low < 0.002 < high < 0.003
+    bias = np.mean(log.yaw_rate[log.stamps < 9.0])
+    assert measured.gyroscope.bias_noise == pytest.approx(abs(bias), rel=0.05)
+    assert result.noise.yaw_rate == pytest.approx(np.hypot(measured.yaw_rate.value, bias), rel=0.05)
+    assert "A reading of the gyroscope errs by" in result.to_markdown()
+    assert calibrate(PAIR, drives(1, NOISE), **ONE).measured_noise.gyroscope is None
 
 
 @REQUIRED

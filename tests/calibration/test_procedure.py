@@ -308,10 +308,10 @@ def ate(rover, log):
 
 # What cross-validation chooses on all recordings of a robot; `make soak` asks it again.
 CHOSEN = {
-    "diff": ("wheel_radii", "track_width", "origin_yaw"),
+    "diff": ("wheel_radius", "track_width"),
     "tricyc": ("wheel_radius", "wheelbase", "steering_offset", "origin_yaw"),
     "omni3": ("wheel_radii", "arm_length", "origin"),
-    "omni4": ("side_radii", "arm_length"),
+    "omni4": ("wheel_radius", "arm_length"),
 }
 
 

@@ -14,7 +14,7 @@ pytest.importorskip("pyarrow")
 pytest.importorskip("scipy")
 
 import six_wheel as sw
-from six_wheel.calibration import Estimate
+from six_wheel.calibration import Estimate, cross_validation
 from six_wheel.calibration.files import calibrate_files, interval
 from six_wheel.logs.opening import LogOptions, example_run
 from six_wheel.logs.optiodom import example
@@ -328,3 +328,45 @@ def test_a_log_that_begins_standing_still_is_validated_on_the_rest_of_it(run: Ru
         np.savetxt(file, np.concatenate([still, moving]), delimiter=",", fmt="%.9f")
     _, out, _ = run("calibrate", "cart.yaml", "late.csv", *FIND)
     assert row(out, "track_width")
+
+
+def test_a_calibration_that_was_stopped_goes_on(
+    run: Run, drives: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was done is not done again, and nothing of it is left in the end."""
+    logs = ("run1.csv", "run2.csv", "run3.csv")
+    told = cross_validation.errors_left_out
+    tried: list[tuple[str, ...]] = []
+
+    def stopping(trial: cross_validation.Trial) -> np.ndarray:
+        if len(tried) == 3:
+            raise KeyboardInterrupt
+        return once(trial)
+
+    def once(trial: cross_validation.Trial) -> np.ndarray:
+        tried.append(trial.problem.model.names)
+        return told(trial)
+
+    def calibrated(output: str) -> str:
+        assert run("calibrate", "cart.yaml", *logs, "-o", output)[0] == 0
+        return Path(output).read_text()
+
+    wanted = calibrated("whole.yaml")
+    monkeypatch.setattr(cross_validation, "errors_left_out", stopping)
+    run("calibrate", "cart.yaml", *logs, "-o", "true.yaml")
+    assert not Path("true.yaml").exists()
+    first = list(tried)
+    monkeypatch.setattr(cross_validation, "errors_left_out", once)
+    assert calibrated("true.yaml") == wanted
+    assert len(first) == 3
+    assert len(tried) == len(set(tried))  # none of them twice
+    assert not Path(".true.yaml.done").exists()
+
+
+def test_what_a_stopped_calibration_of_other_logs_did_is_not_taken(run: Run, drives: None) -> None:
+    Path(".true.yaml.done").mkdir()
+    Path(".true.yaml.done/journal.json").write_text('{"version": "another"}')
+    np.savez(".true.yaml.done/00000000.npz", value=np.frombuffer(b"1.0", np.uint8))
+    code, _, err = run("calibrate", "cart.yaml", "run1.csv", "run2.csv", "-o", "true.yaml")
+    assert (code, err) == (0, "")
+    assert not Path(".true.yaml.done").exists()

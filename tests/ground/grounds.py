@@ -55,35 +55,42 @@ def random_poses(count, size, margin, seed):
 
 
 def turn(axis, angle):
-    cos, sin = math.cos(angle), math.sin(angle)
-    return {
-        "x": np.array([[1, 0, 0], [0, cos, -sin], [0, sin, cos]]),
-        "y": np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]]),
-        "z": np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]]),
+    """Rotations about an axis, by any array of angles."""
+    cos, sin, zero, unit = np.broadcast_arrays(np.cos(angle), np.sin(angle), 0.0, 1.0)
+    rows = {
+        "x": [unit, zero, zero, zero, cos, -sin, zero, sin, cos],
+        "y": [cos, zero, sin, zero, unit, zero, -sin, zero, cos],
+        "z": [cos, -sin, zero, sin, cos, zero, zero, zero, unit],
     }[axis]
+    return np.stack(rows, -1).reshape(*np.shape(angle), 3, 3)
 
 
 def rims(rover, pose, numbers, steering=None):
-    """Centre, forward and upward axis of every wheel in the world, by rotation matrices written out."""
-    of, (x, y, yaw), (z, roll, pitch, rho, *betas) = rover.dimensions, pose, numbers
-    body = turn("z", yaw) @ turn("y", pitch) @ turn("x", roll)
+    """Centre, forward and upward axis of every wheel in the world, by rotation matrices written out.
+
+    The last axis has the numbers; others are those of the poses.
+    """
+    of, pose, numbers = rover.dimensions, np.asarray(pose, float), np.asarray(numbers, float)
+    body = turn("z", pose[..., 2]) @ turn("y", numbers[..., 2]) @ turn("x", numbers[..., 1])
+    origin = np.concatenate([pose[..., :2], numbers[..., :1]], -1)
     steered = {"front": (0, 1), "corners": (0, 1, 4, 5), "all": range(6)}[of["steered"]]
-    psi = dict(zip(steered, np.zeros(6) if steering is None else steering, strict=False))
+    angles = np.zeros(len(steered)) if steering is None else np.asarray(steering, float)
     found = []
     for wheel in range(6):
         name, side = ("front", "middle", "rear")[wheel // 2], 1 - 2 * (wheel % 2)
         mirror = np.array([1, side, 1])
-        rocker = turn("y", side * rho)
+        axes = rocker = turn("y", side * numbers[..., 3])
         at = np.array(of["rocker_pivot"]) * mirror
         if f"rocker_to_{name}" in of:
-            axes = rocker
             at = at + axes @ (np.array(of[f"rocker_to_{name}"]) * mirror)
         else:
-            axes = rocker @ turn("y", betas[wheel % 2])
+            axes = rocker @ turn("y", numbers[..., 4 + wheel % 2])
             at = at + rocker @ (np.array(of["rocker_to_bogie"]) * mirror)
             at = at + axes @ (np.array(of[f"bogie_to_{name}"]) * mirror)
-        axes = body @ axes @ turn("z", psi.get(wheel, 0.0))
-        found.append((np.array([x, y, z]) + body @ at, axes[:, 0], axes[:, 2]))
+        axes = body @ axes
+        if wheel in steered:
+            axes = axes @ turn("z", angles[..., list(steered).index(wheel)])
+        found.append((origin + (body @ at[..., None])[..., 0], axes[..., 0], axes[..., 2]))
     return found
 
 
@@ -100,26 +107,33 @@ def bilinear(heights, spacing, x, y):
 
 
 def dense_gaps(rover, heights, spacing, pose, numbers, steering=None, samples=4001):
-    """The six gaps by sampling the whole rim and a golden section about every low sample: good to 1e-12 m."""
-    found, radius = [], rover.dimensions["wheel_radius"]
-    for centre, forward, up in rims(rover, pose, numbers, steering):
+    """The six gaps by sampling the whole rim and a golden section about every low sample: good to 1e-12 m.
 
-        def distance(t, centre=centre, forward=forward, up=up):
+    The last axis has the wheels; others are those of the poses.
+    """
+    found, radius = [], rover.dimensions["wheel_radius"]
+    t, golden = np.linspace(-math.pi, math.pi, samples), (math.sqrt(5) - 1) / 2
+    for frames in rims(rover, pose, numbers, steering):
+        wheels = [np.atleast_2d(vectors) for vectors in frames]
+
+        def distance(t, centre, forward, up):
             p = [centre[k] + radius * (forward[k] * np.sin(t) - up[k] * np.cos(t)) for k in range(3)]
             return p[2] - bilinear(heights, spacing, p[0], p[1])
 
-        t = np.linspace(-math.pi, math.pi, samples)
-        sampled = distance(t)
-        inner = sampled[1:-1]
-        low = (inner <= sampled[:-2]) & (inner <= sampled[2:]) & (inner < sampled.min() + 0.01)
-        at = np.nonzero(low)[0] + 1
-        before, after, golden = t[at - 1], t[at + 1], (math.sqrt(5) - 1) / 2
+        sampled = distance(t, *(vectors.T[..., None] for vectors in wheels))
+        inner = sampled[:, 1:-1]
+        low = (inner <= sampled[:, :-2]) & (inner <= sampled[:, 2:])
+        which, at = np.nonzero(low & (inner < sampled.min(-1, keepdims=True) + 0.01))
+        before, after = t[at], t[at + 2]
+        nearby = [vectors[which].T for vectors in wheels]
         for _ in range(45):
             a, b = after - golden * (after - before), before + golden * (after - before)
-            left = distance(a) < distance(b)
+            left = distance(a, *nearby) < distance(b, *nearby)
             before, after = np.where(left, before, a), np.where(left, b, after)
-        found.append(distance(0.5 * (before + after)).min())
-    return np.array(found)
+        least = np.full(len(sampled), math.inf)
+        np.minimum.at(least, which, distance(0.5 * (before + after), *nearby))
+        found.append(least.reshape(np.shape(pose)[:-1]))
+    return np.stack(found, -1)
 
 
 def balance(rover, stand, k, pose, centre, wheel_share=0.01, step=1e-6):

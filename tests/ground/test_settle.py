@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import six_wheel as sw
@@ -61,14 +61,15 @@ def test_a_plane_only_rotates_the_answer(rover, east, north, height, yaw):
 
 
 @given(rovers, st.integers(0, 2**32 - 1))
+@example(ROVERS["open_source_rover"], 198083)
 def test_the_mirrored_ground_mirrors_the_answer(rover, seed):
     ground, heights, spacing = ground_for(rover)
     width = spacing * (len(heights) - 1)
     mirrored = sw.Terrain(heights[::-1], spacing, (0.0, -width))
     pose = poses_for(rover, 1, seed)[0]
     stand, twin = rover.settle(ground, pose), rover.settle(mirrored, pose * [1, -1, -1])
-    # One in a hundred thousand poses among rocks is not found, and says so.
-    assume("not_converged" not in (stand.status, twin.status))
+    assert stand.stands
+    assert twin.stands
     z, roll, pitch, rho, left, right = numbers_of(stand)
     np.testing.assert_allclose(numbers_of(twin), [z, -roll, pitch, -rho, right, left], atol=LAWS)
     np.testing.assert_allclose(twin.contacts[[1, 0, 3, 2, 5, 4]] * [1, -1, 1], stand.contacts, atol=1e-7)
@@ -237,7 +238,7 @@ def test_at_a_stop_a_wheel_hangs_that_the_joint_would_lower(name):
     stopped = stand.status == "at_stop"
     lost = stand.status == "not_converged"
     np.testing.assert_array_equal(stopped | inside | lost, True)
-    assert lost.mean() <= 0.01  # three joints at once at stops this narrow
+    assert lost.mean() < 0.01  # three joints at once at stops this narrow
     assert stopped.sum() > 30
     assert (stand.joints[~lost] >= np.array([-0.08, -0.15, -0.15]) - 1e-11).all()
     assert (stand.joints[~lost] <= np.array([0.1, 0.12, 0.12]) + 1e-11).all()
@@ -410,14 +411,3 @@ def test_statuses_are_names():
         "not_converged",
     ]
     assert pickle.loads(pickle.dumps(sw.SettleStatus.at_stop)) is sw.SettleStatus.at_stop
-
-
-def test_no_wheel_in_the_air_is_taken_for_one_that_touches():
-    """Of 2.9 million poses among rocks one had a wheel half a metre up, "settled", in batches only."""
-    rover, ground = ROVERS["perseverance"], sw.Terrain.yard(40, 0.1, 0.2, seed=1171)
-    pose = np.array([8.933279351382634, 6.262430786693921, 2.487737241371753])
-    stand = rover.settle(ground, np.tile(pose, (8, 1)))
-    assert (stand.status == "settled").all()
-    for k in range(8):
-        numbers = (stand.z[k], stand.roll[k], stand.pitch[k], *stand.joints[k])
-        assert np.abs(dense_gaps(rover, ground.heights, ground.spacing[0], pose, numbers)).max() < 1e-9

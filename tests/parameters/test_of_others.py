@@ -402,6 +402,13 @@ def test_a_yagsl_drive_is_gathered_from_its_files(tmp_path: Path) -> None:
     assert rover.wheel_names == ("front_left", "rear_right")
     assert rover.wheels[1].x == pytest.approx(-12 * 0.0254)
     assert rover.wheels[0].radius == pytest.approx(2 * 0.0254)
+    # The older files: x forward, y to the left, and the diameter by another name.
+    (tmp_path / "modules" / "backright.json").write_text(json.dumps({"location": {"x": -12, "y": -11}}))
+    (tmp_path / "modules" / "physicalproperties.json").write_text(json.dumps({"wheelDiameter": 4}))
+    drive.write_text(json.dumps({"maxSpeed": 14.5, "modules": ["frontleft.json", "backright.json"]}))
+    older = read_parameters(drive)
+    assert older.rover.wheels == rover.wheels
+    assert older.warnings == ()
 
 
 def test_pathplanner_says_what_its_older_files_lack(read) -> None:

@@ -30,7 +30,7 @@ rover_controller:
 """
 
 
-LONGEST = 180  # [s] that a test may take: then it fails, and its processes are ended
+LONGEST = 600  # [s] that a test may take: then it fails, and its processes are ended
 
 
 @pytest.fixture(autouse=True)

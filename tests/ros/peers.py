@@ -1,5 +1,6 @@
 """The other side of the nodes under test: a robot, a planner and an operator in this process."""
 
+import itertools
 import signal
 import subprocess
 import sys
@@ -17,7 +18,9 @@ from sensor_msgs.msg import JointState
 
 import six_wheel as sw
 
-PATIENCE = 20.0  # [s] for what has to come: discovery takes milliseconds, a busy machine seconds
+PATIENCE = (
+    60.0  # [s] for what has to come: milliseconds, and on a machine that is very busy as long as it likes
+)
 PERIOD = 0.005  # [s] of the robot's joint states
 
 
@@ -143,6 +146,27 @@ class Peer:
     def until(self, what: Callable[[], object], hint: Callable[[], str] = lambda: "") -> None:
         """Live until something is so, or fail."""
         assert self.spin(PATIENCE, what), hint()
+
+    def until_silent(self) -> None:
+        """Live until no joint commands come any more: what is under way, or late, may still arrive."""
+
+        def silent() -> bool:
+            self.commands.clear()
+            self.spin(0.5)
+            return not self.commands
+
+        self.until(silent)
+
+    def decelerations(self) -> list[float]:
+        """By how much the fastest wheel of the commands slows down, by their own stamps [rad/s^2]."""
+        times = [each.header.stamp.sec + 1e-9 * each.header.stamp.nanosec for each in self.commands]
+        fastest = [max(map(abs, each.velocity[len(self.steering) :])) for each in self.commands]
+        rows = list(zip(times, fastest, strict=True))
+        return [
+            (before - after) / (then - now)
+            for (now, before), (then, after) in itertools.pairwise(rows)
+            if then > now
+        ]
 
     def diagnosed(self, text: str) -> bool:
         """Whether a report has said this since the list was cleared."""

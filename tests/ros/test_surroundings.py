@@ -122,10 +122,7 @@ def test_the_clock_of_a_simulation(start, peer, rover_file):
     peer.diagnostics.clear()
     peer.until(lambda: peer.diagnosed("time must not jump"))
     running[0] = False
-    peer.spin(0.3)
-    peer.commands.clear()
-    peer.spin(0.3)
-    assert not peer.commands  # time stands still, and so do the steps
+    peer.until_silent()  # time stands still, and so do the steps
     running[0] = True
     peer.until(lambda: peer.commands)
 
@@ -147,8 +144,7 @@ def test_a_subscriber_that_never_reads_holds_up_nobody(start, peer, rover_file):
         peer.spin(0.2)
         sleeper.send_signal(signal.SIGSTOP)  # not even its middleware reads
         before = len(peer.commands)
-        peer.spin(2.0)
-        assert len(peer.commands) - before > 100
+        peer.until(lambda: len(peer.commands) - before > 400)  # far more than what is kept for anybody
     finally:
         sleeper.kill()
         sleeper.wait(PATIENCE)
@@ -161,14 +157,18 @@ def test_two_that_command_the_joints_are_told(start, peer, rover_file):
 
 
 def test_the_filter_keeps_the_curvature(start, peer, rover_file):
-    start("filter", str(rover_file))
+    # A planner that is held up for a while, as on a busy machine, is not to be taken for one that is gone.
+    start("filter", str(rover_file), "--ros-args", "-p", "cmd_vel_timeout:=5.0")
     peer.wanted = (2.0, 0.0, 1.0)  # twice as fast as it may be
-    peer.until(lambda: peer.limited and peer.limited[-1].twist.linear.x > 0.9)
-    peer.spin(0.5)
-    limits, last = sw.Limits(speed=1.0, wheel_speed=8.0), peer.limited[-1].twist
-    ctl = sw.Controller(peer.rover, limits)
+    ctl = sw.Controller(peer.rover, sw.Limits(speed=1.0, wheel_speed=8.0))
     ctl.command(peer.wanted, 0.0)
-    np.testing.assert_allclose((last.linear.x, 0.0, last.angular.z), ctl.step(0.0).twist, rtol=1e-9)
+    vx, _, omega = ctl.step(0.0).twist
+
+    def there() -> bool:
+        last = peer.limited[-1].twist if peer.limited else None
+        return last is not None and np.allclose((last.linear.x, last.angular.z), (vx, omega), rtol=1e-9)
+
+    peer.until(there)
     moving = np.array([(m.twist.linear.x, m.twist.angular.z) for m in peer.limited])
     moving = moving[moving[:, 0] > 1e-6]
     np.testing.assert_allclose(moving[:, 1] / moving[:, 0], 0.5, rtol=1e-9)
@@ -176,10 +176,12 @@ def test_the_filter_keeps_the_curvature(start, peer, rover_file):
     assert speeds.min() >= 0.0
     peer.wanted = None
     peer.until(lambda: peer.limited[-1].twist.linear.x == 0.0)
-    peer.spin(0.3)
-    peer.limited.clear()
-    peer.spin(0.3)
-    assert not peer.limited  # at rest it is silent: whoever else wants to drive may
+
+    def silent() -> bool:
+        peer.limited.clear()
+        return not peer.spin(0.5, lambda: peer.limited)
+
+    peer.until(silent)  # at rest: whoever else wants to drive may
     peer.until(lambda: peer.diagnosed("commands must keep coming"))
 
 

@@ -9,18 +9,22 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.fitting import Loss, Problem, refit, solve
-from six_wheel.calibration.model import Model
+from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
+from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
-from six_wheel.cluster import collect
+from six_wheel.cluster import Journal, collect
 from six_wheel.logs.recordings import Log
 from six_wheel.poses import Floats
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
 WORTH = 0.05
-# and than a smaller set by this share for each number more, on more than half of the folds.
+# and than a smaller set by this share for each number more, on half of what was left out at least,
 WORTH_A_NUMBER = 0.1
+# and so surely that chance alone would seem to say so this seldom.
+CHANCE = 0.05
+# From so many sessions on they are compared as a whole; of fewer, their runs.
+ENOUGH_FOLDS = 3
 # Into so many parts a single run is cut.
 PIECES = 4
 
@@ -30,14 +34,34 @@ class Candidate:
     """A set of parameters, the errors on what was left out of its fits, and their score.
 
     `errors` (folds,) [m] is the mean over the runs of a fold of their root mean square position error, first
-    pose given. `score` is their root mean square over the folds as a share of that with the nominal
-    dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong counts.
+    pose given; `runs` are those of each run. `score` is their root mean square over the folds as a share of
+    that with the nominal dimensions: below 1 the set helps where it was not fitted, and one fold gone wrong
+    counts.
     """
 
     parameters: tuple[str, ...]
     count: int
     errors: Floats
     score: float
+    runs: Floats
+
+    def clearly_beats(self, other: "Candidate") -> bool:
+        """Whether it is worth its numbers beside a smaller set: errors smaller by a tenth for every number
+        more on half of what was left out, and by more than chance, in a paired, one-sided t test.
+
+        Of logarithms, so that what is large by itself counts no more; over sessions, whose runs go together,
+        or over runs where there are too few.
+        """
+        by_fold = len(self.errors) >= ENOUGH_FOLDS
+        mine, theirs = (self.errors, other.errors) if by_fold else (self.runs, other.runs)
+        if len(mine) < 2:
+            return False
+        least = np.finfo(float).tiny
+        gains = np.log(np.maximum(theirs, least) / np.maximum(mine, least))
+        usual = np.sort(gains)[(len(gains) - 1) // 2]
+        chance = quantile(len(gains) - 1, 1.0 - 2.0 * CHANCE) * gains.std(ddof=1) / math.sqrt(len(gains))
+        worth = (self.count - other.count) * -math.log(1.0 - WORTH_A_NUMBER)
+        return bool(self.score < other.score and usual > worth and gains.mean() > chance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +164,12 @@ def cross_validate(
     progress: Callable[[int, int, str], object] | None,
     client: Any = None,
     workers: int | None = 1,
+    journal: Journal | None = None,
 ) -> CrossValidation | None:
     """Every set fitted without one fold after another and tried there; None if there is but one.
 
-    The sets are independent of one another: on a cluster or in processes each is an item.
+    The sets are independent of one another: on a cluster or in processes each is an item, and what a journal
+    holds already is not done again.
     """
     sessions = list(dict.fromkeys(drive.session for drive in drives))
     by_run = len(sessions) == 1 or len(sessions) == len(drives)
@@ -155,8 +181,9 @@ def cross_validate(
     kind = "part" if parts else "run" if by_run else "session"
 
     empty = Model(rover, [])
-    nominal = _fold_errors(empty, empty.start, drives, keys)
-    tried = [Candidate((), 0, nominal, 1.0)]
+    each = _errors(empty, empty.start, drives)
+    nominal = _per_fold(each, keys)
+    tried = [Candidate((), 0, nominal, 1.0, each)]
     total = len(sets)
 
     def tell(done: int) -> None:
@@ -166,14 +193,17 @@ def cross_validate(
     tell(0)
     problem = Problem(empty, drives, loss, lengths, margin)
     items = [
-        Trial(replace(problem, model=Model(rover, catalogue.find(names))), tuple(keys)) for names in sets
+        Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
+        for names in sets
     ]
-    outcomes = collect(errors_left_out, items, cluster=client, workers=None if client else workers, tell=tell)
+    workers = None if client else workers
+    outcomes = collect(errors_left_out, items, cluster=client, workers=workers, journal=journal, tell=tell)
     for number, failure in outcomes.failures.items():
         raise ValueError(f"{', '.join(sets[number])} could not be fitted: {failure}")
-    for names, item, errors in zip(sets, items, outcomes.values, strict=True):
-        model = item.problem.model
-        tried.append(Candidate(tuple(names), len(model.names), errors, _score(errors, nominal)))
+    for names, item, each in zip(sets, items, outcomes.values, strict=True):
+        errors = _per_fold(each, keys)
+        count = item.problem.model.own
+        tried.append(Candidate(tuple(names), count, errors, _score(errors, nominal), each))
     chosen = choose(tried)
     tried.sort(key=lambda one: (one.score, one.count))
     return CrossValidation(kind, tuple(folds), nominal, tuple(tried), chosen.parameters)
@@ -188,40 +218,37 @@ class Trial:
 
 
 def errors_left_out(trial: Trial) -> Floats:
-    """Mean error of the runs of every fold under a fit without it [m]."""
-    whole, keys = trial.problem, trial.keys
+    """Error of every run under a fit without its fold [m]."""
+    whole, keys = trial.problem, np.array(trial.keys)
     solution = solve(whole)
-    linear = whole.linearised(solution.values)
-    errors = np.empty(max(keys) + 1)
-    for fold in range(len(errors)):
+    linear = whole.linearised(solution.values, solution.scales)
+    errors = np.empty(len(keys))
+    for fold in np.unique(keys):
+        values = refit(linear.only((keys != fold).tolist()), solution)
         left = [drive for drive, key in zip(whole.drives, keys, strict=True) if key == fold]
-        values = refit(linear.only([key != fold for key in keys]), solution)
-        errors[fold] = _fold_errors(whole.model, values, left, [0] * len(left))[0]
+        errors[keys == fold] = _errors(whole.model, values, left)
     return errors
 
 
 def choose(tried: Sequence[Candidate]) -> Candidate:
     """The set to take: fewer numbers unless more of them win clearly.
 
-    From the smallest set on, a larger one is taken if its score is better and if, on more than half of the
-    folds, its error is smaller by a tenth for every number more. One fold in which much changes, as a day
-    with other tyres, wins nothing; one that goes wrong altogether shows in the score. The first set has to
-    beat the nominal dimensions by its score.
+    From the smallest set on, a larger one is taken if it clearly beats what was taken before. The first set
+    has to beat the nominal dimensions by its score.
     """
     chosen = min(tried, key=lambda one: one.count)
     for one in sorted(tried, key=lambda one: (one.count, one.score)):
-        if chosen.count == 0:
-            better = one.score < 1.0 - WORTH
-        else:
-            ratios = np.sort(one.errors / np.maximum(chosen.errors, np.finfo(float).tiny))
-            wanted = (1.0 - WORTH_A_NUMBER) ** (one.count - chosen.count)
-            better = one.score < chosen.score and ratios[len(ratios) // 2] < wanted
+        better = one.score < 1.0 - WORTH if chosen.count == 0 else one.clearly_beats(chosen)
         chosen = one if better else chosen
     return chosen
 
 
-def _fold_errors(model: Model, values: Floats, drives: Sequence[Drive], keys: Sequence[int]) -> Floats:
-    errors = np.array([RunErrors.of(model, drive, values).after for drive in drives])
+def _errors(model: Model, values: Floats, drives: Sequence[Drive]) -> Floats:
+    return np.array([RunErrors.of(model, drive, values).after for drive in drives])
+
+
+def _per_fold(errors: Floats, keys: Sequence[int]) -> Floats:
+    """The mean of every fold."""
     labels = np.array(keys)
     return np.array([errors[labels == fold].mean() for fold in range(int(labels.max()) + 1)])
 

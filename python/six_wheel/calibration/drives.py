@@ -54,6 +54,7 @@ class Drive:
     turning: float
     dropped: int
     number: int  # of the log it comes from
+    mount: str = ""  # the session as the log names it: within one, the truth looks from the same place
 
     def truth_at(self, rows: Rows, offset: float) -> tuple[Floats, Floats]:
         """True poses and their rates at rows (...), shapes (..., 3); 0 where a truth has no such part."""
@@ -152,6 +153,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         float(np.abs(twists[:, 2] * dt).sum()),
         len(log) - len(stamps),
         number,
+        log.session,
     )
 
 

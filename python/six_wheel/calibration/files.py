@@ -15,6 +15,7 @@ from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
+from six_wheel.cluster import Journal
 from six_wheel.descriptions.findings import ParameterFileError
 from six_wheel.evaluation.paths import align
 from six_wheel.logs.columns import TableError
@@ -60,6 +61,9 @@ def calibrate_files(
     progress: Callable[..., None] | None = None,
 ) -> Calibrated:
     """Calibrate a rover and write what comes of it. Outputs are replaced only if all went well.
+
+    A run that was stopped goes on where it was: what each set of parameters is worth is kept in a folder
+    beside the output until that is written.
 
     Parameters
     ----------
@@ -112,7 +116,15 @@ def calibrate_files(
         given = dict(options or {})
         if given.get("workers") is None:
             given["workers"] = 1 if len(logs) < MANY else None
-        result = calibrate(rover, logs, progress=progress, **given)
+        journal = None
+        if output is not None:
+            run = _run(rover, [*paths, *truths], repr(reading), given)
+            journal = Journal.of_this_run(output.with_name(f".{output.name}.done"), run)
+        try:
+            result = calibrate(rover, logs, progress=progress, journal=journal, **given)
+        finally:
+            if journal is not None and not journal.done:
+                journal.discard()  # nothing to go on from
         done = Calibrated(result, tuple(logs), tuple(warnings))
         text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
@@ -120,7 +132,17 @@ def calibrate_files(
             target.write_text(text, encoding="utf-8")
         if finish is not None:
             finish(done)
+    if journal is not None:
+        journal.discard()
     return done
+
+
+def _run(rover: Rover, sources: Sequence[Path], reading: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Everything that the worth of a set of parameters depends on."""
+    files = [file for path in sources for file in (sorted(path.rglob("*")) if path.is_dir() else [path])]
+    states = [[str(file.resolve()), file.stat().st_size, file.stat().st_mtime_ns] for file in files]
+    said = {name: repr(value) for name, value in options.items() if name not in ("client", "workers")}
+    return said | {"version": __version__, "rover": repr(rover), "reading": reading, "files": states}
 
 
 def _read_back(text: str, parameters: Parameters | None) -> list[str]:

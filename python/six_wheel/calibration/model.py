@@ -11,39 +11,54 @@ import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter
+from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter, mounts, prior, size
 from six_wheel.logs import Log
 from six_wheel.poses import Floats, between, inverse, joined
 from six_wheel.rebuild import with_wheels
 
 # Below this half-turn per step the derivative of sin(x)/x is its series, good to 1e-16 there.
 SMALL_TURN = 1e-2
+# Share of what a mount does that no parameter does, below which they do the same.
+ALIKE = 1e-3
+PLACES = [f"{kind}_{axis}" for kind in ("sensor", "origin") for axis in FRAME]
 
 
 class Model:
     """Parameters of a rover, and the errors of its dead reckoning as a function of their values."""
 
-    def __init__(self, nominal: Rover, parameters: Sequence[Parameter]) -> None:
+    def __init__(
+        self, nominal: Rover, parameters: Sequence[Parameter], mounts: Sequence[Parameter] = ()
+    ) -> None:
+        """`mounts` are fitted beside the parameters, for what belongs to sessions, and thrown away."""
         self.nominal = nominal
-        self.parameters = tuple(parameters)
+        self.own = len(parameters)
+        self.parameters = (*parameters, *mounts)
         self.names = tuple(parameter.name for parameter in self.parameters)
         self.start = np.array([parameter.value for parameter in self.parameters])
         self.plausible = np.array([parameter.plausible for parameter in self.parameters])
+        # Takes independent changes of deviation 1 to those that are plausible, in units of these; and back.
+        self.likely = np.asarray(np.linalg.cholesky(prior(self.parameters)), dtype=np.float64)
+        self.surprise = np.asarray(np.linalg.inv(self.likely), dtype=np.float64)
         self._by: dict[str, Floats] = {}
         for quantity in WHEEL_QUANTITIES:
-            columns = [p.wheels.get(quantity, np.zeros(len(nominal.wheels))) for p in self.parameters]
+            columns = [p.wheels.get(quantity, np.zeros(len(nominal.wheels))) for p in parameters]
             if columns and np.any(columns):
                 self._by[quantity] = np.stack(columns, axis=1)
         self._values = {
             name: np.array([getattr(w, name) or 0.0 for w in nominal.wheels]) for name in WHEEL_QUANTITIES
         }
         self._gains = np.array(
-            [np.zeros(len(nominal.steered_names)) if p.gain is None else p.gain for p in self.parameters]
-        ).reshape(len(self.parameters), len(nominal.steered_names))
+            [np.zeros(len(nominal.steered_names)) if p.gain is None else p.gain for p in parameters]
+        ).reshape(self.own, len(nominal.steered_names))
 
     def value(self, values: Floats, name: str, default: float) -> float:
         """The value of one parameter, or what it is when it is not calibrated."""
         return float(values[self.names.index(name)]) if name in self.names else default
+
+    def change(self, values: Floats) -> Floats:
+        """By how much the numbers of the rover differ from the nominal ones, (own,): mounts move no wheel."""
+        change: Floats = (values - self.start)[: self.own]
+        return change
 
     def wheels(self, values: Floats) -> Rover:
         """The rover with these values, in the nominal body frame.
@@ -53,7 +68,7 @@ class Model:
         ValueError
             If a wheel may not have such a value.
         """
-        change = values - self.start
+        change = self.change(values)
         moved = {name: self._values[name] + columns @ change for name, columns in self._by.items()}
         rollers = [wheel.roller_angle is not None for wheel in self.nominal.wheels]
         return with_wheels(
@@ -64,13 +79,23 @@ class Model:
             ),
         )
 
-    def pose(self, values: Floats, kind: str) -> Floats:
-        """The sensor, or the origin that the result shall have, as a pose in the nominal body."""
-        return np.array([self.value(values, f"{kind}_{axis}", 0.0) for axis in FRAME])
+    def pose(self, values: Floats, kind: str, mount: str | None = None) -> Floats:
+        """The sensor, or the origin that the result shall have, as a pose in the nominal body; the sensor
+        of one session with its `mount`."""
+        found = [self.value(values, f"{kind}_{axis}", 0.0) for axis in FRAME]
+        if kind == "sensor" and mount is not None:
+            own = [self.value(values, f"mount_{axis}[{mount}]", 0.0) for axis in FRAME]
+            found = [one + other for one, other in zip(found, own, strict=True)]
+        return np.array(found)
 
-    def tracked(self, values: Floats) -> Floats:
+    def columns(self, kind: str, axis: str, mount: str) -> list[int]:
+        """Which numbers move an axis of the sensor, or of the origin, in a session."""
+        names = [f"{kind}_{axis}", *([f"mount_{axis}[{mount}]"] if kind == "sensor" else [])]
+        return [self.names.index(name) for name in names if name in self.names]
+
+    def tracked(self, values: Floats, mount: str | None = None) -> Floats:
         """What the truth follows, as a pose in the nominal body: the sensor as seen from the new origin."""
-        return joined(self.pose(values, "origin"), self.pose(values, "sensor"))
+        return joined(self.pose(values, "origin"), self.pose(values, "sensor", mount))
 
     def rover(self, values: Floats) -> Rover:
         """The rover with these values, about the new origin where there is one."""
@@ -83,14 +108,14 @@ class Model:
 
     def readings(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
         """Steering angles and wheel speeds, as the encoders mean them under these values."""
-        gain = np.ones(drive.steering.shape[1]) + (values - self.start) @ self._gains
+        gain = np.ones(drive.steering.shape[1]) + self.change(values) @ self._gains
         return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.speeds
 
     def corrected(self, log: Log, values: Floats) -> Log:
         """The log as its encoders mean it under these values."""
         steering = log.steering
         if steering is not None:
-            steering = steering * (np.ones(steering.shape[1]) + (values - self.start) @ self._gains)
+            steering = steering * (np.ones(steering.shape[1]) + self.change(values) @ self._gains)
         return replace(
             log,
             steering=steering,
@@ -98,7 +123,7 @@ class Model:
         )
 
     def twists(self, drive: Drive, values: Floats, rover: Rover) -> tuple[Floats, Floats]:
-        """Body twists between the rows (n, 3) and their derivatives by the parameters (n, 3, p)."""
+        """Body twists between the rows (n, 3) and their derivatives by the rover's numbers (n, 3, own)."""
         steering, speeds = self.readings(drive, values)
         wanted = list(self._by)
         if self._gains.any():
@@ -106,9 +131,9 @@ class Model:
         if "encoder_scale" in self.names:
             wanted.append("speeds")
         if not wanted:
-            return rover.forward(steering, speeds), np.zeros((len(speeds), 3, len(values)))
+            return rover.forward(steering, speeds), np.zeros((len(speeds), 3, self.own))
         found = rover.sensitivity(steering, speeds, quantities=wanted)  # type: ignore[arg-type]
-        by = np.zeros((len(speeds), 3, len(values)))
+        by = np.zeros((len(speeds), 3, self.own))
         for name, columns in self._by.items():
             by += getattr(found, name) @ columns
         if self._gains.any():
@@ -128,18 +153,21 @@ class Model:
         twists, by_twist = self.twists(drive, values, self.wheels(values))
         poses = integrate(twists, drive.dt)
         by_pose = carried(poses, twists, by_twist, drive.dt)
+        rest = len(values) - self.own  # which move nothing but what is tracked
         offset = self.value(values, "time_offset", 0.0)
         if drive.truth.has_headings:
             first, last = drive.rows.T
             moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
-            seen, by_seen = self._seen_from(self.tracked(values), values, moved, by_moved)
+            by_moved = np.pad(by_moved, ((0, 0), (0, 0), (0, rest)))
+            seen, by_seen = self._seen_from(drive.mount, values, moved, by_moved)
             ends, rates = drive.truth_at(drive.rows, offset)
             wanted, by_clock = _between_with(
                 ends[:, 0], ends[:, 1], rates[:, 0, :, None], rates[:, 1, :, None]
             )
         else:
             rows = np.stack((drive.rows[:, 0], drive.middles, drive.rows[:, 1]))
-            seen, by_seen = _between_chords(*self._places(values, poses[rows], by_pose[rows]))
+            by_rows = np.pad(by_pose[rows], ((0, 0), (0, 0), (0, 0), (0, rest)))
+            seen, by_seen = _between_chords(*self._places(drive.mount, values, poses[rows], by_rows))
             places, rates = drive.truth_at(rows, offset)
             wanted, by_clock = _between_chords(places[..., :2], rates[..., :2, None])
         error = between(wanted, seen)
@@ -155,10 +183,31 @@ class Model:
             error[:, :2], turned[:, :2] = 0.0, 0.0
         return error, turned
 
-    def _places(self, values: Floats, poses: Floats, by_pose: Floats) -> tuple[Floats, Floats]:
+    def shortened(self, drive: Drive, values: Floats) -> Floats:
+        """By how much of its way each window ends short (m, 2) per squared error of its heading.
+
+        A heading errs by the root of the way since the start of a window, so what comes early counts least:
+        the mean over the way of what is left to the end. In the frame of `errors`; 0 where headings are not
+        compared.
+        """
+        if not (drive.truth.has_headings and drive.truth.has_positions):
+            return np.zeros((len(drive.rows), 2))
+        poses = self.poses(drive, values)
+        steps = np.diff(poses, axis=0) * (1.0, 1.0, size(self.nominal))
+        way = np.linalg.norm(steps, axis=1)
+        middles = (poses[1:, :2] + poses[:-1, :2]) / 2.0
+        begin = np.zeros((1, 2))
+        sums = np.concatenate((begin, np.cumsum(middles * way[:, None], axis=0)))
+        along = np.concatenate(([0.0], np.cumsum(way)))
+        first, last = drive.rows.T
+        mean = (sums[last] - sums[first]) / (along[last] - along[first])[:, None]
+        left = (poses[last, :2] - mean)[:, :, None]
+        return _rotated(-poses[last, 2], left)[:, :, 0]
+
+    def _places(self, mount: str, values: Floats, poses: Floats, by_pose: Floats) -> tuple[Floats, Floats]:
         """Positions of what is tracked (..., 2) at poses (..., 3), with their derivatives (..., 2, p)."""
-        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor")
-        tracked = self.tracked(values)
+        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor", mount)
+        tracked = self.tracked(values, mount)
         cos, sin = np.cos(poses[..., 2]), np.sin(poses[..., 2])
         turn = np.moveaxis(np.array([[cos, -sin], [sin, cos]]), (0, 1), (-2, -1))
         arm = turn @ tracked[:2]
@@ -168,21 +217,22 @@ class Model:
         )
         tilt = np.array([[np.cos(origin[2]), -np.sin(origin[2])], [np.sin(origin[2]), np.cos(origin[2])]])
         moves = {
-            "origin_x": (1.0, 0.0),
-            "origin_y": (0.0, 1.0),
-            "sensor_x": tilt[:, 0],
-            "sensor_y": tilt[:, 1],
+            ("origin", "x"): (1.0, 0.0),
+            ("origin", "y"): (0.0, 1.0),
+            ("sensor", "x"): tilt[:, 0],
+            ("sensor", "y"): tilt[:, 1],
+            ("origin", "yaw"): tilt @ np.array([-sensor[1], sensor[0]]),
         }
-        moves["origin_yaw"] = tilt @ np.array([-sensor[1], sensor[0]])
-        for name, direction in moves.items():
-            if name in self.names:
-                by[..., self.names.index(name)] += turn @ np.asarray(direction)
+        for (kind, axis), direction in moves.items():
+            for column in self.columns(kind, axis, mount):
+                by[..., column] += turn @ np.asarray(direction)
         return poses[..., :2] + arm, by
 
     def _seen_from(
-        self, tracked: Floats, values: Floats, moved: Floats, by_moved: Floats
+        self, mount: str, values: Floats, moved: Floats, by_moved: Floats
     ) -> tuple[Floats, Floats]:
         """The motion of what is tracked, which the body carries along, with its derivatives."""
+        tracked = self.tracked(values, mount)
         poses = np.broadcast_to(tracked, moved.shape)
         seen = joined(joined(inverse(poses), moved), poses)
         arm = _rotated(moved[:, 2], np.broadcast_to(tracked[:2, None], (len(moved), 2, 1)))[:, :, 0]
@@ -195,20 +245,41 @@ class Model:
         eye = np.broadcast_to(np.eye(2), (len(moved), 2, 2))
         by_place = _rotated(np.full(len(moved), -tracked[2]), _rotated(np.asarray(turn), eye) - eye)
         by_yaw = -_left_of(seen[:, :2])
-        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor")
+        origin, sensor = self.pose(values, "origin"), self.pose(values, "sensor", mount)
         cos, sin = np.cos(origin[2]), np.sin(origin[2])
         places = {"origin": np.eye(2), "sensor": np.array([[cos, -sin], [sin, cos]])}
         carried_along = places["sensor"] @ np.array([-sensor[1], sensor[0]])
         for kind, directions in places.items():
             for number, axis in enumerate("xy"):
-                if (name := f"{kind}_{axis}") in self.names:
-                    by[:, :2, self.names.index(name)] += by_place @ directions[:, number]
-            if (name := f"{kind}_yaw") in self.names:
-                column = by[:, :2, self.names.index(name)]
-                column += by_yaw
+                for column in self.columns(kind, axis, mount):
+                    by[:, :2, column] += by_place @ directions[:, number]
+            for column in self.columns(kind, "yaw", mount):
+                by[:, :2, column] += by_yaw
                 if kind == "origin":
-                    column += by_place @ carried_along
+                    by[:, :2, column] += by_place @ carried_along
         return seen, by
+
+
+def with_mounts(nominal: Rover, parameters: Sequence[Parameter], drives: Sequence[Drive]) -> Model:
+    """A model that also fits, for every session, from where its truth looks, as far as nobody asks for that.
+
+    What a parameter does just as well is left to it: the centres of rotation of a tracked rover all the way
+    forward, the same offset of all wheels of one that steers with every wheel.
+    """
+    if not all(drive.truth.has_headings and drive.truth.has_positions for drive in drives):
+        return Model(nominal, parameters)
+    asked = {parameter.name.partition("_")[2] for parameter in parameters if parameter.name in PLACES}
+    axes = [axis for axis in FRAME if axis not in asked]
+    first = drives[0]
+    trial = Model(nominal, parameters, mounts(nominal, [first.mount], axes))
+    _, by = trial.errors(first, trial.start)
+    slopes = (by * trial.plausible).reshape(-1, len(trial.names))
+    own = slopes[:, : trial.own]
+    left = slopes[:, trial.own :] - own @ np.linalg.lstsq(own, slopes[:, trial.own :], rcond=None)[0]
+    sizes = np.linalg.norm(slopes[:, trial.own :], axis=0)
+    free = np.array(axes)[np.linalg.norm(left, axis=0) > ALIKE * sizes]
+    sessions = dict.fromkeys(drive.mount for drive in drives)
+    return Model(nominal, parameters, mounts(nominal, sessions, free.tolist()))
 
 
 def carried(poses: Floats, twists: Floats, by_twist: Floats, dt: Floats) -> Floats:

@@ -6,14 +6,15 @@ as far off as it says. Slip grows with the root of the way, whatever the rate of
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import chdtri, ndtri
+from scipy.special import chdtri, fdtri, ndtri
 
-from six_wheel._core import Noise, Rover, wrap_angle
+from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
+from six_wheel.calibration.drives import RESTED, at_rest
 from six_wheel.calibration.values import Estimate
 from six_wheel.logs import Log
 from six_wheel.odometry import dead_reckon
@@ -47,6 +48,11 @@ class MeasuredNoise:
         What these were.
     nees : ndarray, shape (sections,)
         Normalised error squared of their ends under `noise`: 95 % are meant to lie below 7.81.
+    yaw_rate : Estimate or None
+        Of one reading of the gyroscope [rad/s], from where the rover stands; None where no log has one and
+        stands for a second.
+    gyroscope : Gyroscope or None
+        The same with the bias at rest, to give to `Odometry` beside `noise`, which counts the bias as noise.
     """
 
     noise: Noise
@@ -55,6 +61,8 @@ class MeasuredNoise:
     sections: int
     basis: str
     nees: Floats
+    yaw_rate: Estimate | None = None
+    gyroscope: Gyroscope | None = None
 
     @property
     def covered(self) -> float:
@@ -108,24 +116,24 @@ def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> 
     return found
 
 
-def measure(
-    groups: Sequence[Sequence[End]], fitted: Sequence[End], confidence: float, basis: str
-) -> MeasuredNoise | None:
-    """Slip that makes errors most likely, sized by what most groups ask for; None without an end.
+def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> MeasuredNoise | None:
+    """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
+
+    Ends of one session go together: each tells three numbers of how large errors are, however many runs it
+    has, and all weigh alike. Of a variance known from so few numbers 95 % of what is new lies within more
+    than the bound of one that is known for sure: the size is that of a prediction, the wider the fewer.
 
     Parameters
     ----------
     groups : sequence of sequence of End
-        Errors of what was left out together. All tell how slip along and across compare. Of the size that
-        each group asks for the median is taken, of two the larger: a fit without one of a few sessions may go
-        wrong altogether, which says little of the fit to all.
-    fitted : sequence of End
-        Errors under the fit to all: the size is widened until 95 % of them lie within what it says.
+        Errors of what was left out together.
+
+    Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
-    found = [end for group in groups for end in group]
-    if not found:
+    groups = [group for group in groups if group]
+    if not groups:
         return None
-    errors, along, across = _stacked(found)
+    errors, along, across = _stacked([end for group in groups for end in group])
     sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
 
     def cost(logs: Floats) -> float:
@@ -136,21 +144,64 @@ def measure(
     begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
     best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
     logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-    # As multiples of the median of what chance would have of so many ends.
-    sums = [(_nees(logs, *_stacked(group))[0].sum(), 3 * len(group)) for group in groups if group]
-    asked = np.sort([total / float(chdtri(degrees, 0.5)) for total, degrees in sums])
-    sized = logs + 0.5 * math.log(max(float(asked[len(asked) // 2]), 1e-6))
-    at_once = _nees(sized, *_stacked(fitted))[0]
-    wide = sized + 0.5 * math.log(max(float(np.quantile(at_once, COVERED)) / _bound(), 1.0))
+    found = [float(np.mean(_nees(logs, *_stacked(group))[0])) / 3.0 for group in groups]
+    predicted = 3.0 * float(fdtri(3, 3 * len(found), COVERED)) / _bound()
+    wide = logs + 0.5 * math.log(max(predicted * float(np.mean(found)), 1e-6))
     along_wheels = _estimate("slip", logs, 0, cost, confidence)
     across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
     if sides:
         across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
     slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
     noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
-    return MeasuredNoise(
-        noise, along_wheels, across_wheels, len(found), basis, _nees(wide, errors, along, across)[0]
+    nees = _nees(wide, errors, along, across)[0]
+    return MeasuredNoise(noise, along_wheels, across_wheels, len(errors), basis, nees)
+
+
+def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
+    """What was measured, and what a gyroscope errs by about its mean where the rover stands for a second."""
+    squares, degrees, biases = 0.0, 0, []
+    for log in logs:
+        for rates in _resting(log):
+            squares += float(np.square(rates - rates.mean()).sum())
+            degrees += len(rates) - 1
+            biases.append(rates.mean())
+    if degrees < 1 or squares == 0.0:
+        return measured
+    chance = (1.0 - confidence) / 2.0
+    interval = [math.sqrt(squares / float(chdtri(degrees, one))) for one in (chance, 1.0 - chance)]
+    value = math.sqrt(squares / degrees)
+    std = value / math.sqrt(2.0 * degrees)
+    bias = math.sqrt(float(np.mean(np.square(biases))))
+    was = measured.noise
+    noise = Noise(
+        was.speed,
+        was.steering,
+        slip=was.slip,
+        side_slip=was.side_slip,
+        yaw_rate=_digits(math.hypot(value, bias)),
     )
+    return replace(
+        measured,
+        noise=noise,
+        yaw_rate=Estimate("yaw_rate", "rad/s", 0.0, value, std, (interval[0], interval[1])),
+        gyroscope=Gyroscope(_digits(value), bias_noise=_digits(bias)),
+    )
+
+
+def _resting(log: Log) -> Iterator[Floats]:
+    """Readings of a gyroscope (k,) inside each stretch in which no wheel turns for a second or more."""
+    if log.yaw_rate is None:
+        return
+    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
+    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))] if len(rows) else rows
+    if len(rows) < 2:
+        return
+    dt = np.diff(log.stamps[rows])
+    still = at_rest(np.diff(log.wheel_angles[rows], axis=0) / dt[:, None])
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(int)))
+    for first, last in edges.reshape(-1, 2).tolist():
+        if dt[first:last].sum() >= RESTED and last - first > 2:
+            yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
 def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:

@@ -7,13 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import RESTED, Drive, at_rest
-from six_wheel.calibration.fitting import OPEN, Solution
+from six_wheel.calibration.fitting import KNOWN, OPEN, Solution, openness
 from six_wheel.calibration.model import Model
 from six_wheel.poses import Floats
 
-# Parts of a direction smaller than this are not worth a word, and parameters less open than that are known.
+# Parts of a direction smaller than this are not worth a word.
 WORTH_A_WORD = 0.1
-KNOWN = 0.05
 # A value that went less far than this share of what is plausible has stayed where it was.
 MOVED = 1e-4
 # A drive that turns less than this is called straight [rad].
@@ -83,20 +82,23 @@ def describe(
     model: Model, solution: Solution, drives: Sequence[Drive], hints: Sequence[str] = ()
 ) -> Observability:
     """The open directions of a solution, and what they mean for each parameter; after other `hints`."""
-    unseen = solution.unseen
-    openness = (unseen * unseen).sum(axis=1)  # of each parameter: the share of it that no window sees
-    identified = openness < KNOWN
+    # Mounts of sessions are nobody's business: what only they leave open is left out.
+    own = solution.unseen[: model.own]
+    unseen = own[:, np.linalg.norm(own, axis=0) > MOVED]
+    share = openness(unseen)
+    identified = share < KNOWN
     messages = [
-        _alone(model, solution, number, drives) for number in np.flatnonzero(openness > 1.0 - KNOWN).tolist()
+        _alone(model, solution, number, drives) for number in np.flatnonzero(share > 1.0 - KNOWN).tolist()
     ]
-    mixed = np.flatnonzero(~identified & (openness <= 1.0 - KNOWN))
+    mixed = np.flatnonzero(~identified & (share <= 1.0 - KNOWN))
     if len(mixed):
         count = unseen.shape[1] - len(messages)
         messages.append(
             _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
         )
     messages += _correlated(model, solution, identified)
-    return Observability(model.names, identified, unseen, solution.spread, (*hints, *messages))
+    names = model.names[: model.own]
+    return Observability(names, identified, unseen, solution.spread[: model.own], (*hints, *messages))
 
 
 def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive]) -> str:
@@ -136,7 +138,7 @@ def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) ->
 def _correlated(model: Model, solution: Solution, identified: NDArray[np.bool_]) -> list[str]:
     """Pairs that are identified but could nearly stand for each other."""
     kept = solution.seen.shape[1]
-    root = solution.seen * solution.spread[:kept]
+    root = (solution.seen * solution.spread[:kept])[: len(identified)]
     covariance = root @ root.T
     sizes = np.sqrt(np.diag(covariance))
     messages = []

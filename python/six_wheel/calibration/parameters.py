@@ -16,8 +16,13 @@ from six_wheel.poses import Floats
 
 # Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
 PLAUSIBLE_SHARE = 0.2
+# Wheels drawn alike are alike to a tenth of that: what moulds, wear and load make of one kind of wheel.
+PLAUSIBLE_APART = 0.02
 PLAUSIBLE_ANGLE = 0.1  # [rad]
 PLAUSIBLE_DELAY = 0.1  # [s]
+
+# A mount that is not asked for was measured: it is off by this share of what one may be that is asked for.
+MEASURED = 0.1
 
 # Sides and angles smaller than this share are rounding.
 LEVEL = 1e-9
@@ -42,6 +47,29 @@ class Parameter:
     wheels: Mapping[str, Floats] = field(default_factory=dict)
     gain: Floats | None = None
     positive: bool = False
+    kind: str = ""  # numbers of one kind are nearly the same share off
+
+
+def mounts(rover: Rover, sessions: Iterable[str], axes: Iterable[str]) -> list[Parameter]:
+    """Where the truth of each session looks from: numbers of that session, not of the rover."""
+    reach = size(rover)
+    plausible = {"x": MEASURED * reach, "y": MEASURED * reach, "yaw": MEASURED * PLAUSIBLE_ANGLE}
+    units = {"x": "m", "y": "m", "yaw": "rad"}
+    return [
+        Parameter(f"mount_{axis}[{session}]", units[axis], 0.0, plausible[axis])
+        for session in sessions
+        for axis in axes
+    ]
+
+
+def prior(parameters: Sequence[Parameter]) -> Floats:
+    """What is plausible of all together (p, p), in units of what is plausible for each."""
+    alike = PLAUSIBLE_SHARE**2 / (PLAUSIBLE_SHARE**2 + PLAUSIBLE_APART**2)
+    kinds = [parameter.kind for parameter in parameters]
+    together = np.array([[alike if one and one == other else 0.0 for other in kinds] for one in kinds])
+    together = together.reshape(len(kinds), len(kinds))
+    np.fill_diagonal(together, 1.0)
+    return together
 
 
 def size(rover: Rover) -> float:
@@ -117,8 +145,8 @@ class Catalogue:
 
     # --- each of them ------------------------------------------------------------------------------------
 
-    def _length(self, name: str, value: float, wheels: dict[str, Floats]) -> Parameter:
-        return Parameter(name, "m", value, PLAUSIBLE_SHARE * abs(value), wheels, positive=True)
+    def _length(self, name: str, value: float, wheels: dict[str, Floats], kind: str = "") -> Parameter:
+        return Parameter(name, "m", value, PLAUSIBLE_SHARE * abs(value), wheels, positive=True, kind=kind)
 
     def _radius(self, name: str, chosen: NDArray[np.bool_]) -> list[Parameter]:
         """One number for the radii of some wheels, which keep their ratio; of those with an encoder."""
@@ -127,7 +155,7 @@ class Catalogue:
             return []
         radii = self._values["radius"]
         value = float(radii[chosen].mean())
-        return [self._length(name, value, {"radius": np.where(chosen, radii / value, 0.0)})]
+        return [self._length(name, value, {"radius": np.where(chosen, radii / value, 0.0)}, "radius")]
 
     def _shared_radius(self) -> list[Parameter]:
         return self._radius("wheel_radius", np.ones(len(self._encoders), dtype=bool))

@@ -24,12 +24,13 @@ from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cros
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
-from six_wheel.calibration.model import Model
+from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
+from six_wheel.cluster import Journal
 from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
@@ -63,6 +64,7 @@ def calibrate(
     progress: Progress | None = None,
     client: Any = None,
     workers: int | None = 1,
+    journal: Journal | None = None,
 ) -> Calibration:
     """Identify a rover's dimensions from what its encoders said and how it really moved.
 
@@ -106,6 +108,9 @@ def calibrate(
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
     workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
+    journal : six_wheel.cluster.Journal, optional
+        Keeps what each set of parameters is worth: a calibration of the same logs that was stopped goes on
+        there.
 
     Returns
     -------
@@ -154,7 +159,9 @@ def calibrate(
     sets = all_candidates(catalogue) if asked is None else [asked]
     whole, slipped = records, list[mistakes.Slip]()
     if loss == "auto":
-        first = Problem(Model(rover, catalogue.find(sets[0])), drives, "cauchy", lengths, margin)
+        first = Problem(
+            with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
+        )
         slipped = mistakes.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
@@ -175,12 +182,12 @@ def calibrate(
             slides = _slides(slipped, 0)
             folds = [drive for part, moves in kept if moves for drive in left_of(part, slides)]
         checked = cross_validate(
-            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers
+            rover, catalogue, sets, folds, loss, lengths, margin, progress, client, workers, journal
         )
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")
-    model = Model(rover, catalogue.find(chosen))
+    model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(result, slips=tuple(map(str, slipped)))
     if progress is not None:
@@ -214,19 +221,19 @@ def _fit(
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
-    half = fitting.quantile(degrees, confidence)
     estimates = []
-    for number, parameter in enumerate(model.parameters):
+    for number, parameter in enumerate(model.parameters[: model.own]):
         std = float(np.sqrt(covariance[number, number])) if observability.identified[number] else float("nan")
         value = float(solution.values[number])
-        interval = (value - half * std, value + half * std)
+        half = fitting.quantile(float(degrees[number]), confidence) * std
+        interval = (value - half, value + half)
         estimates.append(Estimate(parameter.name, parameter.unit, parameter.value, value, std, interval))
     before, _ = problem.errors(model.start)
     return Calibration(
         model.rover(solution.values),
         model.nominal,
         tuple(estimates),
-        covariance,
+        covariance[: model.own, : model.own],
         confidence,
         basis,
         observability,
@@ -260,7 +267,7 @@ def _noise(
     alone = len(set(sessions)) in (1, len(drives))
     keys = list(range(len(drives))) if alone else [sessions.index(session) for session in sessions]
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
-    linear = problem.linearised(solution.values)
+    linear = problem.linearised(solution.values, solution.scales)
 
     def ends_of(chosen: Sequence[Log], values: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
@@ -268,20 +275,18 @@ def _noise(
         logs = (model.corrected(record, values) for record in chosen)
         return [end for log in logs for end in noise.ends(rover, log, sensor, offset, pieces)]
 
-    fitted = ends_of(records, solution.values)
-    groups = [fitted]
-    if len(set(keys)) > 1:
-        groups = []
-        for key in dict.fromkeys(keys):
-            values = solution.values
-            if len(values):
-                values = fitting.refit(linear.only([other != key for other in keys]), solution)
-            own = [record for record, other in zip(records, keys, strict=True) if other == key]
-            groups.append(ends_of(own, values))
+    groups = []
+    for key in dict.fromkeys(keys):
+        values = solution.values
+        if len(values) and len(set(keys)) > 1:
+            values = fitting.refit(linear.only([other != key for other in keys]), solution)
+        own = [record for record, other in zip(records, keys, strict=True) if other == key]
+        groups.append(ends_of(own, values))
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    return noise.measure(groups, fitted, confidence, f"{count} {what}, {left}")
+    measured = noise.measure(groups, confidence, f"{count} {what}, {left}")
+    return None if measured is None else noise.with_gyroscope(measured, records, confidence)
 
 
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:

@@ -154,6 +154,10 @@ class Calibration:
             for slip in (measured.slip, measured.side_slip):
                 low, high = slip.interval
                 lines.append(f"| `{slip.name}` | {slip.value:.3g} | {low:.3g} to {high:.3g} |")
+            if (rate := measured.yaw_rate) is not None:
+                low, high = rate.interval
+                said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s ({low:.3g} to {high:.3g})"
+                lines += ["", f"{said}: `{measured.gyroscope!r}`."]
         if self.observability.messages:
             lines += ["", "## What the drives do not tell", ""]
             lines += [f"- {message}" for message in self.observability.messages]

@@ -11,7 +11,7 @@ import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -62,6 +62,28 @@ class Journal:
             self.path.mkdir(parents=True, exist_ok=True)
             _write(manifest, lambda file: file.write(json.dumps(mine, indent=1, sort_keys=True).encode()))
         self.done = {int(file.stem) for file in self.path.glob("*.npz") if file.stem.isdigit()}
+
+    @classmethod
+    def of_this_run(cls, path: str | os.PathLike[str], run: Mapping[str, Any]) -> Self:
+        """The journal of this run; what another run has left in its place is removed first.
+
+        Raises
+        ------
+        JournalError
+            If the folder holds something that is no journal.
+        """
+        try:
+            return cls(path, run)
+        except JournalError:
+            manifest = Path(path) / MANIFEST
+            try:
+                theirs = json.loads(manifest.read_text())
+            except (OSError, ValueError, UnicodeDecodeError):
+                theirs = None
+            if not isinstance(theirs, dict):
+                raise
+        cls(path, theirs).discard()
+        return cls(path, run)
 
     def __contains__(self, index: int) -> bool:
         return index in self.done

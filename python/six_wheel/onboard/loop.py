@@ -4,17 +4,16 @@ Every call has the time `now` [ns]; nothing else is known of time. Steps are mad
 is complete, and by `tick` where none come in time. What a fault leads to:
 
 - Without all joints for longer than `joint_state_timeout` the rover stops, its steering held, until they are
-back and
-  a command newer than the stop has come.
+  back and a command newer than the stop has come.
 - Where time jumps back, commands and readings from before are forgotten, and the loop begins as after a
-start.
+  start.
 - At a start the rover may be moving. The first commands are those of the motion that odometry measures.
 """
 
 import math
 from collections import Counter
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeAlias
 
 from six_wheel._core import Controller, OdometryState
 from six_wheel.controller import Reason
@@ -24,7 +23,7 @@ from six_wheel.onboard.joints import JointReader, Numbers, Readings
 from six_wheel.onboard.settings import Settings
 from six_wheel.rebuild import joints_as_given
 
-__all__ = ["Loop", "Step"]
+__all__ = ["Loop", "Send", "Step"]
 
 SECOND = 1_000_000_000  # [ns]
 HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
@@ -33,6 +32,8 @@ SETTLE = 0.03  # [s] over which it is measured at the start how the rover moves
 CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
 STALE = int(Reason.STALE)
+Send: TypeAlias = Callable[[int, list[float], list[float]], None]
+"""What commands go to: a time [ns], steering angles and wheel speeds in the order of the joints."""
 
 
 class Step(NamedTuple):
@@ -132,9 +133,18 @@ class Loop:
         self._give(twist, self._seconds(min(stamp, now)))
 
     def joints(
-        self, names: Sequence[str], positions: Numbers, velocities: Numbers, stamp: int, now: int
+        self,
+        names: Sequence[str],
+        positions: Numbers,
+        velocities: Numbers,
+        stamp: int,
+        now: int,
+        send: Send | None = None,
     ) -> Step | None:
-        """Joint states, read at `stamp` (0: now), that came at `now` [ns]. A step if they are complete."""
+        """Joint states, read at `stamp` (0: now), that came at `now` [ns]. A step if they are complete.
+
+        `send` is given the time and the commands as soon as they are there, before odometry counts.
+        """
         now = self._move_on(now)
         stamp = stamp or now
         timeout = self._timeout
@@ -148,12 +158,16 @@ class Loop:
         if readings is None:
             return None
         self._measured = readings.steering or None
+        again = self._stepped is not None and now <= self._stepped  # as a simulation may have it
+        if self._controller is not None and not again:
+            step = self._step(now, stamp, send)
+            return step._replace(state=self._count(readings, stamp))
         state = self._count(readings, stamp)
-        if self._stepped is not None and now <= self._stepped:
-            return None  # the same time twice, as a simulation may have it
-        if self._controller is None and not self._begin():
+        if again:
+            return None
+        if not self._begin():
             return Step(now, None, None, (0.0, 0.0, 0.0), 0, stamp, state)
-        return self._step(now, stamp, state)
+        return self._step(now, stamp, send)._replace(state=state)
 
     def tick(self, now: int) -> Step | None:
         """The timer: a step if there has been none by joint states for a period."""
@@ -164,12 +178,12 @@ class Loop:
             if self._controller is None:
                 self._controller = self.settings.controller()
                 self._give_again()
-            return self._step(now, now, None)
+            return self._step(now, now)
         missing = self._reader.missing(now, self._timeout)
         if missing and now - self._first > self._timeout:
             self.stopping = "joint states are missing"
             self._say_missing(missing)
-        return None if self._controller is None else self._step(now, None, None)
+        return None if self._controller is None else self._step(now, None)
 
     def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
         """The rover is known to be here; readings count on."""
@@ -356,14 +370,14 @@ class Loop:
         self._give_again()
         return True
 
-    def _step(self, now: int, stamp: int | None, state: OdometryState | None) -> Step:
+    def _step(self, now: int, stamp: int | None, send: Send | None = None) -> Step:
         controller, seconds = self._controller, self._seconds(now)
         assert controller is not None
         if stamp is not None:
             self.stopping = None
         if self.stopping is not None or not self.active:
             self._stop(controller, seconds)
-        resting = controller.stopped
+        silent = not self.active and controller.stopped
         try:
             output = controller.step(seconds, None if self.stopping else self._measured)
         except ValueError as error:
@@ -371,26 +385,21 @@ class Loop:
             self._say_impossible(error)
             self._stop(controller, seconds)
             output = controller.step(seconds)
+        steering = speeds = None
+        if not silent:
+            angles, rates = output.steering.tolist(), output.speeds.tolist()
+            steering = [sign * angles[k] for sign, k in self._steering_out]
+            speeds = [sign * rates[k] for sign, k in self._traction_out]
+            if send is not None:
+                send(now, steering, speeds)
         self._stepped = now
         reasons = int(output.reasons)
         self.reasons[reasons] += 1
         if reasons & STALE:
             self.faults.add("commands", WARN, "commands must keep coming", "none in time: the rover stops")
         vx, vy, omega = output.twist.tolist()
-        if self._open_loop:
-            state = self._odometry.command((vx, vy, omega), seconds)
-        if resting and not self.active:
-            return Step(now, None, None, (vx, vy, omega), reasons, stamp, state)
-        steering, speeds = output.steering.tolist(), output.speeds.tolist()
-        return Step(
-            now,
-            [sign * steering[k] for sign, k in self._steering_out],
-            [sign * speeds[k] for sign, k in self._traction_out],
-            (vx, vy, omega),
-            reasons,
-            stamp,
-            state,
-        )
+        state = self._odometry.command((vx, vy, omega), seconds) if self._open_loop else None
+        return Step(now, steering, speeds, (vx, vy, omega), reasons, stamp, state)
 
     def _stop(self, controller: Controller, seconds: float) -> None:
         """The rover is to stop, and only a newer command than this drives it again."""

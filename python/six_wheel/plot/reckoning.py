@@ -62,9 +62,9 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
     if result.evaluation is not None:
         # The truth is moved, so that the ellipses stay as they are.
         (truth,) = _thin(align(result.truth, result.estimate, "first"))
-        axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, label="truth")
+        axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, zorder=3, label="truth")
     (drawn,) = _thin(poses)
-    axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.3, label="odometry")
+    axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.3, zorder=3, label="odometry")
     along = path_distance(poses)
     stations = np.searchsorted(along, np.linspace(0.0, along[-1], ELLIPSES + 1)[1:])
     for number, row in enumerate(np.unique(np.minimum(stations, len(poses) - 1))):

@@ -44,7 +44,7 @@ def exp(twist: ArrayLike, dt: ArrayLike = 1.0) -> Floats:
         length = np.sinc(turn / math.tau) * step[0]
         return *_rotate(turn / 2.0, length * row[0], length * row[1]), turn
 
-    return rowwise(pose, finite("twist", twist), _steps(dt))
+    return rowwise(pose, finite("twist", twist), _steps(dt, zero=True))
 
 
 def log(pose: ArrayLike, dt: ArrayLike = 1.0) -> Floats:
@@ -88,10 +88,10 @@ def finite(name: str, values: ArrayLike) -> Floats:
     return array
 
 
-def _steps(dt: ArrayLike) -> Floats:
+def _steps(dt: ArrayLike, *, zero: bool = False) -> Floats:
     steps = finite("dt", dt)
-    if np.any(steps <= 0.0):
-        raise ValueError(f"dt must be positive, got {np.min(steps)}")
+    if np.any(steps < 0.0 if zero else steps <= 0.0):
+        raise ValueError(f"dt must be {'not negative' if zero else 'positive'}, got {np.min(steps)}")
     return steps[..., None]  # an axis of length 1, to stand beside rows
 
 

@@ -1,5 +1,6 @@
 """What both nodes are: parameters, lifecycle, time, a timer, commands in, diagnostics, a record."""
 
+import gc
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -100,6 +101,21 @@ class BaseNode(LifecycleNode):
     def on_shutdown(self, state: Any) -> Any:
         """The end."""
         return self.on_cleanup(state)
+
+    def _LifecycleNodeMixin__on_change_state(self, request: Any, response: Any) -> Any:  # noqa: N802
+        """rclpy's own, which ends the process at a transition that the present state does not have."""
+        try:
+            return super()._LifecycleNodeMixin__on_change_state(request, response)
+        except Exception as error:  # rclpy has no class for it that all versions share
+            self.failed(error)
+            response.success = False
+            return response
+
+    def failed(self, error: Exception) -> None:
+        """A request could not be served; the node goes on."""
+        said = " ".join(str(error).split()) or type(error).__name__
+        self.loop.faults.add("commands", WARN, "a request must be one that the node can serve", said)
+        self.get_logger().error(f"a request could not be served: {said}")
 
     def _activate(self, active: bool) -> None:
         now = self.now()
@@ -213,6 +229,7 @@ class BaseNode(LifecycleNode):
         self._diagnostics.publish(message)
         if self.recorder is not None:
             self.recorder.diagnostics(now, told)
+        gc.collect()  # otherwise nobody does: see `running`
 
     def _check_graph(self) -> None:
         """Who else is there that should not be."""

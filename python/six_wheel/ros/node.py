@@ -74,9 +74,10 @@ class RoverNode(BaseNode):
         except ValueError as error:
             self.loop.faults.add("joints", ERROR, "joint states must be readable", str(error))
             return
-        step = self.loop.joints(names, positions, velocities, stamp, now)
+        # The commands go out as soon as they are there, what is told of them afterwards.
+        step = self.loop.joints(names, positions, velocities, stamp, now, self._interface.publish)
         if step is not None:
-            self._publish(step)
+            self._tell(step)
         if self.recorder is not None:
             self.recorder.joints(message, stamp, now)
             if step is not None:
@@ -85,8 +86,12 @@ class RoverNode(BaseNode):
     def _publish(self, step: Step) -> None:
         if step.steering is not None and step.speeds is not None:
             self._interface.publish(step.now, step.steering, step.speeds)
-            if self._limited is not None:
-                self._limited.publish(self._twist.pack(step.now, planar_twist(step.twist)))
+        self._tell(step)
+
+    def _tell(self, step: Step) -> None:
+        """What else came of a step: the motion, odometry, transforms."""
+        if step.steering is not None and self._limited is not None:
+            self._limited.publish(self._twist.pack(step.now, planar_twist(step.twist)))
         rate = self.settings.options.publish_rate
         if step.state is None or step.stamp is None or (rate and 0 <= self._odom_due - step.now < SECOND):
             return

@@ -1,6 +1,7 @@
 """The process of a node: started with ROS arguments, ended by a signal, the rover stopped before."""
 
 import contextlib
+import gc
 import re
 import signal
 import time
@@ -68,20 +69,30 @@ def _spin(ros: Any, kind: str, settings: Settings) -> int:
     executor = _executor(ros)
     executor.add_node(node)
     try:
-        with _told_to_end() as told:
+        with _told_to_end() as told, _no_collecting():
             if node.options["autostart"]:
                 _start(node)
             while not told:
-                executor.spin_once(timeout_sec=TURN)
+                _turn(executor, node)
             if node.stop():
                 end = time.monotonic() + PATIENCE
                 while not node.loop.stopped and time.monotonic() < end and len(told) < 2:
-                    executor.spin_once(timeout_sec=TURN)
+                    _turn(executor, node)
     finally:
         node.end_record()
         executor.shutdown()
         node.destroy_node()
     return 0
+
+
+def _turn(executor: Any, node: Any) -> None:
+    """Serve what has come; a rover in motion must not be left alone for somebody's request that fails."""
+    try:
+        executor.spin_once(timeout_sec=TURN)
+    except Exception as error:  # of any callback, rclpy's own among them
+        if not node.context.ok():
+            raise
+        node.failed(error)
 
 
 def _start(node: Any) -> None:
@@ -107,6 +118,19 @@ def node_name(node: str | None, kind: str) -> str:
     if re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", last):
         return last
     return "rover" if kind == "node" else "command_filter"
+
+
+@contextlib.contextmanager
+def _no_collecting() -> Iterator[None]:
+    """Garbage is collected with every report, and never between joint states and commands."""
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+        gc.unfreeze()
 
 
 @contextlib.contextmanager

@@ -107,7 +107,7 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
-        one_twist("admissible", 1, more)?;
+        one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
@@ -163,7 +163,7 @@ impl Rover {
         dtype: Option<&Bound<'py, PyAny>>,
         threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
-        one_twist("project", 2, more)?;
+        one_twist("Rover.project((vx, vy, omega))", 2, more)?;
         let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
         let keep = keep.map_err(|error| raise(error, &[]))?;
         let precision = Precision::read(py, dtype, out)?;
@@ -211,7 +211,7 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         threads: Option<i64>,
     ) -> PyResult<Array<'py>> {
-        one_twist("icr", 1, more)?;
+        one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_finite("twist")?;

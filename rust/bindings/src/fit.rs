@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
+use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use six_wheel_core::{Fit as CoreFit, Method, Twist, batch};
+use six_wheel_core::{Method, batch};
 
 use crate::batch::any_workers;
 use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
@@ -29,9 +30,6 @@ pub struct Fit {
     #[pyo3(get)]
     pub weights: Py<PyAny>,
     rover: Py<Rover>,
-    /// Index of the wheel with the largest residual, -1 where there is none, row after row. Their names are made when
-    /// somebody asks.
-    worst: Vec<i64>,
     leading: Vec<usize>,
 }
 
@@ -53,16 +51,23 @@ impl Fit {
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     #[getter]
     fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.rover.get().names_of(
+        let rover = self.rover.get();
+        let residual = self
+            .residual
+            .bind(py)
+            .cast::<PyArrayDyn<f64>>()?
+            .try_readonly()?;
+        let wheels = residual.as_slice()?.chunks_exact(rover.count());
+        rover.names_of(
             py,
-            memory::gathered(self.worst.iter().copied())?,
+            memory::gathered(wheels.map(worst_wheel))?,
             &self.leading,
         )
     }
 }
 
 /// The wheel that disagrees most, if any does: -1 if none.
-pub fn worst_wheel(residual: &[f64]) -> i64 {
+fn worst_wheel(residual: &[f64]) -> i64 {
     let largest = residual.iter().copied().fold(0.0, f64::max);
     let worst = residual
         .iter()
@@ -141,32 +146,26 @@ impl Rover {
         let output = |width| Output::fresh(py, &joined(leading, width));
         let (mut twist, mut residual) = (output(3)?, output(this.count())?);
         let mut weights = output(this.count())?;
-        let none = CoreFit {
-            twist: Twist::ZERO,
-            rank: 0,
-            sigma_min: 0.0,
-        };
-        let mut fits = memory::filled(none, readings.speeds.count())?;
+        let count = readings.speeds.count();
+        let (mut ranks, mut sigmas) = (memory::filled(0, count)?, memory::filled(0.0, count)?);
         let unseen = unseen(allow_underdetermined);
-        let (log, slips, says) = (readings.log(), residual.flat(), weights.flat());
-        compute(py, fits.len(), || {
-            batch::fit(
-                &this.core, log, method, unseen, &mut fits, slips, says, workers,
-            )
+        let log = readings.log();
+        let fits = batch::Fits {
+            twists: twist.triples(),
+            ranks: &mut ranks,
+            sigmas: &mut sigmas,
+            residual: residual.flat(),
+            weights: weights.flat(),
+        };
+        compute(py, count, || {
+            batch::fit(&this.core, log, method, unseen, fits, workers)
         })
         .map_err(|error| raise(error, leading))?;
-        for (fit, target) in fits.iter().zip(twist.triples()) {
-            *target = fit.twist.into();
-        }
-        let worst = slips.chunks_exact(this.count()).map(worst_wheel);
-        let ranks = fits.iter().map(|fit| fit.rank as i64);
-        let sigmas = fits.iter().map(|fit| fit.sigma_min);
         Ok(Fit {
-            worst: memory::gathered(worst)?,
             rover: slf.clone().unbind(),
             leading: leading.to_vec(),
-            rank: scalar_or_array(py, memory::gathered(ranks)?, leading)?,
-            sigma_min: scalar_or_array(py, memory::gathered(sigmas)?, leading)?,
+            rank: scalar_or_array(py, ranks, leading)?,
+            sigma_min: scalar_or_array(py, sigmas, leading)?,
             twist: twist.finish()?.into_any().unbind(),
             residual: residual.finish()?.into_any().unbind(),
             weights: weights.finish()?.into_any().unbind(),

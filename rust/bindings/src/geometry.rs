@@ -2,10 +2,10 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
+use six_wheel_core::Error;
 use six_wheel_core::batch::{self, Durations, Table, Workers};
-use six_wheel_core::geometry as core;
+use six_wheel_core::geometry::{self as core, Steps};
 use six_wheel_core::planner::{self, Present};
-use six_wheel_core::{Error, Pose, Twist};
 
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;
@@ -25,7 +25,7 @@ use crate::rover::Rover;
 /// twists : array_like, shape (..., n, 3)
 ///     Rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s]. Leading axes are separate logs.
 /// dt : float or array_like, shape (n,)
-///     Duration of the steps [s].
+///     Duration of the steps [s]; 0 where a recording has the same stamp twice: nothing moves.
 /// start : array_like, shape (3,) or (..., 3), default (0, 0, 0)
 ///     First pose ``[x, y, yaw]`` [m, m, rad], of all logs or of each.
 /// out : ndarray, shape (..., n + 1, 3), optional
@@ -45,7 +45,7 @@ use crate::rover::Rover;
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 ///
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
@@ -107,7 +107,7 @@ pub fn integrate<'py>(
 /// Raises
 /// ------
 /// ValueError
-///     If a value is not finite or a duration is not positive.
+///     If a value is not finite or a duration is negative.
 #[pyfunction]
 #[pyo3(
     signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
@@ -369,9 +369,7 @@ pub fn exp<'py>(
     dt: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, ("twist", twist), dt, threads, |row, dt| {
-        Twist::from(row).exp(dt).into()
-    })
+    over_time(py, ("twist", twist), dt, threads, batch::Map::Exp)
 }
 
 /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
@@ -397,9 +395,7 @@ pub fn log<'py>(
     dt: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
-    over_time(py, ("pose", pose), dt, threads, |row, dt| {
-        Pose::from(row).log(dt).into()
-    })
+    over_time(py, ("pose", pose), dt, threads, batch::Map::Log)
 }
 
 /// Applies a map of three numbers and a duration to every row.
@@ -408,21 +404,23 @@ fn over_time<'py>(
     (argument, value): (&'static str, &Bound<'py, PyAny>),
     dt: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
-    map: impl Fn([f64; 3], f64) -> [f64; 3] + Sync + Send,
+    map: batch::Map,
 ) -> PyResult<Array<'py>> {
     let workers = any_workers(threads, None)?;
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
     let mut dt = Scalars::read("dt", dt.unwrap_or(&one))?;
     together([named(argument, &mut rows), named("dt", &mut dt)])?;
-    dt.steps()
-        .check(rows.count())
-        .map_err(|error| raise(error, &rows.leading))?;
+    match map {
+        batch::Map::Log => dt.steps().check_positive(rows.count()),
+        _ => dt.steps().check(rows.count()),
+    }
+    .map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
     let mut result = Output::fresh(py, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
     compute(py, triples.len(), || {
-        batch::fill(target, workers, |k| map(triples[k], steps.get(k)))
+        batch::map(map, triples, &[], steps, target, workers)
     })
     .map_err(|error| raise(error, &rows.leading))?;
     result.finish()
@@ -458,9 +456,14 @@ pub fn compose<'py>(
     let mut result = Output::fresh(py, &first.shape())?;
     let (from, then, target) = (first.triples(), second.triples(), result.triples());
     compute(py, from.len(), || {
-        batch::fill(target, workers, |k| {
-            Pose::from(from[k]).compose(Pose::from(then[k])).into()
-        })
+        batch::map(
+            batch::Map::Compose,
+            from,
+            then,
+            Steps::Constant(1.0),
+            target,
+            workers,
+        )
     })
     .map_err(|error| raise(error, &first.leading))?;
     result.finish()

@@ -191,7 +191,7 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        one_twist("commands", 1, more)?;
+        one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
         let (steering, speeds) = self.inverse(
             py, twist, more, previous, None, None, None, None, None, None, None,
         )?;

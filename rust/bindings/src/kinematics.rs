@@ -186,7 +186,7 @@ impl Rover {
         threads: Option<i64>,
         kernel: Option<&str>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
-        one_twist("inverse", 1, more)?;
+        one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
         let mut twists = Blocks::read("twist", twist, 3)?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {

@@ -170,7 +170,7 @@ fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
             "wheels must be a sequence of Wheel, got {got}{place}"
         ))
     };
-    if wheels.is_none() || wheels.is_instance_of::<PyDict>() {
+    if wheels.try_iter().is_err() || wheels.is_instance_of::<PyDict>() {
         return Err(refused("", wheels));
     }
     let items = items("wheels", wheels, MOST_ITEMS)?;

@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use six_wheel_core::batch::{self, Level, Log, Workers};
+use six_wheel_core::batch::{self, Fits, Level, Log, Workers};
 use six_wheel_core::controller::{Limits, Options};
 use six_wheel_core::estimate::Measured;
 use six_wheel_core::geometry::Steps;
@@ -14,8 +14,8 @@ use six_wheel_core::odometry::{Sample, Settings};
 use six_wheel_core::suspension::PlanPose;
 use six_wheel_core::terrain::Heights;
 use six_wheel_core::{
-    Controller, Error, Fit, Inputs, Keep, Method, Odometry, RockerBogie, Rover, Terrain, Twist,
-    Unseen, presets,
+    Controller, Error, Inputs, Keep, Method, Odometry, RockerBogie, Rover, Terrain, Twist, Unseen,
+    presets,
 };
 
 /// Of every job: `benches/instructions.py` divides by it.
@@ -224,10 +224,11 @@ fn project(drive: &Drive, beyond: &[[f64; 3]], twists: &mut [[f64; 3]]) -> Resul
 #[inline(never)]
 fn fit(
     drive: &Drive,
-    fits: &mut [Fit],
+    twists: &mut [[f64; 3]],
     residual: &mut [f64],
     weights: &mut [f64],
 ) -> Result<(), Error> {
+    let (mut ranks, mut sigmas) = ([0; ROWS], [0.0; ROWS]);
     for _ in 0..RUNS {
         let log = black_box(drive.log());
         batch::fit(
@@ -235,9 +236,13 @@ fn fit(
             log,
             Method::LeastSquares,
             Unseen::Refuse,
-            fits,
-            residual,
-            weights,
+            Fits {
+                twists: &mut *twists,
+                ranks: &mut ranks,
+                sigmas: &mut sigmas,
+                residual: &mut *residual,
+                weights: &mut *weights,
+            },
             WORKERS,
         )?;
     }
@@ -291,13 +296,7 @@ fn main() -> Result<(), Error> {
     integrate(&drive, &mut poses)?;
     admissible(&drive, &mut [false; ROWS])?;
     project(&drive, &beyond, &mut twists)?;
-    let one = Fit {
-        twist: TWIST,
-        rank: 0,
-        sigma_min: 0.0,
-    };
-    let mut fits = vec![one; ROWS];
-    fit(&drive, &mut fits, &mut speeds, &mut vec![0.0; 6 * ROWS])?;
+    fit(&drive, &mut twists, &mut speeds, &mut vec![0.0; 6 * ROWS])?;
     let heights = (0..200 * 200)
         .map(|k| 0.1 * (0.05 * (k % 200) as f64).sin() * (0.07 * (k / 200) as f64).cos());
     let ground = Terrain::new(

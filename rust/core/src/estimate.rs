@@ -24,12 +24,12 @@ const VANISHED: f64 = 1e-12;
 
 /// Slip that counts as noise in a robust fit: this share of the root mean square rim speed at least, and
 /// this many times the median residual.
-const NOISE: f64 = 0.01;
-const MEDIANS: f64 = 3.0;
+pub(crate) const NOISE: f64 = 0.01;
+pub(crate) const MEDIANS: f64 = 3.0;
 
 /// Change of the weights at which a robust fit has settled, and rounds after which it stops regardless.
-const SETTLED: f64 = 1e-12;
-const ROUNDS: usize = 100;
+pub(crate) const SETTLED: f64 = 1e-12;
+pub(crate) const ROUNDS: usize = 100;
 
 /// How the wheels' readings are weighed against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

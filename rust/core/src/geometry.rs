@@ -1,6 +1,7 @@
 //! Twists and poses in the plane: SE(2) exponential and logarithm, and their sums over time.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
@@ -185,7 +186,7 @@ pub enum Steps<'a> {
     Each(&'a [f64]),
 }
 
-impl Steps<'_> {
+impl<'a> Steps<'a> {
     /// Duration of step `k`.
     pub fn get(&self, k: usize) -> f64 {
         match self {
@@ -194,10 +195,27 @@ impl Steps<'_> {
         }
     }
 
-    /// Fails unless there are `count` finite, positive durations.
+    /// Those of some of the steps.
+    pub(crate) fn of(self, steps: Range<usize>) -> Self {
+        match self {
+            Self::Constant(dt) => Self::Constant(dt),
+            Self::Each(dts) => Self::Each(&dts[steps]),
+        }
+    }
+
+    /// Fails unless there are `count` finite durations, of which none is negative: recordings hold the same stamp
+    /// twice, and in no time nothing moves.
     pub fn check(&self, count: usize) -> Result<(), Error> {
-        let wrong = |dt: f64| !(dt.is_finite() && dt > 0.0);
-        let rule = "be finite and positive";
+        self.check_each(count, |dt| dt >= 0.0, "be finite and not negative")
+    }
+
+    /// Fails unless there are `count` finite, positive durations, to divide by.
+    pub fn check_positive(&self, count: usize) -> Result<(), Error> {
+        self.check_each(count, |dt| dt > 0.0, "be finite and positive")
+    }
+
+    fn check_each(&self, count: usize, good: fn(f64) -> bool, rule: &str) -> Result<(), Error> {
+        let wrong = |dt: f64| !(dt.is_finite() && good(dt));
         match self {
             Self::Constant(dt) if wrong(*dt) => Err(Error::value("dt", rule, number(*dt))),
             Self::Constant(_) => Ok(()),
@@ -206,12 +224,31 @@ impl Steps<'_> {
                 format!("be one number or have {count} of them, one per step"),
                 format!("{}", dts.len()),
             )),
+            Self::Each(dts) if longest(dts).is_some() => Ok(()),
             Self::Each(dts) => match dts.iter().position(|dt| wrong(*dt)) {
                 Some(row) => Err(Error::value("dt", rule, number(dts[row])).at_row(row)),
                 None => Ok(()),
             },
         }
     }
+}
+
+/// The longest of some durations, 0 of none; nothing unless all are finite and positive.
+pub(crate) fn longest(dts: &[f64]) -> Option<f64> {
+    // Without branches, several at once: this is asked of every batch before anything else.
+    const ABREAST: usize = 16;
+    let (mut longest, mut right) = ([0.0; ABREAST], [true; ABREAST]);
+    let (chunks, rest) = dts.as_chunks::<ABREAST>();
+    for chunk in chunks {
+        for k in 0..ABREAST {
+            let dt = chunk[k];
+            right[k] &= dt > 0.0 && dt <= f64::MAX;
+            longest[k] = if dt > longest[k] { dt } else { longest[k] };
+        }
+    }
+    let right =
+        right.iter().all(|right| *right) && rest.iter().all(|dt| *dt > 0.0 && *dt <= f64::MAX);
+    right.then(|| longest.iter().chain(rest).fold(0.0, |a, b| f64::max(a, *b)))
 }
 
 /// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).

@@ -18,6 +18,8 @@ const LARGEST_DISTANCE: f64 = 50.0;
 const MILLIMETRES: f64 = 20.0;
 /// Of a module that counts its turns [rad]: beyond what cables allow.
 const LARGEST_RANGE: f64 = 10.0 * PI;
+/// Of a heading or of rollers [rad]: places around a circle and a quarter turn come to less.
+const LARGEST_DIRECTION: f64 = 2.0 * TAU;
 
 /// What is odd about a number, and what it may have been meant as.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,10 +35,9 @@ pub struct Question {
 /// Everything that is odd about the dimensions of a rover.
 pub fn dimensions(rover: &Rover) -> Vec<Question> {
     let wheels = rover.wheels();
-    [lengths(wheels), exchanged(wheels), range(rover)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let one_each = [lengths(wheels), exchanged(wheels), range(rover)];
+    let turned = wheels.iter().find_map(direction);
+    one_each.into_iter().flatten().chain(turned).collect()
 }
 
 fn lengths(wheels: &[Wheel]) -> Option<Question> {
@@ -81,6 +82,26 @@ fn exchanged(wheels: &[Wheel]) -> Option<Question> {
             digits(apart)
         ),
         likely: "two lengths may have changed places".into(),
+    })
+}
+
+/// A wheel or rollers in a direction that is many turns round.
+fn direction(wheel: &Wheel) -> Option<Question> {
+    let angles = [
+        ("heading", wheel.heading),
+        ("roller_angle", wheel.roller_angle.unwrap_or_default()),
+    ];
+    let far = |&(_, angle): &(&str, f64)| angle.abs() > LARGEST_DIRECTION;
+    let (about, angle) = angles.into_iter().find(far)?;
+    Some(Question {
+        about,
+        says: format!(
+            "{about} of wheel {:?} is {} rad, {} turns",
+            wheel.name,
+            digits(angle),
+            digits(angle / TAU)
+        ),
+        likely: in_degrees(angle),
     })
 }
 
@@ -188,6 +209,13 @@ mod tests {
             let rover = Rover::differential(track, [radius; 2], 1, 0.0, SkidCentres::default())?;
             assert_eq!(about(&rover), Some("wheel_radius"));
         }
+        let ring = [[0.2, 0.0], [-0.1, 0.17], [-0.1, -0.17]];
+        for (third, asked) in [(5.76, None), (330.0, Some("heading"))] {
+            let rover = Rover::omni(&ring, &[0.0, 3.67, third], None, 0.05, None)?;
+            assert_eq!(about(&rover), asked);
+        }
+        let rover = Rover::mecanum(0.3, 0.3, 0.1, 45.0)?;
+        assert_eq!(about(&rover), Some("roller_angle"));
         Ok(())
     }
 

@@ -19,6 +19,12 @@ use crate::error::{Error, number, positive};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 
+/// A wheel that is smaller turns infinitely fast under a twist that is still finite [m].
+const SMALLEST_RADIUS: f64 = 1.0e-60;
+
+/// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
+const LARGEST_HEADING: f64 = 1e3;
+
 /// Sine of a roller angle that is none: the drive would have to be this much stronger than the push.
 const FLAT_ROLLERS: f64 = 1e-6;
 
@@ -142,6 +148,10 @@ impl Wheel {
             return Err(Error::value("name", "not be empty", "''"));
         }
         positive("radius", self.radius)?;
+        if self.radius < SMALLEST_RADIUS {
+            let rule = format!("be at least {SMALLEST_RADIUS:e}");
+            return Err(Error::value("radius", rule, number(self.radius)));
+        }
         let lengths = [
             ("x", self.x),
             ("y", self.y),
@@ -153,6 +163,10 @@ impl Wheel {
             if !value.is_finite() {
                 return Err(Error::value(argument, "be finite", number(value)));
             }
+        }
+        if self.heading.abs() > LARGEST_HEADING {
+            let rule = format!("be an angle, at most {LARGEST_HEADING} rad");
+            return Err(Error::value("heading", rule, number(self.heading)));
         }
         if let Some(angle) = self.roller_angle {
             self.check_rollers(angle)?;

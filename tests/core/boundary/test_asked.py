@@ -123,6 +123,14 @@ ODD = {
         lambda: ROVER.fit(np.full((1000, 4), 30.0), np.ones((1000, 6))),
         "30 degrees are 0.5236 radians",
     ),
+    "degrees for headings": (
+        lambda: sw.Rover.omni([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)], [90.0, 210.0, 330.0], 0.05),
+        'heading of wheel "wheel_0" is 90 rad, 14.32 turns; 90 degrees are 1.571 radians',
+    ),
+    "degrees for rollers": (
+        lambda: sw.Rover.mecanum(0.3, 0.3, 0.1, roller_angle=45),
+        'roller_angle of wheel "front_left" is -45 rad, -7.162 turns; -45 degrees are -0.7854 radians',
+    ),
     "exchanged": (lambda: sw.Rover.differential(0.1, 0.5), "two lengths may have changed places"),
     "exchanged, too": (lambda: sw.Rover.bicycle(0.16, 1.0), "two lengths may have changed places"),
     "centimetres": (lambda: sw.Rover.differential(50, 10), "in centimetres they would be 0.1 m and 0.25 m"),
@@ -172,6 +180,11 @@ WRONG = {
         lambda: ROVER.forward(np.zeros((2, 4)), np.array([[1.0] * 6, [1.0, None, *[1.0] * 4]], object)),
         r"speeds must be real numbers, got None at \[1, 1\]",
     ),
+    "three to command": (
+        lambda: sw.Controller(ROVER).command(0.2, 0.0, 0.1, 0.0),
+        r"Controller.command\(\) takes one twist, as in command\(\(vx, vy, omega\), stamp\), got 4",
+    ),
+    "a number for wheels": (lambda: sw.Rover(5), "wheels must be a sequence of Wheel, got 5"),
     "no wheels": (lambda: sw.Rover(None), "wheels must be a sequence of Wheel, got None"),
     "no wheel": (lambda: sw.Rover([1]), r"wheels must be a sequence of Wheel, got 1 at \[0\]"),
     "keep": (lambda: ROVER.project((0.2, 0.0, 0.1), 3), "keep must be"),

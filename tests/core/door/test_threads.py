@@ -21,61 +21,53 @@ forks = pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks here")
 
 
 def while_running(run: Callable[[], object], ask: Callable[[], object]) -> tuple[int, object]:
-    """Asks while another thread runs: how often a third one counted meanwhile, and the answer."""
-    running, done, counted = threading.Event(), threading.Event(), [0]
-
-    def work() -> None:
-        running.set()
-        run()
+    """Asks while another thread runs, again until it has begun: how often a third one counted during the
+    last of the asking, and the answer."""
+    done, counted = threading.Event(), [0]
 
     def count() -> None:
         while not done.is_set():
             counted[0] += 1
             time.sleep(0.0005)
 
-    worker, counter = threading.Thread(target=work), threading.Thread(target=count)
+    worker, counter = threading.Thread(target=run), threading.Thread(target=count)
     worker.start()
     counter.start()
-    running.wait()
-    time.sleep(0.02)
-    before = counted[0]
-    answer = ask()
-    seen = counted[0] - before
+    answer, seen = None, 0
+    while answer is None:
+        before = counted[0]
+        answer = ask()
+        seen = counted[0] - before
     done.set()
     worker.join()
     counter.join()
     return seen, answer
 
 
-# Whoever waits with the interpreter's lock lets nobody count, however often it is tried; whoever waits
-# without it lets others count unless the system gave them no time, or the run was over before it was asked.
-TRIES = 20
+# Whoever waits with the interpreter's lock lets nobody count, however long the run and however often it is
+# tried. Whoever waits without it lets others count, unless the system gave them no time or the run was over
+# before it was asked: each further try is of a longer run.
+ROWS = [400_000 * factor for factor in (1, 1, 2, 2, 4, 4, 8, 8, 8, 8)]
 
 
 def test_whoever_waits_for_a_controller_lets_other_threads_run():
-    times = np.arange(1.0, 400_000.0) / 100.0
-    for _ in range(TRIES):
-        controller = sw.Controller(ROVER)
-        seen, now = while_running(
-            partial(controller.run, [0.0], [(0.05, 0.0, 0.0)], times), partial(getattr, controller, "now")
-        )
-        assert now in (None, times[-1])  # before the run or after it, never in the midst
-        if now is not None and seen > 3:
+    for rows in ROWS:
+        times, controller = np.arange(1.0, rows) / 100.0, sw.Controller(ROVER)
+        run = partial(controller.run, [0.0], [(0.05, 0.0, 0.0)], times)
+        seen, now = while_running(run, lambda controller=controller: controller.now)
+        assert now == times[-1]  # after the run, never in the midst
+        if seen > 3:
             return
     pytest.fail("nobody ran while another waited")
 
 
 def test_whoever_waits_for_odometry_lets_other_threads_run():
-    rows = 400_000
-    stamps = np.arange(rows) / 100.0
-    steering, turned = np.zeros((rows, 4)), np.tile(stamps[:, None], (1, 6))
-    for _ in range(TRIES):
-        odometry = sw.Odometry(ROVER)
-        seen, state = while_running(
-            partial(odometry.run, steering, turned, stamps), partial(getattr, odometry, "state")
-        )
-        assert state.stamp in (None, stamps[-1])
-        if state.stamp is not None and seen > 3:
+    for rows in ROWS:
+        stamps, odometry = np.arange(rows) / 100.0, sw.Odometry(ROVER)
+        run = partial(odometry.run, np.zeros((rows, 4)), np.tile(stamps[:, None], (1, 6)), stamps)
+        seen, stamp = while_running(run, lambda odometry=odometry: odometry.state.stamp)
+        assert stamp == stamps[-1]
+        if seen > 3:
             return
     pytest.fail("nobody ran while another waited")
 
@@ -211,3 +203,20 @@ def test_free_threaded_interpreters_switch_their_lock_on():
     command = [sys.executable, "-W", "ignore", "-c", textwrap.dedent(program)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert result.stdout == "True\n", result.stderr
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="nowhere to count threads here")
+def test_no_more_threads_stay_than_the_machine_has_cores():
+    """With threads=4000 as many stayed as could start, and their stacks kept all memory a limit had left."""
+    program = """
+        import os
+        import numpy as np
+        import six_wheel as sw
+
+        before = len(os.listdir("/proc/self/task"))
+        sw.Rover.preset("perseverance").project(np.zeros((200_000, 3)), threads=4000)
+        print(len(os.listdir("/proc/self/task")) - before)
+    """
+    command = [sys.executable, "-c", textwrap.dedent(program)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert int(result.stdout) < (os.cpu_count() or 1), result.stderr

@@ -263,3 +263,32 @@ def test_kernels_agree_as_the_condition_allows():
         for kernel in sw.kernels():
             found = rover.forward(steering, speeds, kernel=kernel)
             assert (np.abs(found - plain).max(axis=1) <= allowed).all()
+
+
+def test_what_no_rover_has_is_not_taken_in():
+    """Found by fuzzing: squares of such numbers are infinite, and a pose that was NaN once would stay so."""
+    with pytest.raises(ValueError, match="heading must be an angle, at most 1000 rad, got -5.4e274"):
+        sw.Wheel("w", 0.0, 0.0, radius=0.1, heading=-5.4e274)
+    with pytest.raises(ValueError, match="radius must be at least 1e-60, got 1.9e-309"):
+        sw.Wheel("w", 0.0, 0.0, radius=1.9e-309)
+    odometry = sw.Odometry(ROVER)
+    odometry.update([0.0] * 4, [0.0] * 6, 0.0)
+    spatial = sw.Odometry3(sw.RockerBogie.perseverance())
+    spatial.update([0.0] * 4, [0.0] * 6, 0.0, joints=[0.0] * 3, attitude=[0.0, 0.0])
+    for estimate, far in ((odometry, (0.0, -1e160, 0.0)), (spatial, (0.0, -1e160, 0.0, 0.0, 0.0, 0.0))):
+        before = estimate.state.pose
+        for tell in (
+            lambda: estimate.set_pose(far),  # noqa: B023
+            lambda: estimate.correct(far, 0.0, [1.0, 1.0, 1.0]),  # noqa: B023
+        ):
+            with pytest.raises(ValueError, match="pose must be smaller than 1e60 in every part"):
+                tell()
+        # A variance as large as numbers go says nothing, as an infinite one.
+        estimate.correct(before, 0.0, [1.7e308, 1.7e308, 1.7e308])
+        np.testing.assert_array_equal(estimate.state.pose, before)
+    controller = sw.Controller(ROVER)
+    assert not controller.command((1e300, 0.0, 0.0), 0.0)
+    with pytest.raises(ValueError, match="twist must be small enough for a possible twist beside it"):
+        sw.Rover(
+            [sw.Wheel("w", 0.0, 0.0, radius=1e45, steered=True, steering_limit=(-16.0, 511.0), trail=5e2)]
+        ).project((-563.0, 0.2, -5.8e303))

@@ -105,11 +105,31 @@ def test_named_tuples_go_wherever_three_floats_do():
     assert repr(twist) == "Twist(vx=0.5, vy=0.0, omega=0.25)"
 
 
+def test_the_same_stamp_twice_moves_nothing():
+    """Recordings have steps of no duration: the pose stays, and what follows is as without them."""
+    twists = np.array([(0.5, 0.1, 0.3), (9.0, 9.0, 9.0), (0.4, 0.0, -0.2)])
+    poses = sw.integrate(twists, [0.1, 0.0, 0.2])
+    np.testing.assert_array_equal(poses[2], poses[1])
+    np.testing.assert_array_equal(poses[[0, 1, 3]], sw.integrate(twists[[0, 2]], [0.1, 0.2]))
+    np.testing.assert_array_equal(sw.exp((1.0, 2.0, 3.0), 0.0), 0.0)
+    np.testing.assert_array_equal(sw.integrate(twists, 0.0), np.zeros((4, 3)))
+    many = np.tile(twists, (1000, 1))  # side by side, and over threads
+    steps = np.tile([0.1, 0.0, 0.2], 1000)
+    for kernel in sw.kernels():
+        np.testing.assert_allclose(
+            sw.integrate(many, steps, kernel=kernel), sw.reference.integrate(many, steps), rtol=0, atol=1e-9
+        )
+
+
 BAD = [
-    (lambda: sw.integrate([(1, 0, 0)], 0.0), "dt must be finite and positive, got 0.0"),
-    (lambda: sw.integrate([(1, 0, 0)], -0.1), "dt must be finite and positive, got -0.1"),
-    (lambda: sw.integrate([(1, 0, 0)], math.nan), "dt must be finite and positive, got nan"),
-    (lambda: sw.integrate([(1, 0, 0)] * 3, [0.1, 0.0, 0.1]), r"dt\[1\] must be finite and positive, got 0.0"),
+    (lambda: sw.integrate([(1, 0, 0)], -0.1), "dt must be finite and not negative, got -0.1"),
+    (lambda: sw.integrate([(1, 0, 0)], math.nan), "dt must be finite and not negative, got nan"),
+    (
+        lambda: sw.integrate([(1, 0, 0)] * 3, [0.1, -0.1, 0.1]),
+        r"dt\[1\] must be finite and not negative, got -0.1",
+    ),
+    (lambda: sw.differentiate([(0, 0, 0)] * 2, 0.0), "dt must be finite and positive, got 0.0"),
+    (lambda: sw.log((1, 0, 0), 0.0), "dt must be finite and positive, got 0.0"),
     (
         lambda: sw.integrate([(1, 0, 0)] * 3, [0.1, 0.1]),
         r"dt must be one number or have shape \(3,\), got shape \(2,\)",
@@ -127,7 +147,7 @@ BAD = [
     (lambda: sw.differentiate(np.empty((0, 3)), 0.1), "poses must hold at least one pose"),
     (lambda: sw.differentiate((0, 0, 0), 0.1), r"poses must have shape \(n \+ 1, 3\)"),
     (lambda: sw.differentiate([(0, 0, 0), (math.nan, 0, 0)], 0.1), r"poses\[1\] must be finite"),
-    (lambda: sw.exp((1, 0, 0), -1.0), "dt must be finite and positive, got -1.0"),
+    (lambda: sw.exp((1, 0, 0), -1.0), "dt must be finite and not negative, got -1.0"),
     (
         lambda: sw.compose([(0, 0, 0)] * 3, [(0, 0, 0)] * 2),
         r"second must have shape \(3, 3\), got shape \(2, 3\)",

@@ -239,7 +239,7 @@ def test_quarter_circle():
 @pytest.mark.parametrize("call", [
     lambda rover: rover.inverse((math.nan, 0.0, 0.0)),
     lambda rover: rover.admissible((0.0, math.inf, 0.0)),
-    lambda rover: integrate([(1.0, 0.0, 0.0)], 0.0),
+    lambda rover: integrate([(1.0, 0.0, 0.0)], -0.1),
     lambda rover: exp((1.0, 0.0, 0.0), math.nan),
     lambda rover: rover.fit(np.zeros(4), np.zeros(6), method="best"),
 ])  # fmt: skip

@@ -107,7 +107,7 @@ FRC = (
         _no_joints,
         telling=frozenset({"modules"}),
         stand_in={"conversionFactors.drive.diameter": 4.0},
-        ignored=frozenset({"$schema", "imu", "invertedIMU"}),
+        ignored=frozenset({"$schema", "imu", "invertedIMU", "maxSpeed", "optimalVoltage"}),
     ),
 )
 
@@ -132,7 +132,8 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
         file = path.parent / "modules" / name
         module = _json(file)
         if not _is_module(module):
-            what = "is not beside this file" if module is None else "has no location with front and left"
+            lacks = "has no location with front and left, or x and y"
+            what = "is not beside this file" if module is None else lacks
             message = f"modules/{name} {what}"
             at = ("modules", index)
             place = tree.places.get(at, Place(line, ""))
@@ -140,8 +141,7 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
             return tree
         axle, side = said_by(Path(name).stem) or (None, None)
         called = f"{axle}_{side}" if axle and side else Path(name).stem
-        location = module["location"]
-        modules[called] = (float(location["front"]), float(location["left"]))
+        modules[called] = _place_of(module)
     properties = _json(path.parent / "modules" / "physicalproperties.json")
     known = _number_in(properties, "conversionFactors", "drive", "diameter")
     known = _number_in(properties, "wheelDiameter") if known is None else known
@@ -153,9 +153,20 @@ def gather_modules(tree: Tree, path: Path, report: Report) -> Tree:
 
 def _is_module(data: Any) -> bool:
     location = data.get("location") if isinstance(data, dict) else None
-    return isinstance(location, dict) and all(
-        isinstance(location.get(key), int | float) for key in ("front", "left")
+    return isinstance(location, dict) and any(
+        all(isinstance(location.get(key), int | float) for key in keys) for keys in _LOCATIONS
     )
+
+
+# The older files say x and y for it, x forward and y to the left as everywhere at FIRST.
+_LOCATIONS = (("front", "left"), ("x", "y"))
+
+
+def _place_of(module: dict[str, Any]) -> tuple[float, float]:
+    """Where a module is, forward and to the left [inches]."""
+    location = module["location"]
+    ahead, aside = next(keys for keys in _LOCATIONS if keys[0] in location)
+    return float(location[ahead]), float(location[aside])
 
 
 def _number_in(data: Any, *keys: str) -> float | None:

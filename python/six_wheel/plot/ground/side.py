@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from six_wheel._core import RockerBogie, Stand, Terrain
-from six_wheel.plot.drawing import AXLE, BODY, CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, Floats
+from six_wheel.plot.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, Floats, tidy
 
 PIVOT = 0.18  # radius of a drawn joint, of a wheel's
 
@@ -40,11 +40,7 @@ def side_figure(rover: RockerBogie, stand: Stand | None = None, *, title: str = 
     axes = figure.add_subplot()
     axes.set_title(title, loc="left", color=INK)
     draw_side_view(axes, rover, stand)
-    axes.set_xlabel("along the heading [m]", color=SOFT)
-    axes.set_ylabel("height [m]", color=SOFT)
-    axes.tick_params(colors=SOFT)
-    for spine in axes.spines.values():
-        spine.set_color(FAINT)
+    tidy(axes, "along the heading [m]", "height [m]")
     return figure
 
 

@@ -9,13 +9,14 @@ use std::str::FromStr;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use six_wheel_core::Twist;
 use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
 use crate::controller::run::ControllerRun;
-use crate::convert::{Rows, name, number, raise};
+use crate::convert::{Rows, name, number, one_twist, raise};
 use crate::rover::Rover;
 use crate::shared::Shared;
 
@@ -146,14 +147,19 @@ impl Controller {
     /// ------
     /// ValueError
     ///     If the stamp is not finite or the shape does not fit.
-    #[pyo3(signature = (twist, stamp, mode=None))]
+    #[pyo3(
+        signature = (twist, stamp, mode=None, *more),
+        text_signature = "($self, twist, stamp, mode=None)"
+    )]
     fn command(
         &self,
         py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
         mode: Option<&Bound<'_, PyAny>>,
+        more: &Bound<'_, PyTuple>,
     ) -> PyResult<bool> {
+        one_twist("Controller.command((vx, vy, omega), stamp)", 3, more)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_leading("twist", &[])?;
         let stamp = number("stamp", stamp)?;

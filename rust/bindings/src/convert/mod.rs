@@ -101,13 +101,15 @@ pub fn name(value: &Bound<'_, PyAny>) -> String {
 }
 
 /// Fails where numbers came one by one that belong into one twist: more of them than the method has parameters.
-pub fn one_twist(method: &str, before: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
+pub fn one_twist(call: &str, before: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
     if more.is_empty() {
         return Ok(());
     }
     let count = before + more.len();
+    let (class, call) = call.split_once('.').unwrap_or(("", call));
+    let method = call.split('(').next().unwrap_or(call);
     Err(PyTypeError::new_err(format!(
-        "Rover.{method}() takes one twist, as in {method}((vx, vy, omega)), got {count} arguments"
+        "{class}.{method}() takes one twist, as in {call}, got {count} arguments"
     )))
 }
 

@@ -25,11 +25,14 @@ mod formulas;
 pub(crate) mod machine;
 pub(crate) mod one_row;
 
+pub use calls::maps::{differentiate, map};
 pub use calls::poses::integrate;
 pub use calls::rows::{forward, inverse};
-pub use calls::singly::{differentiate, fill, fit, sensitivity};
+pub use calls::singly::{fill, fit, sensitivity};
 pub use calls::twists::{admissible, project};
 pub(crate) use formulas::cone::Cone;
+pub use formulas::fit::Fits;
+pub use formulas::maps::Map;
 pub use formulas::rollout_cost::{Costs, rollout_cost};
 pub use machine::level::Level;
 pub use machine::places::Places;

@@ -10,7 +10,6 @@ use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers;
 use crate::batch::{Level, Workers};
 
 /// Lanes of the widest level.
@@ -82,7 +81,7 @@ pub fn bounds(
         worth,
     });
     // A job does not fail.
-    let _ = workers::each(jobs, |job| {
+    let _ = workers.each(jobs, |job| {
         if workers.level == Level::Plain {
             job.work(Scalar::new());
         } else {

@@ -1,7 +1,7 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
 use super::plan::{Placing, Plan, Rows, Turned, Vectors};
-use super::rims::{FAR, Found, Rims, Stretch, cells, floor, search};
+use super::rims::{FAR, Found, Point, Rims, Stretch, cells, floor, search};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
@@ -156,35 +156,39 @@ fn whole_rims<S: Vector>(
     let (a, b) = (u - column, v - row);
     let height = cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b;
     let gap = (rims.centre[2] + contact.spoke[2]) - height;
+    // Over ground that is not known it says nothing.
+    let far = Lanes::splat(simd, FAR);
+    let gap = gap.at_most(far).select(gap, far) + margin + margin;
     let size = (rims.forward[2] * rims.forward[2] + rims.up[2] * rims.up[2]).sqrt();
     let inverse = unit.quotient(size);
-    // The lowest point of the rim.
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
-    let [rear, front] = tops(simd, ground, rims);
+    let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
     let mut stretch = Stretch {
         start: [-unit, zero],
         end: [unit, zero],
         margin,
     };
-    let mut covers = zero.below(unit);
     // So far from the lowest point its height is what counts: cosine and sine of the angle.
-    let near = ((rims.centre[2] - front - gap - margin - margin) * inverse).min(unit);
+    let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let end = [sin * near + cos * far, cos * near - sin * far];
-    let cuts = zero.below(near) & zero.below(end[1]);
-    stretch.end = [cuts.select(end[0], unit), cuts.select(end[1], zero)];
-    covers = covers & cuts;
-    let near = ((rims.centre[2] - rear - gap - margin - margin) * inverse).min(unit);
+    let ends = zero.below(near) & zero.below(end[1]);
+    stretch.end = [ends.select(end[0], unit), ends.select(end[1], zero)];
+    let near = ((rims.centre[2] - rear - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
     let start = [sin * near - cos * far, cos * near + sin * far];
-    let cuts = zero.below(near) & zero.below(start[1]);
-    stretch.start = [cuts.select(start[0], -unit), cuts.select(start[1], zero)];
-    (stretch, covers & cuts)
+    let starts = zero.below(near) & zero.below(start[1]);
+    stretch.start = [
+        starts.select(start[0], -unit),
+        starts.select(start[1], zero),
+    ];
+    (stretch, starts & ends)
 }
 
-/// The highest ground beside the rear and the front halves of the rims; infinity where it is not known.
+/// The highest ground beside what of the rims lies behind and before their lowest points; infinity where it is not
+/// known.
 #[inline(always)]
-fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
+fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
     let zero = Lanes::splat(simd, 0.0);
     let [rows, columns] = ground.shape();
     let last = [columns as f64 - 2.0, rows as f64 - 2.0];
@@ -192,9 +196,9 @@ fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
     let mut boxes = [[[[0.0; MOST]; 2]; 2]; 2];
     let [[rear_low, rear_high], [front_low, front_high]] = &mut boxes;
     for k in 0..2 {
-        let (h, u) = (rims.forward[k], rims.up[k].abs());
-        // Of P(t) = h sin t - u cos t, with the cosine of either sign.
-        let (low, high) = (h.min(zero) - u, h.max(zero) + u);
+        // Turned on by an angle from the lowest point it is tangent sin + spoke cos, with the cosine of either sign.
+        let (ahead, aside) = (lowest.tangent[k], lowest.spoke[k].abs());
+        let (low, high) = (ahead.min(zero) - aside, ahead.max(zero) + aside);
         rear_low[k] = spread(floor(simd, rims.centre[k] - high));
         rear_high[k] = spread(floor(simd, rims.centre[k] - low));
         front_low[k] = spread(floor(simd, rims.centre[k] + low));
@@ -216,4 +220,105 @@ fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
         Lanes::load(simd, S::as_simd_f64s(&tops[0]).0, 0),
         Lanes::load(simd, S::as_simd_f64s(&tops[1]).0, 0),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::batch::machine::level::{Kernel, Level};
+    use crate::error::Error;
+    use crate::terrain::Heights;
+
+    /// A circle over a grid, its axes times its radius, and the angle of its last contact.
+    #[derive(Clone, Copy)]
+    struct Case {
+        centre: [f64; 3],
+        forward: [f64; 3],
+        up: [f64; 3],
+        last: f64,
+    }
+
+    struct Look<'a>(&'a Terrain, Case);
+
+    impl Kernel for Look<'_> {
+        type Output = ([f64; 2], bool);
+
+        /// The angles at which the stretch begins and ends, and whether it leaves out the upper half.
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> Self::Output {
+            let Case {
+                centre,
+                forward,
+                up,
+                last,
+            } = self.1;
+            let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
+            let rims = Rims {
+                centre: all(centre),
+                forward: all(forward),
+                up: all(up),
+            };
+            let (sin, cos) = last.sin_cos();
+            let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
+            let (stretch, covers) = whole_rims(simd, self.0, &rims, last);
+            let angle = |[sin, cos]: [Lanes<S>; 2]| spread(sin)[0].atan2(spread(cos)[0]);
+            ([angle(stretch.start), angle(stretch.end)], covers.any())
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_is_higher_than_the_last_contact() -> Result<(), Error> {
+        let mut seed = 1_u64;
+        let mut random = move |low: f64, high: f64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            low + (high - low) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut cut, mut whole) = (0, 0);
+        for _ in 0..3000 {
+            let hole = random(-1.0, 1.0) > 0.0;
+            let heights = (0..144).map(|_| match random(0.0, 1.0) {
+                x if x < 0.03 && hole => f64::NAN,
+                x if x < 0.2 => 0.5,
+                x => 0.1 * x,
+            });
+            let heights = Heights::Double(Arc::new(heights.collect()));
+            let ground = Terrain::new(heights, 12, [1.0, 1.0], [0.0, 0.0], 0.0)?;
+            let ((sy, cy), (sp, cp)) = (random(-4.0, 4.0).sin_cos(), random(-0.9, 0.9).sin_cos());
+            let (sr, cr) = random(-0.5, 0.5).sin_cos();
+            let (across, radius) = (random(0.5, 3.0), 0.3);
+            let axis = |x: f64, y: f64, z: f64| [across * x, across * y, radius * z];
+            let case = Case {
+                centre: [random(3.0, 8.0), random(3.0, 8.0), random(0.3, 1.2)],
+                forward: axis(cy * cp, sy * cp, -sp),
+                up: axis(cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr),
+                last: random(-1.5, 1.5),
+            };
+            let gap = |angle: f64| {
+                let (sin, cos) = angle.sin_cos();
+                let [x, y, z] =
+                    [0, 1, 2].map(|k| case.centre[k] + case.forward[k] * sin - case.up[k] * cos);
+                let cell = ground.cell(x as usize, y as usize);
+                z - cell.height(x.fract(), y.fract())
+            };
+            let last = gap(case.last);
+            for level in Level::available() {
+                let ([start, end], covers) = level.run_any(Look(&ground, case));
+                for k in -628..=628 {
+                    let angle = f64::from(k) * 0.005;
+                    let inside = start - 1e-9 <= angle && angle <= end + 1e-9;
+                    let upper = angle.cos() < 0.0;
+                    if inside || upper && !covers {
+                        continue;
+                    }
+                    cut += 1;
+                    assert!(gap(angle) > last + MARGIN, "{start} {end} {angle}");
+                }
+                whole += usize::from(last.is_nan());
+            }
+        }
+        assert!(cut > 100_000 && whole > 10);
+        Ok(())
+    }
 }

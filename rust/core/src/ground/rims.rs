@@ -231,7 +231,7 @@ pub(super) struct Point<S: Vector> {
     /// From the centre.
     pub spoke: [Lanes<S>; 3],
     /// Derivative by the contact angle.
-    tangent: [Lanes<S>; 3],
+    pub tangent: [Lanes<S>; 3],
 }
 
 /// Gap, its first two derivatives along the rim, and the slope of the ground.
@@ -544,7 +544,8 @@ pub(super) fn search<S: Vector>(
     }
     doubt = active.select(-far, doubt);
     for slot in &slots {
-        let wanted = slot.bound.at_most(best + stretch.margin);
+        // Where there is no candidate there is no arc either, however far the best is.
+        let wanted = slot.bound.below(far) & slot.bound.at_most(best + stretch.margin);
         if !wanted.any() {
             continue;
         }
@@ -620,4 +621,55 @@ fn bottom<S: Vector>(
         angle = sure.select(angle, next);
     }
     (at, jet, sure)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::error::Error;
+
+    /// The gap that a stretch of one rim has, on every lane.
+    struct Look<'a>(&'a Terrain, Circle, [f64; 2]);
+
+    impl Kernel for Look<'_> {
+        type Output = f64;
+
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> f64 {
+            let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
+            let rims = Rims {
+                centre: all(self.1.centre),
+                forward: all(self.1.forward),
+                up: all(self.1.up),
+            };
+            let [start, end] = self.2.map(|angle| {
+                let (sin, cos) = angle.sin_cos();
+                [Lanes::splat(simd, sin), Lanes::splat(simd, cos)]
+            });
+            let margin = Lanes::splat(simd, TIE);
+            let stretch = Stretch { start, end, margin };
+            spread(search(simd, self.0, &rims, &stretch).gap)[0]
+        }
+    }
+
+    #[test]
+    fn a_stretch_without_a_minimum_has_none() -> Result<(), Error> {
+        // The first cell of the map, prolonged to the wheel, would be nearer than the ground there.
+        let heights = (0..81).map(|k| if k % 9 < 2 && k < 18 { 0.5 } else { 0.0 });
+        let heights = Heights::Double(Arc::new(heights.collect()));
+        let ground = Terrain::new(heights, 9, [1.0, 1.0], [0.0, 0.0], 0.0)?;
+        let circle = Circle {
+            centre: [5.5, 5.5, 1.0],
+            forward: [0.4, 0.0, 0.0],
+            up: [0.0, 0.0, 0.4],
+        };
+        for level in Level::available() {
+            assert_eq!(level.run_any(Look(&ground, circle, [0.2, 0.7])), FAR);
+            let least = level.run_any(Look(&ground, circle, [-0.3, 0.7]));
+            assert!((least - 0.6).abs() < 1e-15);
+        }
+        Ok(())
+    }
 }

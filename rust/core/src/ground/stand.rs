@@ -131,10 +131,6 @@ pub fn rim_point(chain: &Chain, placed: &Placed<'_>, wheel: usize, at: Direction
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;
 
-/// Whether poses may be settled in lanes. Of 2.9 million poses among rocks, lanes once took a wheel half a metre above the
-/// ground for one that touches; every pose goes the plain way until it is known why.
-const LANES: bool = false;
-
 /// Poses from which it is worth to settle them in lanes.
 const WORTH_LANES: usize = 8;
 
@@ -166,13 +162,13 @@ pub fn settle(
         }
     };
     let [rows, columns] = settler.ground.shape();
-    if LANES && poses.len() >= WORTH_LANES && poses.len() * WORTH_A_PYRAMID > rows * columns {
+    if poses.len() >= WORTH_LANES && poses.len() * WORTH_A_PYRAMID > rows * columns {
         // It only saves time: where there is no memory for it, rims are walked without.
         let _ = settler.ground.pyramid();
     }
     let work = |first: usize, poses: &[[f64; 3]], stands: &mut [Stand]| {
         let mut left = Vec::new();
-        let lanes = (LANES && poses.len() >= WORTH_LANES).then(|| {
+        let lanes = (poses.len() >= WORTH_LANES).then(|| {
             let angles = |k: usize| {
                 let angles = angles(first + k).iter().copied().map(Some);
                 let mut angles = angles.chain(std::iter::repeat(None));

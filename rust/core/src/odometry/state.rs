@@ -78,7 +78,7 @@ pub(super) fn advance(
     let step = <[f64; 3]>::from(displacement);
     let twist = Twist::from(step.map(|part| part / motion.dt));
     let finite = step.iter().all(|part| part.abs() < HUGE)
-        && work.noise.own.is_below(HUGE)
+        && work.noise.total().is_below(HUGE)
         && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
     if !finite {
         let rule = "be small enough for a finite pose and covariance";

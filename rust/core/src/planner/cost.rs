@@ -1,9 +1,12 @@
 //! What a rollout's way costs: the map under the rover, the way to the goal, the path.
 
+use std::ops::Range;
+
 use super::BLOCK;
 use super::costmap::Costmap;
 use super::drive::TRACK;
-use super::registers::{Real, Reg};
+use super::real::Real;
+use super::registers::Reg;
 use crate::batch::machine::vector::Vector;
 
 /// Points of the path at most.
@@ -216,11 +219,10 @@ pub(crate) struct Judge<'a, R> {
 }
 
 impl<R: Real> Judge<'_, R> {
-    /// Adds to the costs of a block what its way costs.
+    /// Adds to the costs of some rollouts of a block what their way costs.
     #[inline(always)]
-    pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R]) {
-        let lanes = R::lanes::<S>();
-        for at in (0..BLOCK).step_by(lanes) {
+    pub fn add<S: Vector>(&self, simd: S, track: &[R], costs: &mut [R], rollouts: Range<usize>) {
+        for at in rollouts.step_by(R::lanes::<S>()) {
             let mut sum = Reg::<S, R>::load(simd, &costs[at..]);
             if let Some(map) = self.map {
                 sum = self.under(simd, map, track, at, sum);

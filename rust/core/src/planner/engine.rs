@@ -5,10 +5,12 @@
 use super::BLOCK;
 use super::cost::{Judge, Path, Weights};
 use super::costmap::Costmap;
-use super::drive::{Begin, Model, TRACK};
+use super::drive::{Begin, TRACK};
 use super::facts::Facts;
+use super::model::Model;
 use super::noise::{self, Counter};
-use super::registers::{Real, Reg};
+use super::real::Real;
+use super::registers::Reg;
 use crate::batch::Workers;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::vector::Vector;
@@ -166,11 +168,16 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
             };
             noise::fill(simd, counter, M, self.steps, &mut self.room.noise);
             wish::<S, R, M>(simd, self.job, &self.room.noise, wishes, first);
-            let record = motions.next();
+            let mut record = motions.next();
             let track = tracks.next().unwrap_or(&mut self.room.track);
-            self.model
-                .drive(simd, &self.job.begin, wishes, track, costs, record);
-            self.judge.add(simd, track, costs);
+            let abreast = Model::<R, M>::abreast::<S>();
+            // Judged while they are in the first-level cache.
+            for at in (0..BLOCK).step_by(abreast) {
+                let (begin, record) = (&self.job.begin, record.as_deref_mut());
+                self.model
+                    .drive(simd, begin, at, wishes, track, costs, record);
+                self.judge.add(simd, track, costs, at..at + abreast);
+            }
         }
     }
 }
@@ -276,14 +283,11 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let mut costs = [R::default(); BLOCK];
-        self.model.drive(
-            simd,
-            self.begin,
-            self.wishes,
-            self.track,
-            &mut costs,
-            Some(self.motions),
-        );
+        for at in (0..BLOCK).step_by(Model::<R, M>::abreast::<S>()) {
+            let (begin, record) = (self.begin, Some(&mut *self.motions));
+            self.model
+                .drive(simd, begin, at, self.wishes, self.track, &mut costs, record);
+        }
     }
 }
 

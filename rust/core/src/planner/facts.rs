@@ -15,6 +15,8 @@ use crate::wheels::{Direction, Pivot};
 
 /// Share of a form below which it is rounding.
 const ROUNDING: f64 = 1e-12;
+/// Forms whose pairs are not looked at any more.
+const MANY: usize = 16;
 /// Ends of ranges this near to a quarter turn are none [rad].
 const WHOLE: f64 = 1e-9;
 /// Overshoot of a direction that is at an end, as a share.
@@ -132,7 +134,7 @@ pub(crate) fn square(form: &[f64], motion: &[f64]) -> f64 {
     sum
 }
 
-/// Without those that are nowhere larger than another one.
+/// Without those that are nowhere larger than another one, or than the mean of two: the larger of these is as large.
 fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     let mut kept: Vec<Form> = Vec::new();
     let covers = |large: &Form, small: &Form| {
@@ -141,12 +143,30 @@ fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
         let least = difference.symmetric_eigenvalues().min();
         least >= -ROUNDING * size
     };
+    let mean = |a: &Form, b: &Form| {
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| f64::midpoint(*a, *b))
+            .collect()
+    };
     for form in forms {
         if kept.iter().any(|other| covers(other, &form)) {
             continue;
         }
         kept.retain(|other| !covers(&form, other));
         kept.push(form);
+    }
+    let mut k = 0;
+    while k < kept.len() && kept.len() <= MANY {
+        let form = kept.swap_remove(k);
+        let pairs = kept.iter().enumerate();
+        let mut pairs = pairs.flat_map(|(i, a)| kept[..i].iter().map(move |b| mean(a, b)));
+        if !pairs.any(|mean| covers(&mean, &form)) {
+            kept.push(form);
+            let last = kept.len() - 1;
+            kept.swap(k, last);
+            k += 1;
+        }
     }
     kept
 }

@@ -1,311 +1,90 @@
 //! Registers of either kind of number, so that a planner's cycle is written once for `f32` and `f64`.
-//!
-//! Every operation here rounds once and in the same way at every level, so that no result depends on the level.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 
 use pulp::Simd;
 
+use super::real::Real;
 use crate::batch::machine::vector::Vector;
 
-/// A number of a planner's cycle.
-pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
-    /// As many of them as a level computes with at once.
-    type Register<S: Simd>: Copy;
-    /// One truth value for each.
-    type Truths<S: Simd>: Copy;
-    /// Smallest square a division may safely be by.
-    const TINY: f64;
-
-    /// From here on up a number has no fraction: adding it brings a whole number into the lowest bits.
-    const WHOLE: f64;
-
-    fn of(value: f64) -> Self;
-    fn single(value: f32) -> Self;
-    /// The whole number in the lowest bits of `WHOLE` and itself.
-    fn count(self) -> usize;
-    fn wide(self) -> f64;
-    fn lanes<S: Simd>() -> usize;
-    fn splat<S: Simd>(simd: S, value: Self) -> Self::Register<S>;
-    fn load<S: Simd>(simd: S, from: &[Self]) -> Self::Register<S>;
-    fn store<S: Simd>(to: &mut [Self], value: Self::Register<S>);
-    fn add<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn sub<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn mul<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn div<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn min<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn max<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn xor<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn and<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
-    fn abs<S: Simd>(s: S, a: Self::Register<S>) -> Self::Register<S>;
-    fn sqrt<S: Simd>(s: S, a: Self::Register<S>) -> Self::Register<S>;
-    fn fused<S: Simd>(
-        s: S,
-        a: Self::Register<S>,
-        b: Self::Register<S>,
-        c: Self::Register<S>,
-    ) -> Self::Register<S>;
-    fn below<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Truths<S>;
-    fn both<S: Simd>(s: S, a: Self::Truths<S>, b: Self::Truths<S>) -> Self::Truths<S>;
-    fn either<S: Simd>(s: S, a: Self::Truths<S>, b: Self::Truths<S>) -> Self::Truths<S>;
-    fn not<S: Simd>(s: S, a: Self::Truths<S>) -> Self::Truths<S>;
-    fn any<S: Simd>(s: S, a: Self::Truths<S>) -> bool;
-    /// [`Vector::corners`].
-    ///
-    /// # Safety
-    ///
-    /// As there.
-    unsafe fn corners<S: Vector>(
-        s: S,
-        values: &[f32],
-        columns: usize,
-        cell: [Self::Register<S>; 2],
-    ) -> [[Self::Register<S>; 2]; 2];
-    fn select<S: Simd>(
-        s: S,
-        mask: Self::Truths<S>,
-        yes: Self::Register<S>,
-        no: Self::Register<S>,
-    ) -> Self::Register<S>;
+/// Registers with the operators of a number, `N` in lockstep: while one result is on its way, the processor works on the
+/// others.
+pub(crate) struct Regs<S: Simd, R: Real, const N: usize> {
+    simd: S,
+    values: [R::Register<S>; N],
 }
 
-macro_rules! real {
-    ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
-     $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
-     $min:ident, $max:ident, $xor:ident, $and:ident, $abs:ident, $sqrt:ident, $fused:ident, $below:ident,
-     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident) => {
-        impl Real for $real {
-            type Register<S: Simd> = S::$register;
-            type Truths<S: Simd> = S::$truths;
-            const TINY: f64 = $tiny;
-            const WHOLE: f64 = $whole;
+/// A single one.
+pub(crate) type Reg<S, R> = Regs<S, R, 1>;
 
-            #[inline(always)]
-            fn single(value: f32) -> Self {
-                value.into()
-            }
-            #[inline(always)]
-            fn count(self) -> usize {
-                (self.to_bits() & $mask) as usize
-            }
+impl<S: Simd, R: Real, const N: usize> Clone for Regs<S, R, N> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S: Simd, R: Real, const N: usize> Copy for Regs<S, R, N> {}
 
-            #[inline(always)]
-            fn of(value: f64) -> Self {
-                value as $real
+/// One truth value per lane.
+pub(crate) struct Truths<S: Simd, R: Real, const N: usize> {
+    simd: S,
+    values: [R::Truths<S>; N],
+}
+
+/// Of a single register.
+pub(crate) type Truth<S, R> = Truths<S, R, 1>;
+
+impl<S: Simd, R: Real, const N: usize> Clone for Truths<S, R, N> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S: Simd, R: Real, const N: usize> Copy for Truths<S, R, N> {}
+
+// Loops instead of `map`: a closure may be left to call, without the level's instructions.
+
+/// Methods of one register, of all in lockstep.
+macro_rules! alone {
+    ($($(#[$doc:meta])* $name:ident: $function:ident;)*) => {
+        $($(#[$doc])*
+        #[inline(always)]
+        pub fn $name(mut self) -> Self {
+            for value in &mut self.values {
+                *value = R::$function(self.simd, *value);
             }
-            #[inline(always)]
-            fn wide(self) -> f64 {
-                f64::from(self)
-            }
-            #[inline(always)]
-            fn lanes<S: Simd>() -> usize {
-                S::$lanes
-            }
-            #[inline(always)]
-            fn splat<S: Simd>(simd: S, value: Self) -> S::$register {
-                simd.$splat(value)
-            }
-            #[inline(always)]
-            fn load<S: Simd>(simd: S, from: &[Self]) -> S::$register {
-                match S::$as_simd(from).0 {
-                    [first, ..] => *first,
-                    [] => simd.$splat(0.0),
-                }
-            }
-            #[inline(always)]
-            fn store<S: Simd>(to: &mut [Self], value: S::$register) {
-                if let [first, ..] = S::$as_mut_simd(to).0 {
-                    *first = value;
-                }
-            }
-            #[inline(always)]
-            fn add<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$add(a, b)
-            }
-            #[inline(always)]
-            fn sub<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$sub(a, b)
-            }
-            #[inline(always)]
-            fn mul<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$mul(a, b)
-            }
-            #[inline(always)]
-            fn div<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$div(a, b)
-            }
-            #[inline(always)]
-            fn min<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$min(a, b)
-            }
-            #[inline(always)]
-            fn max<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$max(a, b)
-            }
-            #[inline(always)]
-            fn xor<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$xor(a, b)
-            }
-            #[inline(always)]
-            fn and<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$and(a, b)
-            }
-            #[inline(always)]
-            fn abs<S: Simd>(s: S, a: S::$register) -> S::$register {
-                s.$abs(a)
-            }
-            #[inline(always)]
-            fn sqrt<S: Simd>(s: S, a: S::$register) -> S::$register {
-                s.$sqrt(a)
-            }
-            #[inline(always)]
-            fn fused<S: Simd>(
-                s: S,
-                a: S::$register,
-                b: S::$register,
-                c: S::$register,
-            ) -> S::$register {
-                s.$fused(a, b, c)
-            }
-            #[inline(always)]
-            fn below<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$truths {
-                s.$below(a, b)
-            }
-            #[inline(always)]
-            fn both<S: Simd>(s: S, a: S::$truths, b: S::$truths) -> S::$truths {
-                s.$both(a, b)
-            }
-            #[inline(always)]
-            fn either<S: Simd>(s: S, a: S::$truths, b: S::$truths) -> S::$truths {
-                s.$either(a, b)
-            }
-            #[inline(always)]
-            fn not<S: Simd>(s: S, a: S::$truths) -> S::$truths {
-                s.$not(a)
-            }
-            #[inline(always)]
-            fn any<S: Simd>(s: S, a: S::$truths) -> bool {
-                s.$first(a) < S::$lanes
-            }
-            #[inline(always)]
-            unsafe fn corners<S: Vector>(
-                s: S,
-                values: &[f32],
-                columns: usize,
-                cell: [S::$register; 2],
-            ) -> [[S::$register; 2]; 2] {
-                // SAFETY: the caller's.
-                unsafe { s.$corners(values, columns, cell) }
-            }
-            #[inline(always)]
-            fn select<S: Simd>(
-                s: S,
-                mask: S::$truths,
-                yes: S::$register,
-                no: S::$register,
-            ) -> S::$register {
-                s.$select(mask, yes, no)
-            }
-        }
+            self
+        })*
     };
 }
 
-real!(
-    f64,
-    1e-280,
-    4_503_599_627_370_496.0,
-    0xFFFF_FFFF,
-    f64s,
-    m64s,
-    F64_LANES,
-    as_simd_f64s,
-    as_mut_simd_f64s,
-    splat_f64s,
-    add_f64s,
-    sub_f64s,
-    mul_f64s,
-    div_f64s,
-    min_f64s,
-    max_f64s,
-    xor_f64s,
-    and_f64s,
-    abs_f64s,
-    sqrt_f64s,
-    mul_add_f64s,
-    less_than_f64s,
-    and_m64s,
-    or_m64s,
-    not_m64s,
-    first_true_m64s,
-    select_f64s,
-    corners
-);
-real!(
-    f32,
-    1e-30,
-    8_388_608.0,
-    0x7F_FFFF,
-    f32s,
-    m32s,
-    F32_LANES,
-    as_simd_f32s,
-    as_mut_simd_f32s,
-    splat_f32s,
-    add_f32s,
-    sub_f32s,
-    mul_f32s,
-    div_f32s,
-    min_f32s,
-    max_f32s,
-    xor_f32s,
-    and_f32s,
-    abs_f32s,
-    sqrt_f32s,
-    mul_add_f32s,
-    less_than_f32s,
-    and_m32s,
-    or_m32s,
-    not_m32s,
-    first_true_m32s,
-    select_f32s,
-    corners_single
-);
-
-/// A register with the operators of a number.
-pub(crate) struct Reg<S: Simd, R: Real> {
-    simd: S,
-    value: R::Register<S>,
+/// The same of two.
+macro_rules! paired {
+    ($($(#[$doc:meta])* $name:ident: $function:ident;)*) => {
+        $($(#[$doc])*
+        #[inline(always)]
+        pub fn $name(mut self, other: Self) -> Self {
+            for (value, other) in self.values.iter_mut().zip(other.values) {
+                *value = R::$function(self.simd, *value, other);
+            }
+            self
+        })*
+    };
 }
 
-impl<S: Simd, R: Real> Clone for Reg<S, R> {
+impl<S: Simd, R: Real, const N: usize> Regs<S, R, N> {
+    /// Numbers of all of them.
     #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
+    pub fn lanes() -> usize {
+        N * R::lanes::<S>()
     }
-}
-impl<S: Simd, R: Real> Copy for Reg<S, R> {}
 
-/// One truth value per lane.
-pub(crate) struct Truth<S: Simd, R: Real> {
-    simd: S,
-    value: R::Truths<S>,
-}
-
-impl<S: Simd, R: Real> Clone for Truth<S, R> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<S: Simd, R: Real> Copy for Truth<S, R> {}
-
-impl<S: Simd, R: Real> Reg<S, R> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: R) -> Self {
         Self {
             simd,
-            value: R::splat(simd, value),
+            values: [R::splat(simd, value); N],
         }
     }
 
@@ -318,64 +97,51 @@ impl<S: Simd, R: Real> Reg<S, R> {
     /// The first numbers of a slice, which has enough of them.
     #[inline(always)]
     pub fn load(simd: S, from: &[R]) -> Self {
-        Self {
-            simd,
-            value: R::load(simd, from),
+        let mut loaded = Self::splat(simd, R::default());
+        for (k, value) in loaded.values.iter_mut().enumerate() {
+            *value = R::load(simd, &from[k * R::lanes::<S>()..]);
         }
+        loaded
     }
 
     #[inline(always)]
     pub fn store(self, to: &mut [R]) {
-        R::store::<S>(to, self.value);
-    }
-
-    #[inline(always)]
-    fn with(self, value: R::Register<S>) -> Self {
-        Self { value, ..self }
+        for (k, value) in self.values.into_iter().enumerate() {
+            R::store::<S>(&mut to[k * R::lanes::<S>()..], value);
+        }
     }
 
     /// `self * factor + term`, rounded once.
     #[inline(always)]
-    pub fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.with(R::fused(self.simd, self.value, factor.value, term.value))
+    pub fn mul_add(mut self, factor: Self, term: Self) -> Self {
+        for k in 0..N {
+            let (factor, term) = (factor.values[k], term.values[k]);
+            self.values[k] = R::fused(self.simd, self.values[k], factor, term);
+        }
+        self
     }
 
-    #[inline(always)]
-    pub fn over(self, divisor: Self) -> Self {
-        self.with(R::div(self.simd, self.value, divisor.value))
+    alone! {
+        sqrt: sqrt;
+        abs: abs;
     }
 
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        self.with(R::sqrt(self.simd, self.value))
-    }
-
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        self.with(R::abs(self.simd, self.value))
-    }
-
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        self.with(R::max(self.simd, self.value, other.value))
-    }
-
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        self.with(R::min(self.simd, self.value, other.value))
+    paired! {
+        over: div;
+        max: max;
+        min: min;
+        /// Minus the number where `sign` has its sign bit set.
+        flip: xor;
     }
 
     /// The sign bit, on a zero.
     #[inline(always)]
-    pub fn sign(self) -> Self {
+    pub fn sign(mut self) -> Self {
         let bit = R::splat(self.simd, R::of(-0.0));
-        self.with(R::and(self.simd, self.value, bit))
-    }
-
-    /// Minus the number where `sign` has its sign bit set.
-    #[inline(always)]
-    pub fn flip(self, sign: Self) -> Self {
-        self.with(R::xor(self.simd, self.value, sign.value))
+        for value in &mut self.values {
+            *value = R::and(self.simd, *value, bit);
+        }
+        self
     }
 
     /// A number that is not negative to the next whole number below.
@@ -394,10 +160,14 @@ impl<S: Simd, R: Real> Reg<S, R> {
     }
 
     #[inline(always)]
-    pub fn below(self, other: Self) -> Truth<S, R> {
-        Truth {
+    pub fn below(self, other: Self) -> Truths<S, R, N> {
+        let mut values = [R::below(self.simd, self.values[0], other.values[0]); N];
+        for (k, value) in values.iter_mut().enumerate().skip(1) {
+            *value = R::below(self.simd, self.values[k], other.values[k]);
+        }
+        Truths {
             simd: self.simd,
-            value: R::below(self.simd, self.value, other.value),
+            values,
         }
     }
 }
@@ -408,13 +178,13 @@ impl<S: Simd> Reg<S, f32> {
     pub fn of_bits(simd: S, bits: S::u32s) -> Self {
         Self {
             simd,
-            value: simd.transmute_f32s_u32s(bits),
+            values: [simd.transmute_f32s_u32s(bits)],
         }
     }
 
     #[inline(always)]
     pub fn bits(self) -> S::u32s {
-        self.simd.transmute_u32s_f32s(self.value)
+        self.simd.transmute_u32s_f32s(self.values[0])
     }
 }
 
@@ -432,75 +202,74 @@ impl<S: Vector, R: Real> Reg<S, R> {
         [x, y]: [Self; 2],
     ) -> [[Self; 2]; 2] {
         // SAFETY: the caller's.
-        let cells = unsafe { R::corners(simd, values, columns, [x.value, y.value]) };
-        cells.map(|row| row.map(|value| Self { simd, value }))
+        let cells = unsafe { R::corners(simd, values, columns, [x.values[0], y.values[0]]) };
+        cells.map(|row| {
+            row.map(|value| Self {
+                simd,
+                values: [value],
+            })
+        })
     }
 }
 
 impl<S: Simd> Truth<S, f32> {
     #[inline(always)]
     pub fn of(simd: S, value: S::m32s) -> Self {
-        Self { simd, value }
+        Self {
+            simd,
+            values: [value],
+        }
     }
 }
 
-impl<S: Simd, R: Real> Truth<S, R> {
+impl<S: Simd, R: Real, const N: usize> Truths<S, R, N> {
     /// `yes` where true, `no` elsewhere.
     #[inline(always)]
-    pub fn select(self, yes: Reg<S, R>, no: Reg<S, R>) -> Reg<S, R> {
-        yes.with(R::select(self.simd, self.value, yes.value, no.value))
+    pub fn select(self, yes: Regs<S, R, N>, no: Regs<S, R, N>) -> Regs<S, R, N> {
+        let mut chosen = yes;
+        for k in 0..N {
+            chosen.values[k] = R::select(self.simd, self.values[k], yes.values[k], no.values[k]);
+        }
+        chosen
     }
 
     #[inline(always)]
     pub fn any(self) -> bool {
-        R::any(self.simd, self.value)
+        let mut all = self.values[0];
+        for value in &self.values[1..] {
+            all = R::either(self.simd, all, *value);
+        }
+        R::any(self.simd, all)
     }
 }
 
 macro_rules! operator {
-    ($trait:ident, $name:ident, $function:ident) => {
-        impl<S: Simd, R: Real> $trait for Reg<S, R> {
+    ($trait:ident, $name:ident, $function:ident, $of:ident) => {
+        impl<S: Simd, R: Real, const N: usize> $trait for $of<S, R, N> {
             type Output = Self;
             #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                self.with(R::$function(self.simd, self.value, other.value))
+            fn $name(mut self, other: Self) -> Self {
+                for (value, other) in self.values.iter_mut().zip(other.values) {
+                    *value = R::$function(self.simd, *value, other);
+                }
+                self
             }
         }
     };
 }
-operator!(Add, add, add);
-operator!(Sub, sub, sub);
-operator!(Mul, mul, mul);
+operator!(Add, add, add, Regs);
+operator!(Sub, sub, sub, Regs);
+operator!(Mul, mul, mul, Regs);
+operator!(BitAnd, bitand, both, Truths);
+operator!(BitOr, bitor, either, Truths);
 
-impl<S: Simd, R: Real> BitAnd for Truth<S, R> {
+impl<S: Simd, R: Real, const N: usize> Not for Truths<S, R, N> {
     type Output = Self;
     #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self {
-            value: R::both(self.simd, self.value, other.value),
-            ..self
+    fn not(mut self) -> Self {
+        for value in &mut self.values {
+            *value = R::not(self.simd, *value);
         }
-    }
-}
-
-impl<S: Simd, R: Real> BitOr for Truth<S, R> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self {
-            value: R::either(self.simd, self.value, other.value),
-            ..self
-        }
-    }
-}
-
-impl<S: Simd, R: Real> Not for Truth<S, R> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self {
-            value: R::not(self.simd, self.value),
-            ..self
-        }
+        self
     }
 }

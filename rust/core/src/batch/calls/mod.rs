@@ -1,5 +1,6 @@
 //! The calls: they share the rows out, check them before the first one is written, and choose the kernel.
 
+pub(crate) mod maps;
 pub(crate) mod poses;
 pub(crate) mod rows;
 pub(crate) mod singly;

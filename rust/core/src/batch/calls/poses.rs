@@ -3,17 +3,17 @@
 use std::ops::Range;
 
 use super::BLOCK_ROWS;
-use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, sum_of_sizes};
-use crate::batch::formulas::logs::{self, Logs};
+use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, place, sum_of_sizes};
+use crate::batch::formulas::logs::Logs;
 use crate::batch::machine::level::Level;
 use crate::batch::machine::stream::is_large;
 use crate::batch::machine::table::{Durations, Table};
-use crate::batch::machine::workers::{self, Workers};
+use crate::batch::machine::workers::Workers;
 use crate::error::Error;
 use crate::geometry::{Bound, Steps, Twist, Walk};
 use crate::rover::Rover;
 
-/// Logs up to this long are worked on side by side, one per lane.
+/// Logs up to this long are checked and read several at a time.
 const SHORT_LOG: usize = 1024;
 
 /// Logs worked on together: as many as the widest register has lanes.
@@ -268,18 +268,18 @@ pub fn integrate<'a>(
     };
     let logs = poses.len() / (count + 1);
     let share = workers.share_of_logs(logs, count);
-    let side_by_side = journey.is_side_by_side(level, logs);
+    let short = level != Level::Plain && count <= SHORT_LOG;
     if !fresh {
         let shares = (0..logs).step_by(share);
-        workers::each(shares, |first| {
+        workers.each(shares, |first| {
             journey.check(level, first..logs.min(first + share))
         })?;
     }
     let targets = poses.chunks_mut(share * (count + 1)).enumerate();
-    workers::each(targets, |(k, poses)| {
+    workers.each(targets, |(k, poses)| {
         let buffers = &mut Buffers::default();
         let first = k * share;
-        if !side_by_side {
+        if !short {
             for (k, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
                 journey.follow(level, first + k, !fresh, poses, buffers)?;
             }
@@ -292,7 +292,7 @@ pub fn integrate<'a>(
             if fresh {
                 journey.check(level, logs.clone())?;
             }
-            logs::place(level, journey.logs(logs, buffers), poses);
+            place(level, journey.logs(logs, buffers), poses, journey.past);
         }
         Ok(())
     })

@@ -7,7 +7,7 @@ use crate::batch::formulas::{forward as estimate, inverse as command};
 use crate::batch::machine::level::Level;
 use crate::batch::machine::stream::is_large;
 use crate::batch::machine::table::{Beside, Log, Readings, Table};
-use crate::batch::machine::workers::{self, Workers};
+use crate::batch::machine::workers::Workers;
 use crate::batch::one_row::{forward as single_forward, inverse as single};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
@@ -133,7 +133,7 @@ pub fn inverse<'a>(
     let share = workers.share(count);
     let block = commands.block(share);
     if !fresh {
-        workers::each((0..count).step_by(share), |first| {
+        workers.each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
             for rows in blocks(first..count.min(first + share), block) {
                 let (twists, inputs) = commands.rows(rows.clone(), buffers);
@@ -148,7 +148,7 @@ pub fn inverse<'a>(
     let targets = speeds
         .chunks_mut(share * wheels)
         .map(|speeds| (steering.next().unwrap_or_default(), speeds));
-    workers::each(targets.enumerate(), |(k, (steering, speeds))| {
+    workers.each(targets.enumerate(), |(k, (steering, speeds))| {
         let buffers = &mut Default::default();
         let first = k * share;
         for rows in blocks(first..first + speeds.len() / wheels, block) {
@@ -270,7 +270,7 @@ pub fn forward<'a>(
         checked.map_err(|error| error.below(rows.start))
     };
     if !fresh {
-        workers::each((0..count).step_by(share), |first| {
+        workers.each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
             for rows in blocks(first..count.min(first + share), block) {
                 let log = reports.rows(rows.clone(), buffers);
@@ -280,7 +280,7 @@ pub fn forward<'a>(
         })?;
     }
     let block = if fresh { block.min(BLOCK_ROWS) } else { block };
-    workers::each(twists.chunks_mut(share).enumerate(), |(k, twists)| {
+    workers.each(twists.chunks_mut(share).enumerate(), |(k, twists)| {
         let buffers = &mut Default::default();
         for (b, twists) in twists.chunks_mut(block).enumerate() {
             let first = k * share + b * block;

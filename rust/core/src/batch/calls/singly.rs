@@ -3,11 +3,10 @@
 use super::rows::FEW;
 use crate::batch::formulas::fit::{Fits, Plan};
 use crate::batch::machine::table::{Log, row_mut};
-use crate::batch::machine::workers::{self, Workers};
-use crate::error::{Error, finite};
+use crate::batch::machine::workers::Workers;
+use crate::error::Error;
 use crate::estimate::sensitivity::{Linearised, Quantity};
-use crate::estimate::{Fit, Method, Unseen};
-use crate::geometry::{Pose, Steps};
+use crate::estimate::{Method, Unseen};
 use crate::rover::Rover;
 
 /// A value for every row, each on its own.
@@ -17,7 +16,7 @@ pub fn fill<const N: usize>(
     value: impl Fn(usize) -> [f64; N] + Sync,
 ) -> Result<(), Error> {
     let share = workers.share(targets.len());
-    workers::each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
+    workers.each(targets.chunks_mut(share).enumerate(), |(k, targets)| {
         for (row, target) in targets.iter_mut().enumerate() {
             *target = value(k * share + row);
         }
@@ -25,64 +24,58 @@ pub fn fill<const N: usize>(
     })
 }
 
-/// The twists that, each held over its step, pass through the poses, one more than steps: the inverse of `integrate`.
-pub fn differentiate(
-    poses: &[[f64; 3]],
-    steps: Steps<'_>,
-    twists: &mut [[f64; 3]],
-    workers: Workers,
-) -> Result<(), Error> {
-    debug_assert_eq!(poses.len(), twists.len() + 1);
-    steps.check(twists.len())?;
-    for (k, pose) in poses.iter().enumerate() {
-        finite("poses", pose).map_err(|error| error.at_row(k))?;
-    }
-    fill(twists, workers, |k| {
-        let [here, there] = [poses[k], poses[k + 1]].map(Pose::from);
-        here.between(there).log(steps.get(k)).into()
-    })
-}
-
 /// [`Rover::fit`] of every row of a log.
-#[allow(clippy::too_many_arguments)] // inputs, two options, three outputs
 pub fn fit(
     rover: &Rover,
     log: Log<'_>,
     method: Method,
     unseen: Unseen,
-    fits: &mut [Fit],
-    residual: &mut [f64],
-    weights: &mut [f64],
+    fits: Fits<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let (share, wheels) = (workers.share(fits.len()), rover.wheels().len());
-    let plan = (fits.len() >= FEW && log.steering_rates.is_none())
+    let (count, wheels) = (fits.twists.len(), rover.wheels().len());
+    let share = workers.share(count);
+    let plan = ((count >= FEW || method == Method::Robust) && log.steering_rates.is_none())
         .then(|| Plan::new(rover, method, unseen))
         .flatten();
-    let slips = residual.chunks_mut(share * wheels);
-    let says = weights.chunks_mut(share * wheels);
-    let jobs = fits.chunks_mut(share).zip(slips).zip(says).enumerate();
-    workers::each(jobs, |(k, ((fits, residual), weights))| {
-        let log = log.rows(rover, k * share..k * share + fits.len());
-        let failed = |error: Error| error.below(k * share);
-        if let Some(plan) = &plan {
-            let rows = &mut Fits {
-                fits,
+    let twists = fits
+        .twists
+        .chunks_mut(share)
+        .zip(fits.ranks.chunks_mut(share));
+    let slips = fits.residual.chunks_mut(share * wheels);
+    let says = fits.weights.chunks_mut(share * wheels);
+    let parts = twists
+        .zip(fits.sigmas.chunks_mut(share))
+        .zip(slips)
+        .zip(says);
+    workers.each(
+        parts.enumerate(),
+        |(k, ((((twists, ranks), sigmas), residual), weights))| {
+            let count = twists.len();
+            let log = log.rows(rover, k * share..k * share + count);
+            let failed = |error: Error| error.below(k * share);
+            let mut fits = Fits {
+                twists,
+                ranks,
+                sigmas,
                 residual,
                 weights,
             };
-            if let Some(done) = plan.fit(workers.here().level, log, rows) {
+            if let Some(plan) = &plan
+                && let Some(done) = plan.fit(workers.here().level, log, &mut fits)
+            {
                 return done.map_err(failed);
             }
-        }
-        for (k, fit) in fits.iter_mut().enumerate() {
-            let (residual, weights) = (row_mut(residual, wheels, k), row_mut(weights, wheels, k));
-            *fit = rover
-                .fit(log.row(rover, k), method, unseen, residual, weights)
-                .map_err(|error| failed(error.at_row(k)))?;
-        }
-        Ok(())
-    })
+            for k in 0..count {
+                let solve = |residual: &mut [f64], weights: &mut [f64]| {
+                    rover.fit(log.row(rover, k), method, unseen, residual, weights)
+                };
+                let solved = fits.one(k, wheels, solve);
+                solved.map_err(|error| failed(error.at_row(k)))?;
+            }
+            Ok(())
+        },
+    )
 }
 
 /// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
@@ -113,7 +106,7 @@ pub fn sensitivity(
             (twists, parts.collect::<Vec<_>>())
         })
         .collect();
-    workers::each(
+    workers.each(
         jobs.into_iter().enumerate(),
         |(k, (twists, mut targets))| {
             let log = log.rows(rover, k * share..k * share + twists.len());

@@ -1,12 +1,12 @@
 //! Twists with the residuals of the wheels, where the least squares have a constant solution: every wheel alike, or the
 //! unsteered ones alone. Rank and smallest singular value are constants of the rover then, because a steered wheel without
-//! scrub and trail measures its pivot's whole velocity, whichever way it points.
+//! scrub and trail measures its pivot's whole velocity, whichever way it points. Robust fits start from there.
 
 #[cfg(test)]
 mod tests;
 
-use super::forward;
 use super::inverse::all_within;
+use super::{forward, robust};
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
@@ -38,13 +38,40 @@ pub(crate) struct Plan<'a> {
     weights: Vec<f64>,
     rank: usize,
     sigma_min: f64,
+    robust: Option<robust::Plan>,
 }
 
-/// Where the results go, one row per reading.
-pub(crate) struct Fits<'a> {
-    pub fits: &'a mut [Fit],
+/// Where the results go, one row per reading: see [`Fit`], and a number per wheel.
+pub struct Fits<'a> {
+    /// Estimates.
+    pub twists: &'a mut [[f64; 3]],
+    /// Numbers of independent directions.
+    pub ranks: &'a mut [i64],
+    /// Smallest singular values.
+    pub sigmas: &'a mut [f64],
+    /// Residuals [m/s].
     pub residual: &'a mut [f64],
+    /// Say of each wheel.
     pub weights: &'a mut [f64],
+}
+
+impl Fits<'_> {
+    /// The result of one row, and room for what it says of its wheels.
+    pub(in crate::batch) fn one(
+        &mut self,
+        k: usize,
+        wheels: usize,
+        solve: impl FnOnce(&mut [f64], &mut [f64]) -> Result<Fit, Error>,
+    ) -> Result<(), Error> {
+        let (residual, weights) = (
+            row_mut(self.residual, wheels, k),
+            row_mut(self.weights, wheels, k),
+        );
+        let fit = solve(residual, weights)?;
+        self.twists[k] = fit.twist.into();
+        (self.ranks[k], self.sigmas[k]) = (fit.rank as i64, fit.sigma_min);
+        Ok(())
+    }
 }
 
 impl<'a> Plan<'a> {
@@ -62,7 +89,7 @@ impl<'a> Plan<'a> {
         let readings = rover.read(at_rest, &mut readings);
         let mut weights = vec![1.0; wheels.len()];
         let solution = match method {
-            Method::LeastSquares => solution,
+            Method::LeastSquares | Method::Robust => solution,
             Method::MiddleWheels => {
                 rover
                     .estimate(readings, at_rest, method, unseen, &mut weights)
@@ -70,7 +97,10 @@ impl<'a> Plan<'a> {
                 let normal = rover.normal(readings, |i| weights[i]);
                 rover.solution(normal, unseen).ok()?
             }
-            Method::Robust => return None,
+        };
+        let robust = match method {
+            Method::Robust => Some(robust::Plan::new(rover, &solution)?),
+            _ => None,
         };
         let (rank, sigma_min) = rover.singular_values(readings, &weights);
         let part = |(wheel, mount): (&crate::Wheel, &Mount)| {
@@ -93,6 +123,7 @@ impl<'a> Plan<'a> {
             weights,
             rank,
             sigma_min,
+            robust,
         })
     }
 
@@ -104,7 +135,7 @@ impl<'a> Plan<'a> {
         fits: &mut Fits<'_>,
     ) -> Option<Result<(), Error>> {
         let joints = self.rover.steered().len();
-        with_columns(joints + 2 * self.parts.len(), |columns| {
+        with_columns(joints + 3 * self.parts.len(), |columns| {
             level.run(Solve {
                 plan: self,
                 log,
@@ -119,7 +150,7 @@ struct Solve<'a, 'b> {
     plan: &'a Plan<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
-    /// One per steering angle, one per speed and one per residual.
+    /// One per steering angle, and one per speed, residual and weight.
     columns: &'a mut [Column],
 }
 
@@ -130,43 +161,55 @@ impl Kernel for Solve<'_, '_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let (plan, log) = (self.plan, self.log);
         let (joints, wheels) = (plan.rover.steered().len(), plan.parts.len());
-        let Fits {
-            fits,
-            residual,
-            weights,
-        } = self.fits;
         let (steering, rest) = self.columns.split_at_mut(joints);
-        let (speeds, residuals) = rest.split_at_mut(wheels);
+        let (speeds, rest) = rest.split_at_mut(wheels);
+        let (residuals, says) = rest.split_at_mut(wheels);
         let mut twists = [Column::ZERO; 3];
-        for (b, fits) in fits.chunks_mut(BLOCK).enumerate() {
-            let (first, count) = (b * BLOCK, fits.len());
+        for (says, weight) in says.iter_mut().zip(&plan.weights) {
+            says.0.fill(*weight);
+        }
+        let rows = self.fits.twists.len();
+        for first in (0..rows).step_by(BLOCK) {
+            let count = BLOCK.min(rows - first);
+            let at = first..first + count;
+            let of_wheels = first * wheels..(first + count) * wheels;
             let rows = [
                 &log.steering[first * joints..(first + count) * joints],
                 &log.speeds[first * wheels..(first + count) * wheels],
             ];
             unweave(simd, rows[0], steering);
             unweave(simd, rows[1], speeds);
-            forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
-            disagree(simd, plan, steering, speeds, &twists, residuals);
+            let [mut sigmas, mut doubts] = [Column([plan.sigma_min; BLOCK]), Column::ZERO];
+            let mut sure = true;
+            if let Some(robust) = &plan.robust {
+                let mut found = robust::Found {
+                    twists: &mut twists,
+                    residuals,
+                    weights: says,
+                    sigma_min: &mut sigmas,
+                    doubts: &mut doubts,
+                };
+                sure = robust::solve_block(simd, robust, steering, speeds, count, &mut found);
+            } else {
+                forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
+                disagree(simd, plan, steering, speeds, &twists, residuals);
+            }
             weave(
                 simd,
-                residuals,
-                &mut residual[first * wheels..(first + count) * wheels],
+                &twists,
+                self.fits.twists[at.clone()].as_flattened_mut(),
             );
-            for (k, fit) in fits.iter_mut().enumerate() {
-                *fit = Fit {
-                    twist: [0, 1, 2].map(|part: usize| twists[part].0[k]).into(),
-                    rank: plan.rank,
-                    sigma_min: plan.sigma_min,
-                };
-                row_mut(weights, wheels, first + k).copy_from_slice(&plan.weights);
-            }
-            let usual = all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
+            weave(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
+            weave(simd, says, &mut self.fits.weights[of_wheels]);
+            self.fits.ranks[at.clone()].fill(plan.rank as i64);
+            self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
+            let usual = sure
+                && all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
                 && all_within(simd, rows[1], forward::LARGEST_SPEED);
             if usual {
                 continue;
             }
-            for (k, fit) in fits.iter_mut().enumerate() {
+            for (k, doubt) in doubts.0.iter().enumerate().take(count) {
                 let measured = Measured {
                     steering: row(rows[0], joints, k),
                     speeds: row(rows[1], wheels, k),
@@ -174,18 +217,18 @@ impl Kernel for Solve<'_, '_> {
                 };
                 let within =
                     |values: &[f64], largest| values.iter().all(|value| value.abs() <= largest);
-                if within(measured.steering, LARGEST_ANGLE / 2.0)
+                if *doubt == 0.0
+                    && within(measured.steering, LARGEST_ANGLE / 2.0)
                     && within(measured.speeds, forward::LARGEST_SPEED)
                 {
                     continue;
                 }
-                let at = first + k;
-                let (residual, weights) =
-                    (row_mut(residual, wheels, at), row_mut(weights, wheels, at));
-                *fit = plan
-                    .rover
-                    .fit(measured, plan.method, plan.unseen, residual, weights)
-                    .map_err(|error| error.at_row(at))?;
+                let solve = |residual: &mut [f64], weights: &mut [f64]| {
+                    let (method, unseen) = (plan.method, plan.unseen);
+                    plan.rover.fit(measured, method, unseen, residual, weights)
+                };
+                let solved = self.fits.one(first + k, wheels, solve);
+                solved.map_err(|error| error.at_row(first + k))?;
             }
         }
         Ok(())

@@ -161,6 +161,8 @@ impl Kernel for Check<'_> {
             let end = self.rows.end.min(first + BLOCK);
             let steering = &log.steering[first * joints..end * joints];
             let speeds = &log.speeds[first * wheels..end * wheels];
+            fetch_ahead(simd, steering, 0, 1);
+            fetch_ahead(simd, speeds, 0, 1);
             if all_within(simd, steering, LARGEST_ANGLE / 2.0)
                 && all_within(simd, speeds, LARGEST_SPEED)
             {
@@ -234,7 +236,7 @@ impl Kernel for Solve<'_> {
     }
 }
 
-/// Solves a block, `rows` taken apart. Whether all of its readings are of a usual size.
+/// Solves a block, `rows` taken apart. Whether all of its readings are surely of a usual size.
 #[inline(always)]
 pub(super) fn solve_block<S: Vector>(
     simd: S,
@@ -245,18 +247,20 @@ pub(super) fn solve_block<S: Vector>(
     rows: [&[f64]; 2],
 ) -> bool {
     let zero = Lanes::splat(simd, 0.0);
-    let largest_angle = Lanes::splat(simd, LARGEST_ANGLE / 2.0);
-    let largest_speed = Lanes::splat(simd, LARGEST_SPEED);
+    let [largest_angle, largest_speed] =
+        [LARGEST_ANGLE / 2.0, LARGEST_SPEED].map(|largest| Lanes::splat(simd, largest * largest));
     let mut usual: Mask<S> = zero.at_most(zero);
     for k in 0..BLOCK / S::F64_LANES {
         for rows in rows {
             fetch_ahead(simd, rows, k, BLOCK / S::F64_LANES);
         }
         let [mut x, mut y, mut z] = [zero; 3];
+        // Sums of squares say as well whether all are of a usual size, or one of them is not a number.
+        let [mut angles, mut rates] = [zero; 2];
         let mut joint = 0;
         for (part, speeds) in plan.parts.iter().zip(speeds) {
             let speed = Lanes::load(simd, S::as_simd_f64s(&speeds.0).0, k);
-            usual = usual & speed.abs().at_most(largest_speed);
+            rates = speed.mul_add(speed, rates);
             match *part {
                 Part::Fixed([along, across, moment]) => {
                     x = speed.mul_add(Lanes::splat(simd, along), x);
@@ -270,7 +274,7 @@ pub(super) fn solve_block<S: Vector>(
                 } => {
                     let angle = Lanes::load(simd, S::as_simd_f64s(&steering[joint].0).0, k);
                     joint += 1;
-                    usual = usual & angle.abs().at_most(largest_angle);
+                    angles = angle.mul_add(angle, angles);
                     let (sin, cos) = sin_cos(simd, angle + Lanes::splat(simd, heading));
                     let rim_speed = speed * Lanes::splat(simd, radius);
                     let (u, v) = (rim_speed * cos, rim_speed * sin);
@@ -283,6 +287,7 @@ pub(super) fn solve_block<S: Vector>(
                 Part::Castor => {}
             }
         }
+        usual = usual & rates.at_most(largest_speed) & angles.at_most(largest_angle);
         for (column, [a, b, c]) in twists.iter_mut().zip(plan.solution) {
             let sum = x * Lanes::splat(simd, a);
             let sum = y.mul_add(Lanes::splat(simd, b), sum);

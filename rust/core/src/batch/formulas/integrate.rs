@@ -1,11 +1,22 @@
-//! Poses along one log, cut into as many pieces as a register has lanes, tile by tile.
+//! Poses along logs, one log after the other: a register holds successive steps, and its sums run along its lanes.
 
-use super::tile::{LANES, LARGEST_HEADING, PerStep, STEPS, Sums, Tile, WIDTH, columns, durations};
-use crate::batch::machine::lanes::Lanes;
+use super::logs::Logs;
+use super::tile::LANES;
+use crate::batch::machine::lanes::{Lanes, Lockstep};
 use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::{direction, sinc_of_square};
 use crate::batch::machine::stream::{Output, fetch_ahead};
 use crate::batch::machine::vector::Vector;
 use crate::geometry::{Steps, Sum, Walk};
+
+/// Registers of steps in lockstep: their sums are short chains that wait for each other.
+const ABREAST: usize = 4;
+
+/// Half of a step's turn up to which the chord is a polynomial [rad].
+const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Half a turn and what rounding adds: a heading beyond it has turned so far in one step that it has no digits.
+const LARGEST_HEADING: f64 = 4.0;
 
 /// Numbers up to here surely add up to something finite.
 pub(crate) const LARGEST_TOTAL: f64 = 1e300;
@@ -72,125 +83,196 @@ impl Kernel for Follow<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
-        let size = STEPS * S::F64_LANES;
-        let constant = durations(simd, self.steps, 0);
-        let mut tile = Tile::new(simd);
-        let mut spare = [[0.0; WIDTH]; LANES];
-        let poses = self.poses.as_flattened_mut();
-        let mut output = Output::new(simd, poses, 3 * size, self.past);
-        for (k, twists) in self.twists.chunks(size).enumerate() {
-            fetch_ahead(simd, twists.as_flattened(), 0, 1);
-            let poses = output.next(3 * twists.len());
-            let steps = match self.steps {
-                Steps::Constant(dt) => Steps::Constant(dt),
-                Steps::Each(dts) => Steps::Each(&dts[k * size..k * size + twists.len()]),
+        let room = 3 * ABREAST * S::F64_LANES;
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        along(simd, self.twists, self.steps, &mut output, self.walk);
+    }
+}
+
+/// Whole logs that have been checked: their starts, and one pose after every step.
+pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], past: bool) {
+    level.run(Place { logs, poses, past });
+}
+
+pub(super) struct Place<'a> {
+    pub logs: Logs<'a>,
+    pub poses: &'a mut [[f64; 3]],
+    pub past: bool,
+}
+
+impl Kernel for Place<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        let Logs {
+            count,
+            steps,
+            starts,
+            ..
+        } = self.logs;
+        let room = 3 * ABREAST * S::F64_LANES;
+        let logs = self.poses.len() / (count + 1);
+        let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
+        let mut walk = Walk::new(starts[0]);
+        let first = walk;
+        for log in 0..logs {
+            let start = match starts {
+                [one] => *one,
+                starts => starts[log],
             };
-            let dts = |dts: &[[f64; STEPS]]| side_by_side(simd, dts);
-            let done = if twists.len() == size {
-                let dts = match steps {
-                    Steps::Constant(_) => constant,
-                    Steps::Each(each) => dts(each.as_chunks().0),
-                };
-                let twists = twists.as_flattened().as_chunks().0;
-                let poses = poses.as_chunks_mut().0;
-                place(simd, &mut tile, twists, &dts, poses, &mut spare, self.walk)
+            walk = if start == starts[0] {
+                first
             } else {
-                // The last steps: those that are missing stand still.
-                let mut padded = [[0.0; WIDTH]; LANES];
-                let mut placed = padded;
-                fill(&mut padded, twists.as_flattened());
-                let dts = match steps {
-                    Steps::Constant(_) => constant,
-                    Steps::Each(each) => {
-                        let mut padded = [[0.0; STEPS]; LANES];
-                        fill(&mut padded, each);
-                        dts(&padded)
-                    }
-                };
-                let done = place(
-                    simd,
-                    &mut tile,
-                    &padded,
-                    &dts,
-                    &mut placed,
-                    &mut spare,
-                    self.walk,
-                );
-                poses.copy_from_slice(&placed.as_flattened()[..poses.len()]);
-                done
+                Walk::new(start)
             };
-            if !done {
-                self.walk.follow(twists, steps, poses.as_chunks_mut().0);
-            }
+            output.next(3).copy_from_slice(&start);
+            let twists = &self.logs.twists[log * count..(log + 1) * count];
+            along(simd, twists, steps, &mut output, &mut walk);
         }
     }
 }
 
-fn fill<const N: usize>(padded: &mut [[f64; N]; LANES], numbers: &[f64]) {
-    padded.as_flattened_mut()[..numbers.len()].copy_from_slice(numbers);
-}
-
-/// One row per lane; where there are fewer lanes, nobody looks at the others.
+/// All steps of a log, or of a piece of one.
 #[inline(always)]
-fn lanes<const N: usize>(rows: &[[f64; N]]) -> [&[f64; N]; LANES] {
-    std::array::from_fn(|lane| &rows[lane.min(rows.len() - 1)])
-}
-
-/// Durations of the steps of pieces of a log.
-#[inline(always)]
-fn side_by_side<S: Vector>(simd: S, dts: &[[f64; STEPS]]) -> PerStep<S> {
-    let mut registers = [simd.splat_f64s(0.0); STEPS];
-    columns(simd, &lanes(&dts[..S::F64_LANES]), &mut registers);
-    let mut dts = [Lanes::splat(simd, 0.0); STEPS];
-    for (t, dt) in dts.iter_mut().enumerate() {
-        *dt = Lanes::load(simd, &registers, t);
-    }
-    dts
-}
-
-/// A tile whose lanes follow each other. Whether no step turns too far for the polynomials; if one does,
-/// nothing has happened to `walk`.
-#[inline(always)]
-fn place<S: Vector>(
+fn along<S: Vector>(
     simd: S,
-    tile: &mut Tile<S>,
-    twists: &[[f64; WIDTH]],
-    dts: &PerStep<S>,
-    poses: &mut [[f64; WIDTH]],
-    spare: &mut [[f64; WIDTH]; LANES],
+    twists: &[[f64; 3]],
+    steps: Steps<'_>,
+    output: &mut Output<'_, S>,
+    walk: &mut Walk,
+) {
+    let (many, few) = (ABREAST * S::F64_LANES, S::F64_LANES);
+    let mut first = 0;
+    while first < twists.len() {
+        let left = twists.len() - first;
+        let size = if left >= many { many } else { few.min(left) };
+        let twists = &twists[first..first + size];
+        let steps = steps.of(first..first + size);
+        let poses = output.next(3 * size);
+        let done = if size == many {
+            fetch_ahead(simd, twists.as_flattened(), 0, 1);
+            go::<S, ABREAST>(simd, twists.as_flattened(), steps, poses, walk)
+        } else if size == few {
+            go::<S, 1>(simd, twists.as_flattened(), steps, poses, walk)
+        } else {
+            // The last steps: those that are missing stand still.
+            let mut padded = [[0.0; 3]; LANES];
+            let mut dts = [0.0; LANES];
+            padded[..size].copy_from_slice(twists);
+            for (k, dt) in dts.iter_mut().enumerate().take(size) {
+                *dt = steps.get(k);
+            }
+            let mut placed = [0.0; 3 * LANES];
+            let done = go::<S, 1>(
+                simd,
+                padded.as_flattened(),
+                Steps::Each(&dts),
+                &mut placed,
+                walk,
+            );
+            poses.copy_from_slice(&placed[..3 * size]);
+            done
+        };
+        if !done {
+            walk.follow(twists, steps, poses.as_chunks_mut().0);
+        }
+        first += size;
+    }
+}
+
+/// `N` registers of steps. Whether none of them turns too far for the polynomials; if one does, nothing has happened to
+/// `walk`. From register to register sums are plain, from call to call compensated: rounding grows with the length of a
+/// few steps, not with that of the log.
+#[inline(always)]
+fn go<S: Vector, const N: usize>(
+    simd: S,
+    twists: &[f64],
+    steps: Steps<'_>,
+    poses: &mut [f64],
     walk: &mut Walk,
 ) -> bool {
     if walk.heading.sum.abs() > LARGEST_HEADING {
         return false;
     }
-    tile.read(simd, &lanes(&twists[..S::F64_LANES]));
-    let (turn, near) = tile.turn(simd, dts, None);
+    let width = 3 * S::F64_LANES;
+    let (zero, half) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.5));
+    let largest = Lanes::splat(simd, LARGEST_HALF_TURN);
+    let mut near = zero.at_most(zero);
+    let [mut ahead, mut left, mut turns] = [[zero; N]; 3];
+    let [mut headings, mut squares] = [Lockstep([zero; N]); 2];
+    let heading = Sums::splat(simd, &walk.heading);
+    let mut turned = zero;
+    for m in 0..N {
+        let [vx, vy, omega] = Lanes::unbraid(simd, &twists[width * m..]);
+        let dt = match steps {
+            Steps::Constant(dt) => Lanes::splat(simd, dt),
+            Steps::Each(dts) => Lanes::load(simd, S::as_simd_f64s(dts).0, m),
+        };
+        (ahead[m], left[m]) = (vx * dt, vy * dt);
+        let turn = omega * dt;
+        let half = turn * half;
+        near = near & half.abs().at_most(largest);
+        squares.0[m] = half * half;
+        let upto = so_far(simd, turn);
+        turns[m] = turned + upto;
+        // Along the chord, which leaves at half the turn.
+        headings.0[m] = heading.beyond(turns[m] - half);
+        turned = turned + upto.spread(simd);
+    }
     if (!near).any() {
         return false;
     }
-    let (turns, turn) = one_after_another(simd, turn);
-    let heading = after(simd, &walk.heading, turns);
-    let [x, y] = tile.walk(simd, &heading, None);
-    let ((easts, east), (norths, north)) = (one_after_another(simd, x), one_after_another(simd, y));
-    let sums = [
-        after(simd, &walk.x, easts),
-        after(simd, &walk.y, norths),
-        after(simd, &walk.yaw, turns),
-    ];
-    let mut targets = spare.each_mut();
-    for (target, poses) in targets.iter_mut().zip(&mut poses[..S::F64_LANES]) {
-        *target = poses;
+    let (sin, cos) = direction(simd, headings);
+    let length = sinc_of_square(simd, squares);
+    let [x, y, yaw] = [&walk.x, &walk.y, &walk.yaw].map(|sum| Sums::splat(simd, sum));
+    let [mut east, mut north] = [zero; 2];
+    for m in 0..N {
+        let (sin, cos) = (sin.0[m], cos.0[m]);
+        let (ahead, left) = (ahead[m] * length.0[m], left[m] * length.0[m]);
+        let easts = so_far(simd, cos * ahead - sin * left);
+        let norths = so_far(simd, sin.mul_add(ahead, cos * left));
+        let pose = [
+            x.beyond(east + easts),
+            y.beyond(north + norths),
+            yaw.beyond(turns[m]),
+        ];
+        Lanes::braid(pose, &mut poses[width * m..]);
+        east = east + easts.spread(simd);
+        north = north + norths.spread(simd);
     }
-    tile.place(simd, [&sums[0], &sums[1], &sums[2]]);
-    tile.write(simd, &mut targets);
-    walk.turn(turn);
-    walk.shift(east, north);
+    walk.turn(turned.last(simd));
+    walk.shift(east.last(simd), north.last(simd));
     true
 }
 
-/// What comes before every lane, and what all come to.
+/// Where every lane has come to: compensated sums.
+#[derive(Clone, Copy)]
+struct Sums<S: Vector> {
+    sum: Lanes<S>,
+    lost: Lanes<S>,
+}
+
+impl<S: Vector> Sums<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    fn splat(simd: S, sum: &Sum) -> Self {
+        Self {
+            sum: Lanes::splat(simd, sum.sum),
+            lost: Lanes::splat(simd, sum.lost),
+        }
+    }
+
+    /// So much more than the sum.
+    #[inline(always)]
+    fn beyond(&self, more: Lanes<S>) -> Lanes<S> {
+        self.sum + (self.lost + more)
+    }
+}
+
+/// What the lanes come to, each with all before it.
 #[inline(always)]
-fn one_after_another<S: Vector>(simd: S, terms: Lanes<S>) -> (Lanes<S>, f64) {
+fn so_far<S: Vector>(simd: S, terms: Lanes<S>) -> Lanes<S> {
     let mut sum = terms + Lanes::shift::<0>(simd, terms);
     if S::F64_LANES > 2 {
         sum = sum + Lanes::shift::<1>(simd, sum);
@@ -198,13 +280,5 @@ fn one_after_another<S: Vector>(simd: S, terms: Lanes<S>) -> (Lanes<S>, f64) {
     if S::F64_LANES > 4 {
         sum = sum + Lanes::shift::<2>(simd, sum);
     }
-    (Lanes::shift::<0>(simd, sum), sum.last(simd))
-}
-
-/// A sum, and so much more in every lane.
-#[inline(always)]
-fn after<S: Vector>(simd: S, sum: &Sum, more: Lanes<S>) -> Sums<S> {
-    let mut sums = Sums::splat(simd, sum);
-    sums.lost = sums.lost + more;
-    sums
+    sum
 }

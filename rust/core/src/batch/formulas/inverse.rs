@@ -222,16 +222,25 @@ fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[
     })
 }
 
-/// Whether all numbers are at most so large. False for NaN.
+/// Whether all numbers are surely at most so large, by the sum of their squares. False for NaN.
 #[inline(always)]
 pub(crate) fn all_within<S: Vector>(simd: S, values: &[f64], largest: f64) -> bool {
-    let bound = Lanes::splat(simd, largest);
+    let mut sums = [Lanes::splat(simd, 0.0); 4];
     let (registers, rest) = S::as_simd_f64s(values);
-    let mut within = bound.at_most(bound);
-    for k in 0..registers.len() {
-        within = within & Lanes::load(simd, registers, k).abs().at_most(bound);
+    let (quads, singles) = registers.as_chunks::<4>();
+    for quad in quads {
+        for (j, sum) in sums.iter_mut().enumerate() {
+            let value = Lanes::load(simd, quad, j);
+            *sum = value.mul_add(value, *sum);
+        }
     }
-    !(!within).any() && rest.iter().all(|value| value.abs() <= largest)
+    for k in 0..singles.len() {
+        let value = Lanes::load(simd, singles, k);
+        sums[0] = value.mul_add(value, sums[0]);
+    }
+    let sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])).total();
+    let sum = sum + rest.iter().map(|value| value * value).sum::<f64>();
+    sum <= (largest * largest).min(f64::MAX)
 }
 
 struct Check<'a> {
@@ -269,13 +278,24 @@ impl Kernel for Check<'_> {
                 pass = pass && all_within(simd, values, f64::MAX);
             }
             if pass {
-                unweave(simd, rows.as_flattened(), &mut columns);
+                fetch_ahead(simd, rows.as_flattened(), 0, 1);
                 if !self.rates.is_empty() {
                     unweave(simd, of(steering_rates, joints), self.rates);
                 }
-                let mut passes = plan.passes(simd, load(simd, &columns, 0), self.rates, 0);
-                for k in 1..BLOCK / S::F64_LANES {
-                    passes = passes & plan.passes(simd, load(simd, &columns, k), self.rates, k);
+                let zero = Lanes::splat(simd, 0.0);
+                let mut passes = zero.at_most(zero);
+                if rows.len() == BLOCK {
+                    let groups = rows.as_flattened().chunks_exact(3 * S::F64_LANES);
+                    for (k, rows) in groups.enumerate() {
+                        let twist = Lanes::unbraid(simd, rows);
+                        passes = passes & plan.passes(simd, twist, self.rates, k);
+                    }
+                } else {
+                    unweave(simd, rows.as_flattened(), &mut columns);
+                    for k in 0..BLOCK / S::F64_LANES {
+                        let twist = load(simd, &columns, k);
+                        passes = passes & plan.passes(simd, twist, self.rates, k);
+                    }
                 }
                 pass = !(!passes).any();
             }

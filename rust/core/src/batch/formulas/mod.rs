@@ -8,6 +8,8 @@ pub(crate) mod forward;
 pub(crate) mod integrate;
 pub(crate) mod inverse;
 pub(crate) mod logs;
+pub(crate) mod maps;
+pub(crate) mod robust;
 pub(crate) mod rollout_cost;
 pub(crate) mod steered;
 pub(crate) mod tile;

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::cone::dot;
+use super::integrate::Place;
 use super::inverse::{Part, Plan, usual};
 use super::logs::{Logs, Watch, side_by_side};
 use super::steered::Steered;
@@ -13,7 +14,7 @@ use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::angle;
 use crate::batch::machine::table::{Durations, Table};
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::{self, Workers};
+use crate::batch::machine::workers::Workers;
 use crate::error::{Error, finite};
 use crate::geometry::{Steps, Twist};
 use crate::rover::{Inputs, MAX_WHEELS, Rover};
@@ -92,13 +93,13 @@ pub fn rollout_cost<'a>(
     journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
     if !fresh {
-        workers::each((0..logs).step_by(share), |first| {
+        workers.each((0..logs).step_by(share), |first| {
             journey.check(level, first..logs.min(first + share))
         })?;
     }
     let targets = poses.chunks_mut(share * (count + 1));
     let targets = targets.zip(costs.pieces(share)).enumerate();
-    workers::each(targets, |(k, (poses, mut costs))| {
+    workers.each(targets, |(k, (poses, mut costs))| {
         let buffers = &mut Buffers::default();
         let block = journey.block();
         let blocks = poses.chunks_mut(block * (count + 1));
@@ -194,8 +195,14 @@ impl Kernel for Judged<'_> {
     fn run<S: Vector>(mut self, simd: S) {
         let zero = Lanes::splat(simd, 0.0);
         let count = self.logs.count;
-        let group = S::F64_LANES * (count + 1);
-        for (k, poses) in self.poses.chunks_mut(group).enumerate() {
+        let rollouts = self.poses.len() / (count + 1);
+        let place = Place {
+            logs: self.logs,
+            poses: self.poses,
+            past: false,
+        };
+        place.run(simd);
+        for first in (0..rollouts).step_by(S::F64_LANES) {
             let mut judge = Judge {
                 plan: self.plan,
                 held: [simd.splat_f64s(0.0); MAX_WHEELS],
@@ -206,9 +213,8 @@ impl Kernel for Judged<'_> {
             for (held, previous) in judge.held.iter_mut().zip(self.previous.unwrap_or_default()) {
                 *held = simd.splat_f64s(*previous);
             }
-            let first = k * S::F64_LANES;
-            let lanes = poses.len() / (count + 1);
-            side_by_side(simd, self.logs, first, poses, &mut judge);
+            let lanes = S::F64_LANES.min(rollouts - first);
+            side_by_side(simd, self.logs, first, &mut judge);
             let mut found = [[0.0; LANES]; 5];
             let one = Lanes::splat(simd, 1.0);
             let sure = judge.sure.select(one, zero);

@@ -215,6 +215,12 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.gather(table, self.values))
     }
 
+    /// The last lane in every lane.
+    #[inline(always)]
+    pub fn spread(self, simd: S) -> Self {
+        self.with(simd.spread(self.values))
+    }
+
     /// The last lane.
     #[inline(always)]
     pub fn last(self, simd: S) -> f64 {

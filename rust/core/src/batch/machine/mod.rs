@@ -1,5 +1,6 @@
 //! How an array becomes registers and back; knows no rover.
 
+pub(crate) mod crew;
 pub(crate) mod lanes;
 pub(crate) mod level;
 pub(crate) mod places;

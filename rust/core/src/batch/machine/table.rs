@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::error::Error;
 use crate::estimate::Measured;
-use crate::geometry::Steps;
+use crate::geometry::{self, Steps};
 use crate::rover::{Inputs, Rover};
 
 /// Rows of numbers.
@@ -192,10 +192,13 @@ impl<'a> Durations<'a> {
         for first in (0..length).step_by(block) {
             let end = length.min(first + block);
             let dts = table.get(first, end, &mut buffer);
-            Steps::Each(dts)
-                .check(dts.len())
-                .map_err(|error| error.below(first))?;
-            longest = dts.iter().fold(longest, |longest, dt| longest.max(*dt));
+            let Some(here) = geometry::longest(dts) else {
+                let checked = Steps::Each(dts).check(dts.len());
+                return checked
+                    .map(|()| longest)
+                    .map_err(|error| error.below(first));
+            };
+            longest = longest.max(here);
         }
         Ok(longest)
     }

@@ -28,6 +28,9 @@ pub(crate) trait Vector: Simd {
     /// The last lane.
     fn last(self, register: Self::f64s) -> f64;
 
+    /// The last lane in every lane.
+    fn spread(self, register: Self::f64s) -> Self::f64s;
+
     /// Whether [`Self::stream`] goes past the caches.
     const STREAMS: bool;
 
@@ -148,6 +151,11 @@ impl Vector for Scalar {
 
     #[inline(always)]
     fn last(self, register: f64) -> f64 {
+        register
+    }
+
+    #[inline(always)]
+    fn spread(self, register: f64) -> f64 {
         register
     }
 
@@ -273,6 +281,11 @@ mod x86 {
         #[inline(always)]
         fn last(self, register: f64x8) -> f64 {
             register.7
+        }
+
+        #[inline(always)]
+        fn spread(self, register: f64x8) -> f64x8 {
+            pick(self, [register, register], [7; 8])
         }
 
         const STREAMS: bool = true;
@@ -492,6 +505,11 @@ mod x86 {
             register.3
         }
 
+        #[inline(always)]
+        fn spread(self, register: f64x4) -> f64x4 {
+            cast(self.avx2._mm256_permute4x64_pd::<0xFF>(cast(register)))
+        }
+
         const STREAMS: bool = true;
 
         #[inline(always)]
@@ -609,6 +627,11 @@ mod aarch64 {
         #[inline(always)]
         fn last(self, register: f64x2) -> f64 {
             register.1
+        }
+
+        #[inline(always)]
+        fn spread(self, register: f64x2) -> f64x2 {
+            f64x2(register.1, register.1)
         }
 
         const STREAMS: bool = false;

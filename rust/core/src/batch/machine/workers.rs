@@ -1,14 +1,20 @@
 //! How a batch is worked through: with which instructions, and by how many threads.
 
 use std::sync::{Mutex, PoisonError};
-use std::thread;
 
+use super::crew::together;
 use super::level::Level;
 use super::weave::BLOCK;
 use crate::error::Error;
 
-/// Rows under which no thread waits for another: starting one takes as long as some thousand rows.
+/// Rows under which no thread waits for another: waking one takes as long as some hundred to some thousand rows.
 const WORTH_A_THREAD: usize = 20_000;
+
+/// Shares of a batch for every thread: who comes late, or is held up, takes fewer of them.
+const SHARES: usize = 4;
+
+/// Rows of a share at least, so that taking it costs nothing beside them.
+const LEAST: usize = 2048;
 
 /// Instructions and threads of a batch. Results depend on the instructions in their last digits, on the number
 /// of threads not at all.
@@ -51,7 +57,11 @@ impl Workers {
         if rows < WORTH_A_THREAD {
             return rows.max(1);
         }
-        rows.div_ceil(self.hands()).next_multiple_of(BLOCK)
+        if self.hands() == 1 {
+            return rows;
+        }
+        let share = rows.div_ceil(self.hands() * SHARES).max(LEAST);
+        share.next_multiple_of(BLOCK)
     }
 
     /// Logs that one thread takes at a time, out of so many of so many rows each.
@@ -59,7 +69,21 @@ impl Workers {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
-        logs.div_ceil(self.hands()).max(1).next_multiple_of(8)
+        if self.hands() == 1 {
+            return logs;
+        }
+        let share = logs.div_ceil(self.hands() * SHARES);
+        share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
+    }
+
+    /// Does every job with as many threads as there are to be.
+    pub(crate) fn each<J: Send>(
+        self,
+        jobs: impl Iterator<Item = J> + Send,
+        work: impl Fn(J) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
+        shared_out(self.hands().min(jobs_at_most), jobs, work)
     }
 }
 
@@ -67,16 +91,23 @@ impl Workers {
 /// enough that their stacks do not matter.
 const MOST_HELPERS: usize = 63;
 
-/// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`]. A thread that
-/// cannot start is done without: the jobs are handed out one by one to whoever is there. The failure of the first job
-/// that fails.
+/// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`].
 pub(crate) fn each<J: Send>(
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {
     let jobs_at_most = jobs.size_hint().1.unwrap_or(usize::MAX);
-    let helpers = jobs_at_most.saturating_sub(1).min(MOST_HELPERS);
-    if helpers == 0 {
+    shared_out(jobs_at_most.min(MOST_HELPERS + 1), jobs, work)
+}
+
+/// Does every job by so many hands at most, this thread's among them: jobs are handed out one by one to whoever is
+/// there. The failure of the first job that fails.
+fn shared_out<J: Send>(
+    hands: usize,
+    jobs: impl Iterator<Item = J> + Send,
+    work: impl Fn(J) -> Result<(), Error> + Sync,
+) -> Result<(), Error> {
+    if hands <= 1 {
         let mut jobs = jobs;
         return jobs.try_for_each(work);
     }
@@ -94,15 +125,7 @@ pub(crate) fn each<J: Send>(
             }
         }
     };
-    thread::scope(|scope| {
-        for _ in 0..helpers {
-            let started = thread::Builder::new().spawn_scoped(scope, work_through);
-            if started.is_err() {
-                break;
-            }
-        }
-        work_through();
-    });
+    together(hands - 1, &work_through);
     let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
     failed.map_or(Ok(()), |(_, error)| Err(error))
 }
@@ -115,7 +138,11 @@ mod tests {
     fn every_job_is_done_once_and_the_first_failure_is_told() {
         for count in [0, 1, 2, 7, 1000] {
             let mut done = vec![0; count];
-            let result = each(done.iter_mut().enumerate(), |(number, times)| {
+            let workers = Workers {
+                threads: 3,
+                ..Workers::PLAIN
+            };
+            let result = workers.each(done.iter_mut().enumerate(), |(number, times)| {
                 *times += 1;
                 match number {
                     5 | 900 => Err(Error::value("job", "work", number.to_string())),
