@@ -113,25 +113,6 @@ TRACTION = ("speeds", "steering", "contact_angles", "lifted", "vertical_speed")
 
 @pytest.mark.parametrize("name", VEHICLES)
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_inverse_is_the_plain_way(name: str, kernel: str) -> None:
-    """Both meanings of a command, rest, limits, kept angles; stands that are told, and settled ones."""
-    arm, rng = VEHICLES[name], np.random.default_rng(1)
-    commands = rng.uniform([0.1, -0.01], [0.3, 0.01], (COUNT, 2)) * rng.choice([-1, 1], (COUNT, 1))
-    commands[::13] = 0
-    kept = rng.uniform(-0.5, 0.5, (COUNT, widths(arm)[2]))
-    free, keeps = (
-        ({}, {"view": "plan", "max_wheel_speed": 0.5}),
-        ({"steering": kept}, {"steering": kept, "view": "plan"}),
-    )
-    # On ground that is nowhere the turns of a wheel need not end: there angles are kept.
-    for stand, asked in ((told(arm, 2), keeps), (settled(arm, 3), (*free, *keeps))):
-        for more in asked:
-            plain = arm.inverse(stand, commands, kernel="plain", **more)
-            alike(arm.inverse(stand, commands, kernel=kernel, **more), plain, COMMAND)
-
-
-@pytest.mark.parametrize("name", VEHICLES)
-@pytest.mark.parametrize("kernel", KERNELS)
 def test_forward_is_the_plain_way(name: str, kernel: str) -> None:
     """Whatever was measured, in all rows, some or none; weights; other angles than those of the stand."""
     arm, rng = VEHICLES[name], np.random.default_rng(1)
@@ -184,12 +165,12 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     stand = told(arm, 4, 20_003)
     rng = np.random.default_rng(5)
     commands = rng.uniform(-0.2, 0.2, (20_003, 2))
-    whole = arm.inverse(stand, commands, steering=stand.steering, kernel=kernel)
+    whole = arm.inverse(stand, commands, steering=stand.steering)
     moved = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
     driven = arm.traction(*drive, kernel=kernel)
     for threads in (2, 3):
-        again = arm.inverse(stand, commands, steering=stand.steering, kernel=kernel, threads=threads)
+        again = arm.inverse(stand, commands, steering=stand.steering, threads=threads)
         alike(again, whole, COMMAND, 0)
         again = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel, threads=threads)
         alike(again, moved, MOTION, 0)
@@ -197,7 +178,7 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     for first in (1, 20_000):
         part = SimpleNamespace(**{key: value[first:] for key, value in vars(stand).items()})
         alike(
-            arm.inverse(part, commands[first:], steering=part.steering, kernel=kernel),
+            arm.inverse(part, commands[first:], steering=part.steering),
             SimpleNamespace(**{key: getattr(whole, key)[first:] for key in COMMAND}),
             COMMAND,
             0,
@@ -210,21 +191,54 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-def test_the_first_row_that_steers_too_far_is_named(kernel: str) -> None:
-    """As the plain way names it; an empty batch is one."""
-    dimensions = dict(sw.RockerBogie.perseverance().dimensions)
-    arm = sw.RockerBogie(**dimensions | {"steering_limit": 1.2})
-    stand = told(arm, 6)
-    stand.steering *= 0
-    commands = np.tile([0.2, 0.0], (COUNT, 1))
-    commands[70:] = 0.05, 0.5
-    messages = []
-    for which in ("plain", kernel):
-        with pytest.raises(sw.InfeasibleMotionError, match="steer within") as caught:
-            arm.inverse(stand, commands, kernel=which)
-        messages.append(str(caught.value))
-    assert messages[0] == messages[1]
-    nothing = arm.inverse(told(arm, 6, 0), np.empty((0, 2)), kernel=kernel)
-    assert nothing.speeds.shape == (0, 6)
+def test_nothing_to_do(kernel: str) -> None:
+    """An empty batch is one."""
+    arm = VEHICLES["perseverance"]
     still = np.empty((0, 3))
+    assert arm.forward(told(arm, 6, 0), None, np.empty((0, 6)), kernel=kernel).twist.shape == (0, 6)
     assert arm.traction(np.empty(0), np.empty(0), still, still, still, kernel=kernel).speeds.shape == (0, 6)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_the_first_row_that_steers_too_far_is_named(threads: int) -> None:
+    """However many look at once; an empty batch is one."""
+    dimensions = dict(sw.RockerBogie.perseverance().dimensions)
+    arm = sw.RockerBogie(**dimensions | {"steering_limit": 0.6})
+    stand = told(arm, 6, 30_001)
+    for level in (stand.steering, stand.joints, stand.roll, stand.pitch):
+        level *= 0
+    stand.normals[...] = 0, 0, 1
+    commands = np.tile([0.2, 0.0], (30_001, 1))
+    commands[[20_070, 29_000]] = 0.0, 0.5
+    with pytest.raises(sw.InfeasibleMotionError, match=r"command\[20070\] must let \w+ steer within"):
+        arm.inverse(stand, commands, threads=threads)
+    nothing = arm.inverse(told(arm, 6, 0), np.empty((0, 2)), threads=threads)
+    assert nothing.speeds.shape == (0, 6)
+
+
+@pytest.mark.parametrize("call", ["slip", "stability", "settle", "bounds", "feasible"])
+def test_threads_change_no_bit(call: str) -> None:
+    """Whatever else takes a stand, or poses."""
+    arm, rng, count = VEHICLES["rocky7"], np.random.default_rng(1), 20_003
+    ground = sw.Terrain(rocks(4.0, 0.1, 20, 3) * 0.2, 0.05)
+    poses = rng.uniform([0, 0, -math.pi], [2, 2, math.pi], (count, 3))
+    rates, twists = rng.uniform(-0.1, 0.1, (count, 3)), rng.uniform(-0.1, 0.1, (count, 6))
+    stand = arm.settle(ground, poses)
+    assert np.isfinite(stand.z).sum() > count // 4
+    run, names = {
+        "slip": (lambda **how: arm.slip(stand, twists, twists, rates, **how), ("ratio", "angle")),
+        "stability": (
+            lambda **how: arm.stability(stand, mass=10.0, **how),
+            ("loads", "tip_over_angle", "clearance", "joint_margins", "tilt"),
+        ),
+        "settle": (lambda **how: arm.settle(ground, poses, **how), ("z", "joints", "gap")),
+        "bounds": (lambda **how: arm.bounds(ground, poses, **how), ("z", "tilt", "clearance")),
+        "feasible": (lambda **how: arm.feasible(ground, poses, **how), ("margin", "tilt")),
+    }[call]
+    one = run(threads=1)
+    for threads in (2, 3):
+        many = run(threads=threads)
+        for name in names:
+            np.testing.assert_array_equal(getattr(many, name), getattr(one, name), err_msg=name)
+    with pytest.raises(ValueError, match="threads must be at least 1, got 0"):
+        run(threads=0)

@@ -116,8 +116,6 @@ impl Suspension {
     ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
-    ///     Instructions, one of `kernels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -132,7 +130,7 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
-    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, threads=None, kernel=None))]
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, threads=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn inverse<'py>(
         &self,
@@ -143,7 +141,6 @@ impl Suspension {
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
         threads: Option<i64>,
-        kernel: Option<&str>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -179,7 +176,7 @@ impl Suspension {
                 return Err(refuse("max_wheel_speed", "be positive", &got));
             }
         }
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, None)?;
         let mut outputs = [
             fresh(py, &leading, steered)?,
             fresh(py, &leading, wheels)?,
@@ -198,16 +195,7 @@ impl Suspension {
         };
         let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
         compute(py, count, || {
-            inverse_rows(
-                chain,
-                &self.motion,
-                &footings,
-                &how,
-                wanted,
-                kept,
-                asked,
-                workers,
-            )
+            inverse_rows(chain, &footings, &how, wanted, kept, asked, workers)
         })
         .map_err(|error| raise(error, &leading))?;
         let [angles, speeds, twists, rates] = outputs;

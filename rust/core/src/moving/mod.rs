@@ -25,8 +25,8 @@ pub use contact::{COLUMNS, Contacts, Footing, Row};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
 pub use response::Response;
 pub use rows::{
-    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Told, Turns, forward_rows,
-    inverse_rows, traction_rows,
+    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Slips, Told, Turns,
+    forward_rows, inverse_rows, slip_rows, traction_rows,
 };
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};

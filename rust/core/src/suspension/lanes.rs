@@ -155,12 +155,6 @@ impl Plan {
         let after = &self.wheels[wheel + 1..];
         joint.filter(|_| after.iter().any(|other| other.steering == joint))
     }
-
-    /// From the steering axis of a wheel to its centre, ahead and to the left of it [m].
-    pub fn offset(&self, wheel: usize) -> [f64; 2] {
-        let [ahead, aside, _] = self.wheels[wheel].offset;
-        [ahead, aside]
-    }
 }
 
 #[inline(always)]

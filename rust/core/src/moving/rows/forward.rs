@@ -9,7 +9,6 @@ use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::each;
 use crate::batch::{Level, Workers};
 use crate::moving::contact::{COLUMNS, Contacts};
 use crate::moving::motion::{Readings, weights};
@@ -74,7 +73,7 @@ pub fn forward_rows(
             },
         });
     // A job does not fail.
-    let _ = each(jobs, |mut job| {
+    let _ = workers.each(jobs, |mut job| {
         match &prepared.plan {
             Some(plan) if workers.level != Level::Plain => {
                 workers.level.run(InLanes { plan, job });

@@ -1,23 +1,10 @@
 //! [`inverse`] for many rows.
 
-use super::Prepared;
-use super::columns::{Span, angle_of, finite, truths, way, within};
-use super::follow::{Follow, Known, Row, Touch, row};
-use super::footings::{Footings, Standing, on_plane};
-use super::solve::{back, triangular};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::each;
-use crate::batch::{Level, Workers};
+use super::footings::Footings;
+use crate::batch::Workers;
 use crate::error::Error;
-use crate::moving::contact::COLUMNS;
-use crate::moving::motion::{Command, PLAN, View, Wanted, inverse};
-use crate::suspension::lanes::{
-    LARGEST_TURN, Placing, Plan, Turned, Vectors, WheelAt, all, cross, dot, sum,
-};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::moving::motion::{Command, Wanted, inverse};
+use crate::suspension::Chain;
 
 /// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
 #[derive(Debug)]
@@ -39,7 +26,6 @@ pub struct Commands<'a> {
 #[allow(clippy::too_many_arguments)] // each is a thing of its own
 pub fn inverse_rows(
     chain: &Chain,
-    prepared: &Prepared,
     footings: &Footings<'_>,
     command: &Command,
     wanted: &[[f64; 2]],
@@ -47,490 +33,39 @@ pub fn inverse_rows(
     commands: Commands<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
-    let workers = workers.here();
-    let share = workers.share(commands.scales.len());
     let (wheels, free, steered) = (
         chain.wheels().len(),
         chain.joints().len(),
         chain.steering().len(),
     );
-    let mut angles = commands.steering.chunks_mut((share * steered).max(1));
-    let mut rates = commands.joint_rates.chunks_mut((share * free).max(1));
-    let jobs = commands
-        .scales
-        .chunks_mut(share)
-        .zip(commands.speeds.chunks_mut(share * wheels))
-        .zip(commands.twists.chunks_mut(share))
-        .enumerate()
-        .map(|(k, ((scales, speeds), twists))| Job {
-            chain,
-            footings,
-            command,
-            wanted,
-            steering,
-            first: k * share,
-            commands: Commands {
-                steering: angles.next().unwrap_or_default(),
-                speeds,
-                twists,
-                joint_rates: rates.next().unwrap_or_default(),
-                scales,
-            },
-        });
-    each(jobs, |mut job| match &prepared.plan {
-        Some(plan) if workers.level != Level::Plain => {
-            let done = workers.level.run(InLanes { plan, job });
-            done.unwrap_or(Ok(()))
-        }
-        _ => (0..job.commands.scales.len()).try_for_each(|row| job.one(row)),
-    })
-}
-
-/// Rows that one thread takes.
-struct Job<'a> {
-    chain: &'a Chain,
-    footings: &'a Footings<'a>,
-    command: &'a Command,
-    wanted: &'a [[f64; 2]],
-    steering: Option<&'a [f64]>,
-    /// The first of its rows among all.
-    first: usize,
-    commands: Commands<'a>,
-}
-
-impl Job<'_> {
-    /// A row of its own, the plain way.
-    fn one(&mut self, row: usize) -> Result<(), Error> {
-        let (place, chain) = (self.first + row, self.chain);
-        let (wheels, free, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
-        let [speed, yaw_rate] = match self.wanted {
-            [all] => *all,
-            _ => self.wanted[place],
-        };
-        let wanted = Wanted { speed, yaw_rate };
-        let kept = self
-            .steering
-            .map(|angles| &angles[place * steered..][..steered]);
-        let found = self.footings.with(chain, place, |footing| {
-            inverse(chain, footing, self.command, wanted, kept)
-        });
-        let found = found.map_err(|error| error.at_row(place))?;
-        let commands = &mut self.commands;
-        commands.steering[row * steered..][..steered].copy_from_slice(&found.steering[..steered]);
-        commands.speeds[row * wheels..][..wheels].copy_from_slice(&found.speeds[..wheels]);
-        commands.twists[row] = found.twist;
-        commands.joint_rates[row * free..][..free].copy_from_slice(&found.joint_rates[..free]);
-        commands.scales[row] = found.scale;
-        Ok(())
-    }
-}
-
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = Result<(), Error>;
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.commands.scales.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let span = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
+    let count = commands.scales.len();
+    let outputs = [
+        (commands.steering, steered),
+        (commands.speeds, wheels),
+        (commands.twists.as_flattened_mut(), 6),
+        (commands.joint_rates, free),
+        (commands.scales, 1),
+    ];
+    workers.rows(
+        count,
+        outputs,
+        |row, [angles, speeds, twist, rates, scale]| {
+            let [speed, yaw_rate] = match wanted {
+                [all] => *all,
+                _ => wanted[row],
             };
-            let doubt = self.some(simd, span, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..span.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-        Ok(())
-    }
-}
-
-/// Rounds in which a steered wheel is aimed; each squares what was missing.
-const ROUNDS: usize = 7;
-
-/// A turn of this tangent is the last one: what is missing after it is not seen.
-const LAST: f64 = 1e-8;
-
-/// Tangent of a turn beyond which a second turn is left to the plain way.
-const FAR: f64 = 0.1;
-
-/// What a turn of the plain way leaves of what was missing, at most: where it leaves more it may not get there, or elsewhere.
-const LEAVES: f64 = 0.3;
-
-/// A wheel in its own axes: ahead, to the left and up at the steering angle of the footing.
-#[derive(Clone, Copy)]
-struct Local<S: Vector> {
-    /// Of the ground.
-    normal: Vectors<S>,
-    /// Velocity of its centre [m/s], and how its carrier turns [rad/s].
-    velocity: Vectors<S>,
-    turn: Vectors<S>,
-    /// Its centre from the steering axis, ahead and to the left [m].
-    offset: [f64; 2],
-    radius: f64,
-}
-
-impl<S: Vector> Local<S> {
-    #[inline(always)]
-    fn new(tread: &WheelAt<S>, normal: Vectors<S>, carried: [Vectors<S>; 2]) -> Self {
-        let [velocity, turn] = carried;
-        Self {
-            normal: local(tread, normal),
-            velocity: local(tread, velocity),
-            turn: local(tread, turn),
-            offset: [0.0; 2],
-            radius: 0.0,
-        }
-    }
-
-    /// How far the centre has moved when the wheel is turned [m].
-    #[inline(always)]
-    fn moved(&self, simd: S, (sin, cos): Turned<S>) -> Option<Vectors<S>> {
-        let [x, y] = self.offset;
-        if x == 0.0 && y == 0.0 {
-            return None;
-        }
-        let (x, y) = (all(simd, x), all(simd, y));
-        Some([
-            x.mul_add(cos, -(y * sin)) - x,
-            x.mul_add(sin, y * cos) - y,
-            all(simd, 0.0),
-        ])
-    }
-
-    /// The direction in which the touching point goes where the wheel goes. The first turn is the plain way's, the
-    /// others are steps of Newton's method towards the same place.
-    #[inline(always)]
-    fn aimed(&self, simd: S, doubt: &mut Mask<S>) -> Turned<S> {
-        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let [nx, ny, nz] = self.normal;
-        let (mut sin, mut cos) = (zero, one);
-        // Lanes that have found theirs wait for the others, so that no lane depends on another.
-        let mut open = zero.below(one);
-        for round in 0..ROUNDS {
-            let (an, hn) = (ny.mul_add(cos, -(nx * sin)), nx.mul_add(cos, ny * sin));
-            let square = hn.mul_add(hn, nz * nz);
-            let inverse = one.quotient(square.sqrt());
-            let length = -(all(simd, self.radius) * inverse);
-            let along = length * hn;
-            let mut arm = [along * cos, along * sin, length * nz];
-            let moved = self.moved(simd, (sin, cos));
-            if let Some(moved) = moved {
-                arm = sum(arm, moved);
-            }
-            let touch = sum(self.velocity, cross(self.turn, arm));
-            let up = dot(self.normal, touch);
-            let across = touch[1].mul_add(cos, -(touch[0] * sin));
-            let ahead = touch[0].mul_add(cos, touch[1] * sin);
-            let aside = across - an * up;
-            let forward = nz.mul_add(ahead, -(hn * touch[2]));
-            if round == 0 {
-                // Both are as long as the rim is seen along the ground.
-                (sin, cos) = way([forward, aside], (zero, one), doubt).turned;
-                continue;
-            }
-            // Derivatives by the steering angle.
-            let inverse_square = inverse * inverse;
-            let tilt = an * nz * inverse_square;
-            let mut turned = [
-                length * (tilt * nz).mul_add(cos, -(hn * sin)),
-                length * (tilt * nz).mul_add(sin, hn * cos),
-                -(length * hn * tilt),
-            ];
-            if let Some(moved) = moved {
-                let [x, y] = [all(simd, self.offset[0]), all(simd, self.offset[1])];
-                turned[0] = turned[0] - (moved[1] + y);
-                turned[1] = turned[1] + (moved[0] + x);
-            }
-            let change = cross(self.turn, turned);
-            let by = change[1].mul_add(cos, -(change[0] * sin)) - ahead;
-            let by = hn.mul_add(up, by) - an * dot(self.normal, change);
-            let rests = aside.abs().at_most(zero);
-            let step = -(aside.quotient(rests.select(one, by)));
-            let size = step.abs();
-            *doubt = *doubt | (open & !size.at_most(all(simd, FAR)));
-            let left = (by + forward).abs();
-            let leaves = left.at_most(all(simd, LEAVES) * forward.abs());
-            *doubt = *doubt | (open & !(leaves | rests));
-            let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
-            let inverse = one.quotient(step.mul_add(step, one).sqrt());
-            (sin, cos) = (open.select(s * inverse, sin), open.select(c * inverse, cos));
-            open = open & all(simd, LAST).below(size);
-            if !open.any() {
-                break;
-            }
-        }
-        *doubt = *doubt | open;
-        (sin, cos)
-    }
-
-    /// The rate of its encoder when it rolls, turned like this [rad/s].
-    #[inline(always)]
-    fn rolling(&self, simd: S, turned: Turned<S>) -> Lanes<S> {
-        let (sin, cos) = turned;
-        let [nx, ny, nz] = self.normal;
-        let (sin_at, cos_at) = on_plane(simd, nx.mul_add(cos, ny * sin), nz);
-        let mut velocity = self.velocity;
-        if let Some(moved) = self.moved(simd, turned) {
-            velocity = sum(velocity, cross(self.turn, moved));
-        }
-        let ahead = velocity[0].mul_add(cos, velocity[1] * sin);
-        let along = ahead.mul_add(cos_at, velocity[2] * sin_at);
-        let turning = self.turn[1].mul_add(cos, -(self.turn[0] * sin));
-        along.mul_add(all(simd, 1.0 / self.radius), -turning)
-    }
-}
-
-#[inline(always)]
-fn local<S: Vector>(tread: &WheelAt<S>, vector: Vectors<S>) -> Vectors<S> {
-    [
-        dot(tread.forward, vector),
-        dot(tread.axle, vector),
-        dot(tread.up, vector),
-    ]
-}
-
-impl InLanes<'_> {
-    /// Some rows, and the lanes that are for the plain way.
-    #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
-        let (plan, chain) = (self.plan, self.job.chain);
-        let given = Span {
-            first: self.job.first + span.first,
-            ..span
-        };
-        let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
-        let mut doubt = zero.below(zero);
-        let standing = Standing::new(simd, chain, self.job.footings, given, &mut doubt);
-        placing.place(simd, &standing.joints);
-        let placing = &*placing;
-        let wheels = plan.wheels().min(MAX_WHEELS);
-        let mut treads = placing.wheels;
-        let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
-        for wheel in 0..wheels {
-            if let Some(joint) = plan.steering(wheel) {
-                let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                treads[wheel] = placing.steered(simd, wheel, turned);
-            }
-            let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
-            let touch = Touch::new(simd, &treads[wheel], radius, at);
-            normals[wheel].0 = row(simd, placing, wheel, touch.point, standing.normals[wheel]);
-        }
-        let rates = self.rates(simd, given, &standing, &normals[..wheels]);
-        let mut total = zero;
-        for rate in rates {
-            total = total + rate;
-        }
-        // Where the ground does not say how the suspension follows it nothing is known.
-        let known = total.at_most(total) & !standing.nowhere;
-        let joints = [rates[6], rates[7], rates[8]];
-        let body = [
-            [rates[0], rates[1], rates[2]],
-            [rates[3], rates[4], rates[5]],
-        ];
-        let mut locals = [None; MAX_WHEELS];
-        for wheel in 0..wheels {
-            let tread = &treads[wheel];
-            let carried = placing.carried(wheel, tread.centre, body, &joints);
-            let mut local = Local::new(tread, standing.normals[wheel], carried);
-            local.radius = plan.radius(wheel);
-            local.offset = plan.offset(wheel);
-            locals[wheel] = Some(local);
-        }
-        let (angles, turned) = self.steered(simd, given, &standing, &locals, &mut doubt);
-        let mut speeds = [zero; MAX_WHEELS];
-        let mut fastest = zero;
-        for (wheel, local) in locals.iter().enumerate() {
-            let Some(local) = local else { continue };
-            let joint = plan.steering(wheel);
-            let to = joint.map_or((zero, one), |joint| turned[joint % MAX_WHEELS]);
-            speeds[wheel] = local.rolling(simd, to);
-            fastest = fastest.max(speeds[wheel].abs());
-        }
-        let limit = all(simd, self.job.command.wheel_speed);
-        let scale = limit.below(fastest).select(limit.quotient(fastest), one);
-        let mut checked = scale;
-        for speed in &speeds[..wheels] {
-            checked = checked + *speed;
-        }
-        doubt = (doubt | !finite(simd, checked)) & known;
-        self.write(span, &angles, &speeds, &rates, known.select(scale, nan));
-        doubt
-    }
-
-    /// Twist and joint rates of the wanted motion.
-    #[inline(always)]
-    fn rates<S: Vector>(
-        &self,
-        simd: S,
-        given: Span,
-        standing: &Standing<S>,
-        normals: &[(Row<S>, Lanes<S>)],
-    ) -> Row<S> {
-        let zero = all(simd, 0.0);
-        let (speed, yaw_rate) = match self.job.wanted {
-            [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
-            wanted => {
-                let [speed, yaw_rate] = given.read::<S, 2>(simd, wanted.as_flattened(), 2);
-                (speed, yaw_rate)
-            }
-        };
-        let plan = [
-            speed,
-            yaw_rate * all(simd, self.job.command.offset),
-            yaw_rate,
-        ];
-        let mut known = [Known::Nowhere; COLUMNS];
-        for k in 0..MAX_FREE {
-            if k >= self.plan.joints() {
-                known[6 + k] = Known::Everywhere(zero);
-            } else if standing.any_stopped {
-                known[6 + k] = Known::Somewhere(standing.stopped[k], zero);
-            }
-        }
-        match self.job.command.view {
-            View::Body => {
-                for (column, rate) in PLAN.into_iter().zip(plan) {
-                    known[column] = Known::Everywhere(rate);
-                }
-                Follow::new::<1>(simd, standing, &known, normals).offset
-            }
-            View::Plan => {
-                let follow = Follow::new::<3>(simd, standing, &known, normals);
-                follow.rates(seen_from_above(simd, standing, &follow, plan))
-            }
-        }
-    }
-
-    /// Angles of the steering joints, and where to they turn their wheels from those of the footing.
-    #[inline(always)]
-    fn steered<S: Vector>(
-        &self,
-        simd: S,
-        given: Span,
-        standing: &Standing<S>,
-        locals: &[Option<Local<S>>; MAX_WHEELS],
-        doubt: &mut Mask<S>,
-    ) -> ([Lanes<S>; MAX_WHEELS], [Turned<S>; MAX_WHEELS]) {
-        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut turned = [(zero, one); MAX_WHEELS];
-        if let Some(steering) = self.job.steering {
-            let steered = self.job.chain.steering().len();
-            let angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
-            for k in 0..steered.min(MAX_WHEELS) {
-                *doubt = *doubt | all(simd, LARGEST_TURN).below(angles[k].abs());
-                turned[k] = direction(simd, angles[k] - standing.steering[k]);
-            }
-            return (angles, turned);
-        }
-        let mut angles = [zero; MAX_WHEELS];
-        for (wheel, local) in locals.iter().enumerate() {
-            let Some(local) = local else { continue };
-            let Some(joint) = self.plan.steering(wheel) else {
-                continue;
-            };
-            let joint = joint % MAX_WHEELS;
-            let (sin, cos) = local.aimed(simd, doubt);
-            let behind = cos.sign();
-            // Turns go on from a first one of a quarter turn at most.
-            let near = angle_of(simd, (sin.flip(behind), cos.flip(behind)));
-            let half = all(simd, std::f64::consts::PI);
-            let over = zero.below(sin).select(half, -half);
-            let angle = cos.below(zero).select(near + over, near);
-            let range = self.job.chain.steering()[joint];
-            let within = within(simd, range, standing.steering[joint] + angle, doubt);
-            angles[joint] = within.angle;
-            turned[joint] = (sin.flip(within.turned), cos.flip(within.turned));
-        }
-        (angles, turned)
-    }
-
-    #[inline(always)]
-    fn write<S: Vector>(
-        &mut self,
-        span: Span,
-        angles: &[Lanes<S>; MAX_WHEELS],
-        speeds: &[Lanes<S>; MAX_WHEELS],
-        rates: &Row<S>,
-        scale: Lanes<S>,
-    ) {
-        let chain = self.job.chain;
-        let simd = scale.simd();
-        let zero = all(simd, 0.0);
-        // NaN where nothing is known.
-        let nothing = !scale.at_most(scale);
-        let (mut steers, mut turns) = (*angles, *speeds);
-        for k in 0..MAX_WHEELS {
-            steers[k] = nothing.select(scale, angles[k]);
-            turns[k] = speeds[k] * scale;
-        }
-        let (mut twist, mut joints) = ([zero; 6], [zero; MAX_FREE]);
-        for (k, value) in twist.iter_mut().enumerate() {
-            *value = rates[k] * scale;
-        }
-        for (k, value) in joints.iter_mut().enumerate() {
-            *value = rates[6 + k] * scale;
-        }
-        let commands = &mut self.job.commands;
-        span.write(simd, &steers, chain.steering().len(), commands.steering);
-        span.write(simd, &turns, chain.wheels().len(), commands.speeds);
-        span.write(simd, &twist, 6, commands.twists.as_flattened_mut());
-        span.write(simd, &joints, chain.joints().len(), commands.joint_rates);
-        span.write(simd, &[scale], 1, commands.scales);
-    }
-}
-
-/// The motion in plan of the body that is this motion from above: see [`View::Plan`].
-#[inline(always)]
-fn seen_from_above<S: Vector>(
-    simd: S,
-    standing: &Standing<S>,
-    follow: &Follow<S>,
-    wanted: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
-    let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-    let ((sr, cr), (sp, cp)) = (standing.roll, standing.pitch);
-    let level = [[cp, sp * sr, sp * cr], [zero, cr, -sr]];
-    let inverse = one.quotient(cp);
-    let turning = [sr * inverse, cr * inverse];
-    // Of vx, vy, vz, wy and wz, by the motion in plan.
-    let mut spread = [[zero; 3]; COLUMNS];
-    for (k, column) in PLAN.into_iter().enumerate() {
-        spread[column][k] = one;
-    }
-    for (column, told) in follow.unknown.iter().zip(&follow.spread).take(follow.count) {
-        spread[*column] = *told;
-    }
-    let mut system = [[zero; 4]; 3];
-    for k in 0..3 {
-        for (cells, row) in system.iter_mut().zip(&level) {
-            for c in 0..3 {
-                cells[k] = row[c].mul_add(spread[c][k], cells[k]);
-            }
-        }
-        system[2][k] = turning[0].mul_add(spread[4][k], turning[1] * spread[5][k]);
-    }
-    for (cells, value) in system.iter_mut().zip(wanted) {
-        cells[3] = value;
-    }
-    triangular(simd, &mut system, 3, 4);
-    let solution: [[Lanes<S>; 1]; 3] = back(simd, &system, 3);
-    [solution[0][0], solution[1][0], solution[2][0]]
+            let wanted = Wanted { speed, yaw_rate };
+            let kept = steering.map(|angles| &angles[row * steered..][..steered]);
+            let found = footings.with(chain, row, |footing| {
+                inverse(chain, footing, command, wanted, kept)
+            });
+            let found = found.map_err(|error| error.at_row(row))?;
+            angles.copy_from_slice(&found.steering[..steered]);
+            speeds.copy_from_slice(&found.speeds[..wheels]);
+            twist.copy_from_slice(&found.twist);
+            rates.copy_from_slice(&found.joint_rates[..free]);
+            scale[0] = found.scale;
+            Ok(())
+        },
+    )
 }

@@ -1,6 +1,6 @@
-//! Motion on the ground for many rows: a row in every lane.
+//! Motion on the ground for many rows; forward and traction with a row in every lane.
 //!
-//! The same mathematics as one row of [`super::inverse`], [`Contacts::forward`](super::Contacts::forward) and
+//! In lanes it is the same mathematics as one row of [`Contacts::forward`](super::Contacts::forward) and
 //! [`super::traction`], which stays what these are compared with. Where a lane is not as plain as most (it steers past
 //! its range, rests, divides by almost nothing) that row goes the plain way.
 
@@ -9,12 +9,14 @@ mod follow;
 mod footings;
 mod forward;
 mod inverse;
+mod slip;
 mod solve;
 mod traction;
 
 pub use footings::{Footings, Told};
 pub use forward::{Movings, ReadingRows, forward_rows};
 pub use inverse::{Commands, inverse_rows};
+pub use slip::{Slips, slip_rows};
 pub use traction::{Drives, Driving, Turns, traction_rows};
 
 use super::rest_offset;

@@ -6,7 +6,6 @@ use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::each;
 use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
@@ -91,7 +90,7 @@ pub fn traction_rows(
                 vertical,
             },
         });
-    each(jobs, |mut job| match &prepared.plan {
+    workers.each(jobs, |mut job| match &prepared.plan {
         Some(plan) if workers.level != Level::Plain => {
             let done = workers.level.run(InLanes { plan, job });
             done.unwrap_or(Ok(()))
