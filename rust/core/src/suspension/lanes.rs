@@ -70,6 +70,9 @@ struct Wheel {
     movers: Vec<usize>,
 }
 
+/// Where a part that steers is in its parent, and its joint.
+type Knuckle = ([f64; 3], usize);
+
 /// What lanes need to know of a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
@@ -87,7 +90,7 @@ impl Plan {
             joints: chain.joints().len(),
         };
         // The frame that a part is, or for one that steers that of its parent, with its origin there.
-        let mut frames: Vec<(usize, Option<([f64; 3], usize)>)> = Vec::new();
+        let mut frames: Vec<(usize, Option<Knuckle>)> = Vec::new();
         for part in chain.parts() {
             let (parent, knuckle) = part.parent.map_or((0, None), |k| frames[k]);
             let unit = |axis: &usize| (0..3).all(|k| part.axis[k] == f64::from(k == *axis));
