@@ -9,10 +9,11 @@ from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
 from six_wheel.logs.opening import corrections, encoders_of
 from six_wheel.onboard.options import OPTIONS, Options
 from six_wheel.parameters import syntax
-from six_wheel.parameters.file import Parameters, dump, parse_parameters
+from six_wheel.parameters.file import Parameters, parse_parameters
 from six_wheel.parameters.forms import section_of
 from six_wheel.parameters.nodes import PARAMETERS
 from six_wheel.parameters.schema import GROUPS
+from six_wheel.parameters.writing import dump
 
 __all__ = ["NAMES", "Settings", "read_value", "rover_keys", "text_of", "with_changes"]
 

@@ -2,7 +2,8 @@
 
 The way down: text to a tree with lines (`syntax`), the parameters of one node (`nodes`), which form they have
 (`forms`: the `kinds` of this package or the `controllers` of ROS 2, whose keys `schema` checks), which wheel
-a joint turns (`joints`), the rover with all findings (`file`). `mending` writes other numbers into a file.
+a joint turns (`joints`), the rover with all findings (`file`). `writing` is the way back; `mending` writes
+other numbers into a file.
 """
 
 from typing import TYPE_CHECKING
@@ -14,12 +15,12 @@ if TYPE_CHECKING:
         Finding,
         ParameterFileError,
         Parameters,
-        dump,
         load,
         parse_parameters,
         read_parameters,
     )
     from six_wheel.parameters.mending import text_for
+    from six_wheel.parameters.writing import dump
 
 __all__ = [
     "Finding",
@@ -41,7 +42,6 @@ __getattr__, __dir__ = attach(
             "Finding",
             "ParameterFileError",
             "Parameters",
-            "dump",
             "load",
             "parse_parameters",
             "read_parameters",
@@ -53,5 +53,6 @@ __getattr__, __dir__ = attach(
         "nodes": (),
         "schema": (),
         "syntax": (),
+        "writing": ("dump",),
     },
 )

@@ -17,11 +17,12 @@ import yaml
 from six_wheel._core import Rover
 from six_wheel.parameters import file as config
 from six_wheel.parameters import syntax
-from six_wheel.parameters.file import Parameters, dump, parse_parameters
+from six_wheel.parameters.file import Parameters, parse_parameters
 from six_wheel.parameters.forms import form_of, section_of
 from six_wheel.parameters.nodes import PARAMETERS, Section
 from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
 from six_wheel.parameters.syntax import Path, Tree
+from six_wheel.parameters.writing import dump
 from six_wheel.poses import Floats
 from six_wheel.rebuild import joints_as_given
 
