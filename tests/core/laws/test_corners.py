@@ -293,6 +293,11 @@ def test_what_no_rover_has_is_not_taken_in():
     for stamp in (0.1, 0.2):
         odometry.update([0.0] * 4, [stamp] * 6, stamp)
     assert np.hypot(*odometry.state.pose[:2]) == pytest.approx(0.2 * ROVER.wheels[0].radius, rel=1e-12)
+    # A step that was refused left the noise that it was refused for.
+    before = odometry.state.twist_covariance
+    with pytest.raises(ValueError, match="wheel_angles must be small enough"):
+        odometry.update([0.0] * 4, [1e59] * 6, 0.3)
+    np.testing.assert_array_equal(odometry.state.twist_covariance, before)
     with pytest.raises(ValueError, match="jerk must be at least 1e-60, got 5e-324"):
         sw.Limits(jerk=5e-324)
     controller = sw.Controller(ROVER)

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::step::{Apart, Motion, Rules, Workspace, step_jacobian};
-use super::uncertainty::Uncertainty;
+use super::uncertainty::{StepNoise, Uncertainty};
 use crate::error::{Error, HUGE, finite, numbers};
 use crate::geometry::{Pose, Twist, Walk, wrap_angle};
 use crate::rover::Rover;
@@ -71,19 +71,36 @@ pub(super) fn advance(
     motion: Motion<'_>,
     work: &mut Workspace,
     state: &mut State,
-    [smoothing, walk]: [f64; 2],
+    habits: [f64; 2],
 ) -> Result<(), Error> {
-    let displacement = work.displacement(rover, motion, rules)?;
-    let step = <[f64; 3]>::from(displacement);
-    let finite = step.iter().all(|part| part.abs() < HUGE)
-        && work.noise.total().is_below(HUGE)
-        && step.iter().all(|part| (part / motion.dt).is_finite());
-    if !finite {
-        let rule = "be small enough for a finite pose and covariance";
-        return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
+    let kept = [work.noise.own, work.noise.ends];
+    let found = work
+        .displacement(rover, motion, rules)
+        .and_then(|found| check_step(found, motion, &work.noise));
+    match found {
+        Ok(displacement) => {
+            follow(displacement, motion, work, state, habits);
+            Ok(())
+        }
+        Err(error) => {
+            // The covariance of the twist is that of the last step that was made.
+            [work.noise.own, work.noise.ends] = kept;
+            Err(error)
+        }
     }
-    follow(displacement, motion, work, state, [smoothing, walk]);
-    Ok(())
+}
+
+/// The displacement, if squares of it and of its noise are finite.
+fn check_step(found: Twist, motion: Motion<'_>, noise: &StepNoise) -> Result<Twist, Error> {
+    let step = <[f64; 3]>::from(found);
+    let finite = step.iter().all(|part| part.abs() < HUGE)
+        && noise.total().is_below(HUGE)
+        && step.iter().all(|part| (part / motion.dt).is_finite());
+    if finite {
+        return Ok(found);
+    }
+    let rule = "be small enough for a finite pose and covariance";
+    Err(Error::value("wheel_angles", rule, numbers(motion.turned)))
 }
 
 /// Goes along the displacement that a workspace has just found.
