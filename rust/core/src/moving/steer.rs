@@ -34,7 +34,7 @@ pub(super) fn steer(
     for (wheel, aim) in aims.iter_mut().enumerate().take(chain.wheels().len()) {
         *aim = Aim::new(chain, footing, &placed, wheel, rates);
     }
-    for joint in 0..footing.steering.len() {
+    for (joint, (angle, &present)) in angles.iter_mut().zip(footing.steering).enumerate() {
         let of = |aim: &&Aim| aim.joint == joint;
         let touching = aims.iter().flatten().filter(of).any(|aim| aim.touches);
         let together = Together {
@@ -45,7 +45,6 @@ pub(super) fn steer(
         let Some(wheel) = aims.iter().flatten().find(of).map(|aim| aim.wheel) else {
             continue;
         };
-        let present = footing.steering[joint];
         let never = || {
             let name = &chain.wheels()[wheel].name;
             let rule = format!("let {name} roll at some angle");
@@ -53,11 +52,11 @@ pub(super) fn steer(
                 .of_kind(ErrorKind::Infeasible)
         };
         let asked = present + together.aimed().ok_or_else(never)?;
-        angles[joint] = within(chain, joint, wheel, asked)?;
+        *angle = within(chain, joint, wheel, asked)?;
         // Half a turn from there is the same but for wheels beside their axis.
-        if angles[joint] != asked && together.beside() {
-            let again = together.root(angles[joint] - present).ok_or_else(never)?;
-            angles[joint] = within(chain, joint, wheel, present + again)?;
+        if *angle != asked && together.beside() {
+            let again = together.root(*angle - present).ok_or_else(never)?;
+            *angle = within(chain, joint, wheel, present + again)?;
         }
     }
     Ok(())
