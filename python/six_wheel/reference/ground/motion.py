@@ -207,7 +207,7 @@ def _heading(chain: Chain, stand: Stand, motion: Floats, wheel: int) -> float:
     assert stand.steering is not None
     angles = np.array(stand.steering, float)
     place = chain.steered.index(wheel)
-    present = angles[place]
+    present = float(angles[place])
 
     def way(angle: float) -> tuple[float, float]:
         angles[place] = angle
