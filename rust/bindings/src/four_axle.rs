@@ -11,6 +11,7 @@ use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
 use crate::convert::{AnyArray, Array, Output, Rows, number, raise, refuse};
+use crate::given;
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
 use values::{array, axles, brake, drives, raised, value, vector};
@@ -157,8 +158,8 @@ impl FourAxle {
         py: Python<'py>,
         angles: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
-        front: &str,
-        rear: &str,
+        #[pyo3(from_py_with = given::front)] front: &str,
+        #[pyo3(from_py_with = given::rear)] rear: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let set = Brakes {
             front: brake("front", front)?,

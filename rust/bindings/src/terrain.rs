@@ -12,6 +12,7 @@ use crate::convert::{
     Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
     scalar_or_array, shape_text, singles,
 };
+use crate::given;
 use crate::wheel::reduce;
 
 /// Ground as a regular grid of heights.
@@ -226,10 +227,10 @@ impl Terrain {
     fn yard<'py>(
         py: Python<'py>,
         size: Option<&Bound<'py, PyAny>>,
-        spacing: f64,
-        cover: f64,
+        #[pyo3(from_py_with = given::spacing)] spacing: f64,
+        #[pyo3(from_py_with = given::cover)] cover: f64,
         seed: Option<&Bound<'py, PyAny>>,
-        roughness: f64,
+        #[pyo3(from_py_with = given::roughness)] roughness: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(py);
         options.set_item("spacing", spacing)?;
@@ -297,7 +298,7 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
+        #[pyo3(from_py_with = given::method)] method: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, |height, _, target| target[0] = height)
     }
@@ -320,7 +321,7 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
+        #[pyo3(from_py_with = given::method)] method: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -345,7 +346,7 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
+        #[pyo3(from_py_with = given::method)] method: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());

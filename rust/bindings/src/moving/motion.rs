@@ -11,6 +11,7 @@ use six_wheel_core::suspension::MAX_WHEELS;
 use super::stand::Stands;
 use super::{done, fresh, row};
 use crate::convert::{Rows, joined, memory, number, raise, refuse, scalar_or_array, shape_text};
+use crate::given;
 use crate::suspension::Suspension;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
@@ -141,7 +142,7 @@ impl Suspension {
         py: Python<'py>,
         stand: &Bound<'py, PyAny>,
         command: &Bound<'py, PyAny>,
-        view: &str,
+        #[pyo3(from_py_with = given::view)] view: &str,
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<GroundCommand> {

@@ -6,6 +6,7 @@ use six_wheel_core::moving::{COLUMNS, SlipTest, slip};
 use super::stand::Stands;
 use super::{done, fresh};
 use crate::convert::{Rows, raise, refuse};
+use crate::given;
 use crate::suspension::Suspension;
 
 /// How wheels slip.
@@ -182,7 +183,7 @@ pub fn body_slip(
     navigated: &Bound<'_, PyAny>,
     kinematic: &Bound<'_, PyAny>,
     covariance: &Bound<'_, PyAny>,
-    false_alarm: f64,
+    #[pyo3(from_py_with = given::false_alarm)] false_alarm: f64,
 ) -> PyResult<BodySlip> {
     let length = navigated.len().unwrap_or(0);
     if !(1..=6).contains(&length) {

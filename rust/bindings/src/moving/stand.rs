@@ -6,6 +6,7 @@ use six_wheel_core::moving::Footing;
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
 use crate::convert::{Rows, Scalars, refuse, shape_text};
+use crate::given::other_kind;
 
 /// A wheel further than this from the ground hangs [m]: a thousand times what settling leaves.
 const HANGING: f64 = 1e-6;
@@ -36,6 +37,10 @@ impl<'py> Stands<'py> {
         );
         let rows =
             |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
+        if !stand.hasattr("contact_angles")? {
+            let remedy = "what settle(...) has returned";
+            return Err(other_kind("stand", "a Stand", stand, remedy));
+        }
         let angles = rows("contact_angles", wheels)?;
         let leading = angles.leading.clone();
         let beside = |name: &str, width: usize| {

@@ -6,6 +6,7 @@ use six_wheel_core::moving::{Closure, Lift, Rates, rest_offset, traction};
 
 use super::{done, fresh, row};
 use crate::convert::{Rows, Scalars, memory, raise, refuse, scalar_or_array};
+use crate::given;
 use crate::suspension::Suspension;
 
 /// Wheels over ground that nobody has mapped.
@@ -94,8 +95,8 @@ impl Suspension {
         yaw_rate: Option<&Bound<'py, PyAny>>,
         steering: Option<&Bound<'py, PyAny>>,
         wheel_speeds: Option<&Bound<'py, PyAny>>,
-        lift_angle: f64,
-        lift_speed: f64,
+        #[pyo3(from_py_with = given::lift_angle)] lift_angle: f64,
+        #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (
