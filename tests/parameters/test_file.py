@@ -99,7 +99,7 @@ def test_dump_then_load_is_the_identity(read, d, limit, joints, node):
     assert (parameters.node, parameters.odom_frame_id, parameters.base_frame_id) == (node, "o", "b")
 
 
-@given(number=st.floats(1e-100, 1e100), style=st.sampled_from(["{!r}", "{:e}", "{:.17g}", "{:E}", "+{!r}"]))
+@given(number=st.floats(1e-100, 1e59), style=st.sampled_from(["{!r}", "{:e}", "{:.17g}", "{:E}", "+{!r}"]))
 @unhurried
 def test_a_number_is_read_however_it_is_written(read, number, style):
     text = style.format(number)

@@ -28,6 +28,8 @@ HARDLY = 0.1
 LARGE = 1.5
 # unless they last for so long [s]: a steering joint that lags, a corner that scrubs is over before.
 LASTING = 1.75
+# By what share of a usual motion a slide errs at least: under a fit, dimensions err by far less.
+LEAST = 0.1
 # Left out on either side of a slide [s]: where it begins is known to half a window.
 MARGIN = 0.5
 FEWEST_ROWS = 10
@@ -202,7 +204,7 @@ def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
 def _lost(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
     if not (drive.truth.has_positions and drive.truth.has_headings):
         return ()  # a motion needs both
-    return lost_stretches(*timed_path(model, drive, values), size(model.nominal))
+    return lost_stretches(*timed_path(model, drive, values), size(model.nominal), LEAST)
 
 
 def _outside(drive: Drive, stretches: Sequence[Stretch]) -> Drive:

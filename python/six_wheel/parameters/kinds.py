@@ -58,7 +58,7 @@ MAX_AXLES = 32  # of two wheels each; a rover has at most 64
 _SIX: Values = dict.fromkeys(DIMENSIONS, 1.0)
 _CAR: Values = {"wheelbase": 1.0, "track_width": 1.0, "wheel_radius": 1.0}
 # Far apart, so that one of them alone is never on the wrong side of the other.
-_PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e300, "icr_right": -1e300}
+_PAIR: Values = {"track_width": 1.0, "wheel_radius": 1.0, "icr_left": 1e50, "icr_right": -1e50}
 _MECANUM: Values = {"half_wheelbase": 1.0, "half_track": 1.0, "wheel_radius": 1.0}
 _ROCKER: Values = {
     "rocker_pivot": (0.1, 0.2, 0.1),

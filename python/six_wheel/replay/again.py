@@ -65,8 +65,10 @@ def replay(
     rover = before.rover
     if after.rover.command_joints != rover.command_joints:
         raise ValueError("changes must leave the joints of the rover as they are: the record is of those")
-    again_by = replay_drive if made_by == DRIVE else _replay_loop
-    result = again_by(record, before, after, changes or {}, output, progress)
+    if made_by == DRIVE:
+        result = replay_drive(record, before, after, output, progress)
+    else:
+        result = _replay_loop(record, before, after, changes or {}, output, progress)
     if record.cut_off:
         result.warnings.append(f"{path}: the record was cut off; it is replayed up to there")
     return result

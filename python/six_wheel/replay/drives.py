@@ -4,7 +4,7 @@ import contextlib
 import itertools
 import json
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,31 +28,12 @@ def replay_drive(
     record: Record,
     before: Settings,
     after: Settings,
-    changes: Mapping[str, Any],
     output: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Replayed:
-    """Do a drive again.
+    """A drive, done again with what was changed; see `six_wheel.replay.replay`.
 
     What comes of it is written as the first time and read back like that: the same numbers are the same bits.
-
-    Parameters
-    ----------
-    record : Record
-        Of a drive.
-    before, after : Settings
-        Of the record, and with the changes.
-    changes : mapping of str to object
-        What was changed.
-    output : Path, optional
-        A record of the new drive, .mcap.
-    progress : callable, optional
-        Called now and then with how far it is and how far it will go.
-
-    Raises
-    ------
-    RecordError
-        If the record has no rows, or the rover cannot make one of them with these parameters.
     """
     if "drive" not in record.settings:
         raise RecordError(f"{record.path}: the record must hold the table of commands, got none")

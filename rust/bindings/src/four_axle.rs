@@ -10,7 +10,8 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
-use crate::convert::{AnyArray, Array, Output, Rows, number, raise, refuse};
+use crate::batch::any_workers;
+use crate::convert::{AnyArray, Array, Output, Rows, compute, number, raise, refuse};
 use crate::given;
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
@@ -94,6 +95,8 @@ impl FourAxle {
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -104,12 +107,13 @@ impl FourAxle {
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `Rover.inverse`.
-    #[pyo3(signature = (twist, *, previous=None))]
+    #[pyo3(signature = (twist, *, previous=None, threads=None))]
     fn inverse<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(
             py,
@@ -121,7 +125,7 @@ impl FourAxle {
             None,
             None,
             None,
-            None,
+            threads,
             None,
         )
     }
@@ -226,6 +230,8 @@ impl FourAxle {
     /// icr : array_like, shape (..., 2)
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -238,21 +244,26 @@ impl FourAxle {
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a coordinate is NaN, or both are infinite.
+    #[pyo3(signature = (icr, *, threads=None))]
     fn concurrent_angles<'py>(
         &self,
         py: Python<'py>,
         icr: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Array<'py>> {
+        let workers = any_workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;
         let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
         let mut angles = Output::fresh(py, &shape)?;
-        let rows = points.flat().as_chunks::<2>().0.iter();
-        for (row, (point, target)) in rows.zip(angles.flat().as_chunks_mut().0).enumerate() {
-            *target = self
-                .core
-                .concurrent_angles(*point)
-                .map_err(|error| raise(error.at_row(row), &points.leading))?;
-        }
+        let (places, targets) = (points.pairs(), [(angles.flat(), 4)]);
+        compute(py, places.len(), || {
+            workers.rows(places.len(), targets, |row, [target]| {
+                let found = self.core.concurrent_angles(places[row]);
+                target.copy_from_slice(&found.map_err(|error| error.at_row(row))?);
+                Ok(())
+            })
+        })
+        .map_err(|error| raise(error, &points.leading))?;
         angles.finish()
     }
 

@@ -124,19 +124,20 @@ impl<'a, 'py> Wanted<'a, 'py> for String {
 
 /// Whole numbers, but for `True` and `False`.
 macro_rules! whole {
-    ($($kind:ty)*) => {$(
+    ($kind:ty, $words:literal) => {
         impl<'a, 'py> Wanted<'a, 'py> for $kind {
             fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
                 if value.is_instance_of::<PyBool>() {
-                    return Err(other_kind(argument, "a whole number", value, ""));
+                    return Err(other_kind(argument, $words, value, ""));
                 }
-                native(argument, "a whole number", value)
+                native(argument, $words, value)
             }
         }
-    )*};
+    };
 }
 
-whole! { i64 usize }
+whole! { i64, "a whole number" }
+whole! { usize, "a whole number from 0 on" }
 
 impl<'a, 'py> Wanted<'a, 'py> for &'a str {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {

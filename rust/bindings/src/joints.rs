@@ -7,6 +7,7 @@ use pyo3::types::{PyDict, PyEllipsis, PyFloat, PyMapping, PyTuple};
 use six_wheel_core::Rover as Core;
 
 use crate::convert::{one_twist, refuse};
+use crate::given;
 use crate::rover::Rover;
 
 /// A joint of the robot: what it is called there, the index of its wheel, and which way it counts.
@@ -169,6 +170,8 @@ impl Rover {
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], in the order of `steered_names`.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -181,8 +184,8 @@ impl Rover {
     /// InfeasibleMotionError, ValueError
     ///     As `inverse`.
     #[pyo3(
-        signature = (twist, *more, previous=None),
-        text_signature = "($self, twist, *, previous=None)"
+        signature = (twist, *more, previous=None, threads=None),
+        text_signature = "($self, twist, *, previous=None, threads=None)"
     )]
     fn commands<'py>(
         &self,
@@ -190,10 +193,11 @@ impl Rover {
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
         let (steering, speeds) = self.inverse(
-            py, twist, more, previous, None, None, None, None, None, None, None,
+            py, twist, more, previous, None, None, None, None, None, threads, None,
         )?;
         self.named_values(py, steering.as_any(), speeds.as_any())
     }

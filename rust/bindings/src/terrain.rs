@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::Terrain as Core;
 use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
+use crate::batch::any_workers;
 use crate::convert::{
     Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
     scalar_or_array, shape_text, singles,
@@ -83,8 +84,10 @@ impl Terrain {
         xy: &Bound<'py, PyAny>,
         method: &str,
         width: usize,
+        threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let workers = any_workers(threads, None)?;
         let method: Interpolation = method.parse().map_err(|error| raise(error, &[]))?;
         let rows = Rows::read("xy", xy, 2)?;
         let mut shape = rows.leading.clone();
@@ -94,13 +97,16 @@ impl Terrain {
         let mut output = Output::fresh(py, &shape)?;
         let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
         compute(py, points.len(), || {
-            for (&[x, y], target) in points.iter().zip(target.chunks_exact_mut(width)) {
+            workers.rows(points.len(), [(target, width)], |row, [target]| {
+                let [x, y] = points[row];
                 match ground.sample(x, y, method) {
                     Sample::Known { height, gradient } => answer(height, gradient, target),
                     Sample::Unknown | Sample::Outside => target.fill(f64::NAN),
                 }
-            }
-        });
+                Ok(())
+            })
+        })
+        .map_err(|error| raise(error, &rows.leading))?;
         let array = output.finish()?;
         if shape.is_empty() {
             return array.call_method0("item");
@@ -288,19 +294,24 @@ impl Terrain {
     /// method : {'bilinear', 'bicubic'}
     ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
     ///     sixteen nodes.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear"))]
+    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
     fn height<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 1, |height, _, target| target[0] = height)
+        self.ask(py, xy, method, 1, threads, |height, _, target| {
+            target[0] = height;
+        })
     }
 
     /// Derivatives of the height by x and y.
@@ -311,19 +322,22 @@ impl Terrain {
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
     ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear"))]
+    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
     fn gradient<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 2, |_, gradient, target| {
+        self.ask(py, xy, method, 2, threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
         })
     }
@@ -336,19 +350,22 @@ impl Terrain {
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
     ///     As for `gradient`.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear"))]
+    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
     fn normal<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 3, |_, gradient, target| {
+        self.ask(py, xy, method, 3, threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
         })
     }
@@ -359,14 +376,31 @@ impl Terrain {
     /// ----------
     /// xy : array_like, shape (..., 2)
     ///     Points [m].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
     /// bool or ndarray, shape (...)
-    fn contains<'py>(&self, py: Python<'py>, xy: &Bound<'py, PyAny>) -> PyResult<Py<PyAny>> {
+    #[pyo3(signature = (xy, *, threads=None))]
+    fn contains<'py>(
+        &self,
+        py: Python<'py>,
+        xy: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+    ) -> PyResult<Py<PyAny>> {
+        let workers = any_workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;
-        let points = rows.pairs().iter();
-        let inside = memory::gathered(points.map(|&[x, y]| self.0.contains(x, y)))?;
+        let (points, ground) = (rows.pairs(), &*self.0);
+        let mut inside = memory::filled(false, points.len())?;
+        compute(py, points.len(), || {
+            workers.rows(points.len(), [(&mut inside, 1)], |row, [target]| {
+                let [x, y] = points[row];
+                target[0] = ground.contains(x, y);
+                Ok(())
+            })
+        })
+        .map_err(|error| raise(error, &rows.leading))?;
         scalar_or_array(py, inside, &rows.leading)
     }
 

@@ -3,6 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use six_wheel_core::batch::Workers;
 use six_wheel_core::suspension::{FRAMES, WHEELS, frames, jacobians};
 use six_wheel_core::{Inputs, RockerBogie};
 
@@ -38,10 +39,10 @@ fn batches(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("suspension batch");
     group.throughput(Throughput::Elements(ROWS as u64));
     group.bench_function("frames", |bencher| {
-        bencher.iter(|| frames(&rover, &joints, &mut transforms));
+        bencher.iter(|| frames(&rover, &joints, &mut transforms, Workers::PLAIN));
     });
     group.bench_function("jacobians", |bencher| {
-        bencher.iter(|| jacobians(&rover, &joints, &mut derivatives));
+        bencher.iter(|| jacobians(&rover, &joints, &mut derivatives, Workers::PLAIN));
     });
     group.finish();
 }

@@ -114,7 +114,7 @@ pub(crate) fn numbers(values: &[f64]) -> String {
     format!("({})", inner.join(", "))
 }
 
-/// Numbers of a state beyond which sums of their squares might not be finite.
+/// Numbers of a state, and lengths of a rover, from which on sums of their squares might not be finite.
 pub(crate) const HUGE: f64 = 1e60;
 
 /// Fails unless every value is finite.

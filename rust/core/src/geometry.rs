@@ -340,8 +340,15 @@ impl Walk {
     }
 }
 
+/// Beyond this an angle has no digit behind the point, and of its turns none that counts [rad].
+const NO_DIGITS: f64 = 1e15;
+
 /// Takes whole turns out of an angle, exactly but for what a turn in two parts leaves.
 fn unwind(angle: &mut Sum) {
+    if angle.sum.abs() > NO_DIGITS {
+        *angle = Sum::new(wrap_angle(angle.sum));
+        return;
+    }
     let turns = (angle.sum / TAU).round();
     let product = turns * TAU;
     angle.add(-product);

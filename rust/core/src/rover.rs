@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use crate::admissible::faces::Faces;
 use crate::batch;
 use crate::batch::Cone;
-use crate::error::{Error, finite, number};
+use crate::error::{Error, finite};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 use crate::units;
@@ -124,10 +124,6 @@ impl Rover {
             0.0, 1.0, centre.x, //
             -centre.y, centre.x, square,
         );
-        if !square.is_finite() {
-            let rule = "have pivots at a finite distance";
-            return Err(Error::value("wheels", rule, number(square)));
-        }
         let lengths = |wheel: &Wheel| wheel.radius + wheel.scrub.abs() + wheel.trail.abs();
         let reading_bound =
             wheels.iter().map(lengths).sum::<f64>() * (square + 1.0) / (size * size);

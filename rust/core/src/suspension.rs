@@ -10,11 +10,13 @@
 
 mod chain;
 mod dimensions;
+pub(crate) mod lanes;
 mod table;
 mod vehicles;
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
+use crate::batch::Workers;
 use crate::error::{Error, finite, number};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
@@ -272,18 +274,26 @@ impl RockerBogie {
 
 /// The homogeneous transforms of [`Posture::frames`] for every row of joint angles: frame after frame, in
 /// each row after row, row-major.
-pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64]) -> Result<(), Error> {
-    let rows = joints.chunks_exact(rover.joint_count());
-    let count = rows.len();
-    let (matrices, _) = transforms.as_chunks_mut::<16>();
-    for (k, joints) in rows.enumerate() {
-        let posture = rover.posture(joints).map_err(|error| error.at_row(k))?;
-        for (i, frame) in posture.frames().iter().enumerate() {
+pub fn frames(
+    rover: &RockerBogie,
+    joints: &[f64],
+    transforms: &mut [f64],
+    workers: Workers,
+) -> Result<(), Error> {
+    let width = rover.joint_count();
+    let count = joints.len() / width;
+    let blocks = blocks::<FRAMES>(transforms, count, 16);
+    workers.rows(count, blocks, |row, matrices| {
+        let posture = rover.posture(&joints[row * width..][..width]);
+        let posture = posture.map_err(|error| error.at_row(row))?;
+        for (matrix, frame) in matrices.into_iter().zip(posture.frames()) {
             let transform = frame.to_homogeneous();
-            matrices[i * count + k] = std::array::from_fn(|i| transform[(i / 4, i % 4)]);
+            for (i, value) in matrix.iter_mut().enumerate() {
+                *value = transform[(i / 4, i % 4)];
+            }
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 /// [`Posture::jacobian`] for every row of joint angles: wheel after wheel, in each row after row, each three
@@ -292,21 +302,32 @@ pub fn jacobians(
     rover: &RockerBogie,
     joints: &[f64],
     derivatives: &mut [f64],
+    workers: Workers,
 ) -> Result<(), Error> {
     let width = rover.joint_count();
-    let rows = joints.chunks_exact(width);
-    let count = rows.len();
-    for (k, joints) in rows.enumerate() {
-        let posture = rover.posture(joints).map_err(|error| error.at_row(k))?;
-        for wheel in 0..WHEELS.len() {
+    let count = joints.len() / width;
+    let blocks = blocks::<{ WHEELS.len() }>(derivatives, count, 3 * width);
+    workers.rows(count, blocks, |row, matrices| {
+        let posture = rover.posture(&joints[row * width..][..width]);
+        let posture = posture.map_err(|error| error.at_row(row))?;
+        for (wheel, matrix) in matrices.into_iter().enumerate() {
             let columns = posture.jacobian(wheel);
-            let matrix = &mut derivatives[(wheel * count + k) * 3 * width..][..3 * width];
             for (i, value) in matrix.iter_mut().enumerate() {
                 *value = columns[i % width][i / width];
             }
         }
-    }
-    Ok(())
+        Ok(())
+    })
+}
+
+/// An array as so many outputs one after another, of `count` rows of a width each.
+fn blocks<const N: usize>(
+    array: &mut [f64],
+    count: usize,
+    width: usize,
+) -> [(&mut [f64], usize); N] {
+    let mut blocks = array.chunks_exact_mut((count * width).max(1));
+    std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width))
 }
 
 /// The unsteered wheels are parallel: one bank, whose row is that of their mean axle. Where all wheels steer

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::error::{Error, number, positive};
+use crate::error::{Error, HUGE, finite, number, positive};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 
@@ -153,17 +153,20 @@ impl Wheel {
             return Err(Error::value("radius", rule, number(self.radius)));
         }
         let lengths = [
+            ("radius", self.radius),
             ("x", self.x),
             ("y", self.y),
-            ("heading", self.heading),
             ("scrub", self.scrub),
             ("trail", self.trail),
         ];
         for (argument, value) in lengths {
-            if !value.is_finite() {
-                return Err(Error::value(argument, "be finite", number(value)));
+            finite(argument, &[value])?;
+            if value.abs() >= HUGE {
+                let rule = format!("be smaller than {HUGE:e}");
+                return Err(Error::value(argument, rule, number(value)));
             }
         }
+        finite("heading", &[self.heading])?;
         if self.heading.abs() > LARGEST_HEADING {
             let rule = format!("be an angle, at most {LARGEST_HEADING} rad");
             return Err(Error::value("heading", rule, number(self.heading)));

@@ -5,6 +5,10 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use six_wheel_core::batch::{self, Level, Log, Workers};
+use six_wheel_core::moving::{
+    Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told,
+    Turns, forward_rows, inverse_rows, traction_rows,
+};
 use six_wheel_core::odometry::spatial::{Attitude, Odometry3, Sample3, Settings3};
 use six_wheel_core::odometry::{Odometry, Sample, Settings};
 use six_wheel_core::terrain::{Heights, Terrain};
@@ -151,6 +155,90 @@ fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
                 assert_eq!(counts[0], [0, 0]);
             }
         }
+    }
+    Ok(())
+}
+
+#[test]
+fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
+    const ROWS: usize = 200;
+    let chain = RockerBogie::perseverance()?.chain().clone();
+    let prepared = Prepared::new(&chain);
+    let mut transform = [0.0; 16];
+    transform[0] = 1.0;
+    let mut gap = vec![0.0; 6 * ROWS];
+    gap[30] = 0.1; // a wheel in the air
+    let [level, zeros] = [vec![0.0; ROWS], vec![0.0; 6 * ROWS]];
+    let footings = Footings::Told(Told {
+        roll: &level,
+        pitch: &level,
+        transform: &[transform; ROWS],
+        joints: &zeros[..3 * ROWS],
+        steering: &zeros[..4 * ROWS],
+        angles: &zeros,
+        normals: &[[0.0, 0.0, 1.0]; 6 * ROWS],
+        gap: &gap,
+    });
+    let (mut steering, mut speeds) = (vec![0.0; 4 * ROWS], vec![0.0; 6 * ROWS]);
+    let (mut twists, mut joint_rates) = (vec![[0.0; 6]; ROWS], vec![0.0; 3 * ROWS]);
+    let (mut vertical, mut lifted) = (vec![0.0; ROWS], vec![false; 6 * ROWS]);
+    let (mut contact_angles, mut residuals) = (vec![0.0; 6 * ROWS], vec![0.0; 18 * ROWS]);
+    for level in Level::available() {
+        let workers = Workers {
+            level,
+            ..Workers::PLAIN
+        };
+        let command = Command::new(&chain);
+        let inverted = taken(|| {
+            let commands = Commands {
+                steering: &mut steering,
+                speeds: &mut speeds,
+                twists: &mut twists,
+                joint_rates: &mut joint_rates,
+                scales: &mut vertical,
+            };
+            let wanted = [[0.1, 0.01]];
+            inverse_rows(
+                &chain, &footings, &command, &wanted, None, commands, workers,
+            )
+        });
+        let moved = taken(|| {
+            let readings = ReadingRows {
+                steering: None,
+                speeds: &speeds,
+                steering_rates: None,
+                joint_rates: None,
+                angular_velocity: None,
+                weights: None,
+            };
+            let movings = Movings {
+                twists: &mut twists,
+                joint_rates: &mut joint_rates,
+                residuals: &mut residuals,
+            };
+            forward_rows(&chain, &prepared, &footings, &readings, movings, workers);
+        });
+        let driven = taken(|| {
+            let driving = Driving {
+                speed: &[0.1],
+                turning: Turns::Curvature(&[0.2]),
+                angular_velocity: &[[0.0; 3]; ROWS],
+                joints: &zeros[..3 * ROWS],
+                joint_rates: &zeros[..3 * ROWS],
+                steering: None,
+                wheel_speeds: None,
+                lift: Lift::default(),
+            };
+            let drives = Drives {
+                steering: &mut steering,
+                speeds: &mut speeds,
+                contact_angles: &mut contact_angles,
+                lifted: &mut lifted,
+                vertical: &mut vertical,
+            };
+            traction_rows(&chain, &prepared, &driving, drives, workers)
+        });
+        assert_eq!([inverted, moved, driven], [0; 3], "{level:?}");
     }
     Ok(())
 }

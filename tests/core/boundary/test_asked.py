@@ -1,5 +1,6 @@
 """What is asked for by name: single precision, threads; and what is asked back: odd units."""
 
+import inspect
 import math
 import warnings
 
@@ -26,7 +27,25 @@ BATCHES = {
     "rollout": lambda **how: sw.rollout(CONTROLS, 0.1, **how),
     "rollout_cost": lambda **how: ROVER.rollout_cost(CONTROLS, 0.1, **how),
 }
+POINTS = TWISTS[:, 1:]
+GROUND = sw.Terrain(np.random.default_rng(1).uniform(0, 0.1, (9, 9)), 0.1, (-0.4, -0.4))
+ARM = sw.RockerBogie.rocky7()
+ANGLES = (0.1 * TWISTS[:, 0], 0.1 * TWISTS[:, 1:])  # rho, beta
+AXLES = sw.FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
 OTHERS = {
+    "commands": lambda **how: tuple(ROVER.commands(TWISTS, **how).values()),
+    "height": lambda **how: GROUND.height(POINTS, **how),
+    "gradient": lambda **how: GROUND.gradient(POINTS, method="bicubic", **how),
+    "normal": lambda **how: GROUND.normal(POINTS, **how),
+    "contains": lambda **how: GROUND.contains(2 * POINTS, **how),
+    "icr_offset": lambda **how: ARM.icr_offset(*ANGLES, **how),
+    "frames": lambda **how: tuple(ARM.frames(*ANGLES, **how).values()),
+    "jacobians": lambda **how: tuple(ARM.jacobians(*ANGLES, **how).values()),
+    "steer": lambda **how: _of(
+        ARM.steer(TWISTS[:, 0], 0.1, *ANGLES, **how), ("steering", "wheel_speeds", "turning_radius", "scrub")
+    ),
+    "four axles": lambda **how: AXLES.inverse(TWISTS, **how),
+    "concurrent_angles": lambda **how: AXLES.concurrent_angles(2 + POINTS, **how),
     "admissible": lambda **how: ROVER.admissible(TWISTS, **how),
     "project strictly": lambda **how: ROVER.project(TWISTS, "yaw_rate", out=np.empty_like(TWISTS), **how),
     "icr": lambda **how: ROVER.icr(TWISTS, **how),
@@ -59,6 +78,27 @@ def test_threads_change_no_bit(call):
         assert_array_equal(one, many)
     with pytest.raises(ValueError, match="threads must be at least 1, got 0"):
         run(threads=0)
+
+
+def _calls():
+    """Whatever can be called, by name."""
+    for name in dir(sw):
+        thing = getattr(sw, name)
+        members = inspect.getmembers(thing, callable) if inspect.isclass(thing) else [("", thing)]
+        for member, call in members:
+            if callable(call) and not member.startswith("_"):
+                yield f"{name}.{member}", call
+
+
+def test_every_call_that_takes_rows_of_any_shape_takes_threads():
+    """What says ``shape (...`` of an argument works row by row."""
+    taken = {}
+    for name, call in _calls():
+        arguments, found, _ = (inspect.getdoc(call) or "").partition("\nReturns\n")
+        if found and "shape (..." in arguments:
+            taken[name] = "threads" in inspect.signature(call).parameters
+    assert {"Rover.inverse", "Suspension.slip", "Terrain.height"} < taken.keys()
+    assert [name for name, threads in taken.items() if not threads] == []
 
 
 @pytest.mark.parametrize("call", BATCHES)

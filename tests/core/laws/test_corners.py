@@ -271,6 +271,8 @@ def test_what_no_rover_has_is_not_taken_in():
         sw.Wheel("w", 0.0, 0.0, radius=0.1, heading=-5.4e274)
     with pytest.raises(ValueError, match="radius must be at least 1e-60, got 1.9e-309"):
         sw.Wheel("w", 0.0, 0.0, radius=1.9e-309)
+    with pytest.raises(ValueError, match=r"scrub must be smaller than 1e60, got -1\.7375"):
+        sw.Wheel("w", 3.0, 0.01, radius=0.01, steered=True, steering_limit=0.01, scrub=-1.737594360102449e308)
     odometry = sw.Odometry(ROVER)
     odometry.update([0.0] * 4, [0.0] * 6, 0.0)
     spatial = sw.Odometry3(sw.RockerBogie.perseverance())
@@ -286,6 +288,11 @@ def test_what_no_rover_has_is_not_taken_in():
         # A variance as large as numbers go says nothing, as an infinite one.
         estimate.correct(before, 0.0, [1.7e308, 1.7e308, 1.7e308])
         np.testing.assert_array_equal(estimate.state.pose, before)
+    # Whole turns were taken out of a yaw without digits by a product that has none either.
+    odometry.set_pose((0.0, 0.0, 2e56))
+    for stamp in (0.1, 0.2):
+        odometry.update([0.0] * 4, [stamp] * 6, stamp)
+    assert np.hypot(*odometry.state.pose[:2]) == pytest.approx(0.2 * ROVER.wheels[0].radius, rel=1e-12)
     controller = sw.Controller(ROVER)
     assert not controller.command((1e300, 0.0, 0.0), 0.0)
     with pytest.raises(ValueError, match="twist must be small enough for a possible twist beside it"):

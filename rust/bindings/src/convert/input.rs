@@ -446,7 +446,7 @@ fn check_finite(
     width: usize,
     leading: &[usize],
 ) -> PyResult<()> {
-    for (row, values) in values.chunks_exact(width).enumerate() {
+    for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
         finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
     }
     Ok(())

@@ -4,13 +4,16 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
 use pyo3::types::PyTuple;
-use six_wheel_core::Error;
-use six_wheel_core::moving::{Command, Contacts, Readings, View, Wanted, inverse, rest_offset};
-use six_wheel_core::suspension::MAX_WHEELS;
+use six_wheel_core::moving::{
+    Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows,
+};
 
 use super::stand::Stands;
-use super::{done, fresh, row};
-use crate::convert::{Rows, joined, memory, number, raise, refuse, scalar_or_array, shape_text};
+use super::{done, fresh};
+use crate::batch::any_workers;
+use crate::convert::{
+    Rows, compute, joined, memory, number, raise, refuse, scalar_or_array, shape_text,
+};
 use crate::given;
 use crate::suspension::Suspension;
 
@@ -87,16 +90,6 @@ fn view(name: &str) -> PyResult<View> {
     }
 }
 
-impl Suspension {
-    fn radii(&self) -> [f64; MAX_WHEELS] {
-        let mut radii = [0.0; MAX_WHEELS];
-        for (radius, wheel) in radii.iter_mut().zip(self.chain.wheels()) {
-            *radius = wheel.radius;
-        }
-        radii
-    }
-}
-
 #[pymethods]
 impl Suspension {
     /// Wheels for a wanted motion on the ground a rover stands on.
@@ -122,6 +115,8 @@ impl Suspension {
     ///     Angles to keep [rad], instead of those that roll.
     /// max_wheel_speed : float, optional
     ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -136,7 +131,8 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
-    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None))]
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn inverse<'py>(
         &self,
         py: Python<'py>,
@@ -145,6 +141,7 @@ impl Suspension {
         #[pyo3(from_py_with = given::view)] view: &str,
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -154,9 +151,9 @@ impl Suspension {
             commands.leading.clone()
         } else {
             if !commands.is_single() {
-                commands.check_leading("command", &stands.leading)?;
+                commands.check_leading("command", stands.leading())?;
             }
-            stands.leading.clone()
+            stands.leading().to_vec()
         };
         let count: usize = leading.iter().product();
         let (wheels, joints, steered) = (
@@ -170,7 +167,7 @@ impl Suspension {
         }
         let mut how = Command {
             view: self::view(view)?,
-            offset: rest_offset(chain),
+            offset: self.motion.offset,
             wheel_speed: f64::INFINITY,
         };
         if let Some(limit) = max_wheel_speed {
@@ -180,6 +177,7 @@ impl Suspension {
                 return Err(refuse("max_wheel_speed", "be positive", &got));
             }
         }
+        let workers = any_workers(threads, None)?;
         let mut outputs = [
             fresh(py, &leading, steered)?,
             fresh(py, &leading, wheels)?,
@@ -187,29 +185,20 @@ impl Suspension {
             fresh(py, &leading, joints)?,
         ];
         let mut scales = memory::filled(0.0, count)?;
-        {
-            let [angles, speeds, twists, rates] = outputs.each_mut().map(|output| output.flat());
-            let scales = &mut scales[..];
-            let (stands, commands, kept) = (&stands, commands.pairs(), kept.as_ref());
-            let single = commands.len() == 1;
-            let mut run = || {
-                for k in 0..count {
-                    let [speed, yaw_rate] = commands[if single { 0 } else { k }];
-                    let footing = stands.row(chain, k);
-                    let keep = row(kept, k, steered);
-                    let wanted = Wanted { speed, yaw_rate };
-                    let found = inverse(chain, &footing, &how, wanted, keep)
-                        .map_err(|error| error.at_row(k))?;
-                    angles[k * steered..][..steered].copy_from_slice(&found.steering[..steered]);
-                    speeds[k * wheels..][..wheels].copy_from_slice(&found.speeds[..wheels]);
-                    twists[k * 6..][..6].copy_from_slice(&found.twist);
-                    rates[k * joints..][..joints].copy_from_slice(&found.joint_rates[..joints]);
-                    scales[k] = found.scale;
-                }
-                Ok::<(), Error>(())
-            };
-            run().map_err(|error| raise(error, &leading))?;
-        }
+        let footings = stands.footings();
+        let [angles, speeds, twists, rates] = outputs.each_mut().map(|output| output.flat());
+        let asked = Commands {
+            steering: angles,
+            speeds,
+            twists: twists.as_chunks_mut().0,
+            joint_rates: rates,
+            scales: &mut scales,
+        };
+        let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
+        compute(py, count, || {
+            inverse_rows(chain, &footings, &how, wanted, kept, asked, workers)
+        })
+        .map_err(|error| raise(error, &leading))?;
         let [angles, speeds, twists, rates] = outputs;
         Ok(GroundCommand {
             steering: done(angles)?,
@@ -244,6 +233,10 @@ impl Suspension {
     ///     Rates of the steering angles [rad/s], default 0.
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// kernel : str, optional
+    ///     Instructions, one of `kernels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -256,7 +249,7 @@ impl Suspension {
     ///     If a number is not finite, a weight negative or a shape does not fit.
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
-    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None))]
+    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
@@ -268,6 +261,8 @@ impl Suspension {
         angular_velocity: Option<&Bound<'py, PyAny>>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         weights: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -280,7 +275,7 @@ impl Suspension {
         let leading = if stands.is_single() {
             speeds.leading.clone()
         } else {
-            stands.leading.clone()
+            stands.leading().to_vec()
         };
         speeds.check_leading("speeds", &leading)?;
         let beside =
@@ -308,41 +303,31 @@ impl Suspension {
         let weights = weights
             .map(|weights| self.read_weights(weights))
             .transpose()?;
-        let radii = self.radii();
+        let count = speeds.count();
+        let workers = any_workers(threads, kernel)?;
         let mut outputs = [
             fresh(py, &leading, 6)?,
             fresh(py, &leading, joints)?,
             fresh(py, &joined(&leading, wheels), 3)?,
         ];
-        {
-            let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
-            let (stands, speeds) = (&stands, speeds.flat());
-            {
-                for k in 0..twists.len() / 6 {
-                    let mut footing = stands.row(chain, k);
-                    let turned = row(steering.as_ref(), k, steered)
-                        .filter(|angles| *angles != footing.steering);
-                    let readings = Readings {
-                        speeds: &speeds[k * wheels..][..wheels],
-                        steering_rates: row(steering_rates.as_ref(), k, steered),
-                        joint_rates: row(measured.as_ref(), k, joints),
-                        angular_velocity: row(turning.as_ref(), k, 3),
-                        weights: weights.as_deref(),
-                    };
-                    let contacts = Contacts::new(chain, &footing, turned);
-                    footing.steering = turned.unwrap_or(footing.steering);
-                    let moving = contacts.map(|contacts| contacts.forward(&readings, &radii));
-                    let (twist, rate, residual) = moving.map_or(
-                        ([f64::NAN; 6], [f64::NAN; 3], [[f64::NAN; 3]; MAX_WHEELS]),
-                        |moving| (moving.twist, moving.joint_rates, moving.residual),
-                    );
-                    twists[k * 6..][..6].copy_from_slice(&twist);
-                    rates[k * joints..][..joints].copy_from_slice(&rate[..joints]);
-                    residuals[k * 3 * wheels..][..3 * wheels]
-                        .copy_from_slice(residual[..wheels].as_flattened());
-                }
-            }
-        }
+        let footings = stands.footings();
+        let readings = ReadingRows {
+            steering: steering.as_ref().map(Rows::flat),
+            speeds: speeds.flat(),
+            steering_rates: steering_rates.as_ref().map(Rows::flat),
+            joint_rates: measured.as_ref().map(Rows::flat),
+            angular_velocity: turning.as_ref().map(Rows::flat),
+            weights: weights.as_deref(),
+        };
+        let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
+        let movings = Movings {
+            twists: twists.as_chunks_mut().0,
+            joint_rates: rates,
+            residuals,
+        };
+        compute(py, count, || {
+            forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
+        });
         let [twists, rates, residuals] = outputs;
         Ok(GroundMotion {
             twist: done(twists)?,

@@ -1,11 +1,12 @@
 //! `Suspension.slip` and `body_slip`.
 
 use pyo3::prelude::*;
-use six_wheel_core::moving::{COLUMNS, SlipTest, slip};
+use six_wheel_core::moving::{SlipTest, Slips, slip_rows};
 
 use super::stand::Stands;
 use super::{done, fresh};
-use crate::convert::{Rows, raise, refuse};
+use crate::batch::any_workers;
+use crate::convert::{Rows, compute, raise, refuse};
 use crate::given;
 use crate::suspension::Suspension;
 
@@ -41,6 +42,8 @@ impl Suspension {
     ///     ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, from elsewhere [m/s, rad/s].
     /// joint_rates : array_like, shape (..., joints)
     ///     Rates of the free angles [rad/s].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -51,6 +54,7 @@ impl Suspension {
     /// ------
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
+    #[pyo3(signature = (stand, speeds, twist, joint_rates, *, threads=None))]
     fn slip<'py>(
         &self,
         py: Python<'py>,
@@ -58,11 +62,13 @@ impl Suspension {
         speeds: &Bound<'py, PyAny>,
         twist: &Bound<'py, PyAny>,
         joint_rates: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<WheelSlip> {
+        let workers = any_workers(threads, None)?;
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
-        let leading = stands.leading.clone();
+        let leading = stands.leading().to_vec();
         let read = |name: &'static str, value, width| {
             let rows = Rows::read(name, value, width)?;
             rows.check_leading(name, &leading)?;
@@ -73,17 +79,17 @@ impl Suspension {
         let twists = read("twist", twist, 6)?;
         let rates = read("joint_rates", joint_rates, joints)?;
         let (mut ratios, mut angles) = (fresh(py, &leading, wheels)?, fresh(py, &leading, wheels)?);
-        for k in 0..stands.count() {
-            let mut row = [0.0; COLUMNS];
-            row[..6].copy_from_slice(&twists.flat()[k * 6..][..6]);
-            row[6..6 + joints].copy_from_slice(&rates.flat()[k * joints..][..joints]);
-            let speeds = &speeds.flat()[k * wheels..][..wheels];
-            let slips = slip(chain, &stands.row(chain, k), &row, speeds);
-            for (wheel, slip) in slips[..wheels].iter().enumerate() {
-                ratios.flat()[k * wheels + wheel] = slip.ratio;
-                angles.flat()[k * wheels + wheel] = slip.angle;
-            }
-        }
+        let footings = stands.footings();
+        let slips = Slips {
+            ratios: ratios.flat(),
+            angles: angles.flat(),
+        };
+        let (speeds, rates) = (speeds.flat(), rates.flat());
+        let twists = twists.flat().as_chunks().0;
+        compute(py, stands.count(), || {
+            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
+        })
+        .map_err(|error| raise(error, &leading))?;
         Ok(WheelSlip {
             ratio: done(ratios)?,
             angle: done(angles)?,

@@ -2,21 +2,23 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::Chain;
-use six_wheel_core::moving::Footing;
-use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
+use six_wheel_core::moving::{Footings, Told};
 
 use crate::convert::{Rows, Scalars, refuse, shape_text};
 use crate::given::other_kind;
+use crate::ground::Stand;
 
-/// A wheel further than this from the ground hangs [m]: a thousand times what settling leaves.
-const HANGING: f64 = 1e-6;
+/// Where a rover stands: what `settle` says, or somebody with the face of it. Read once for all rows.
+pub enum Stands<'py> {
+    /// The numbers as they are.
+    Settled(Bound<'py, Stand>),
+    /// What its attributes say.
+    Told(Box<Attributes<'py>>),
+}
 
-/// A free angle nearer than this to its stop is at it [rad].
-const STOPPED: f64 = 1e-9;
-
-/// What the result of `settle` says, read once for all rows.
-pub struct Stands<'py> {
-    pub leading: Vec<usize>,
+/// Attributes of an object like `Stand`.
+pub struct Attributes<'py> {
+    leading: Vec<usize>,
     roll: Scalars<'py>,
     pitch: Scalars<'py>,
     transform: Rows<'py>,
@@ -25,11 +27,10 @@ pub struct Stands<'py> {
     angles: Rows<'py>,
     normals: Rows<'py>,
     gap: Rows<'py>,
-    widths: [usize; 3],
 }
 
-impl<'py> Stands<'py> {
-    pub fn read(chain: &Chain, stand: &Bound<'py, PyAny>) -> PyResult<Self> {
+impl<'py> Attributes<'py> {
+    fn read(chain: &Chain, stand: &Bound<'py, PyAny>) -> PyResult<Self> {
         let (wheels, joints, steered) = (
             chain.wheels().len(),
             chain.joints().len(),
@@ -71,61 +72,64 @@ impl<'py> Stands<'py> {
             gap: beside("gap", wheels)?,
             angles,
             leading: leading.clone(),
-            widths: [wheels, joints, steered],
         })
+    }
+}
+
+impl<'py> Stands<'py> {
+    pub fn read(chain: &Chain, stand: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let fits = |stand: &Stand| {
+            let stood = &stand.suspension.get().chain;
+            stood.wheels().len() == chain.wheels().len()
+                && stood.joints().len() == chain.joints().len()
+                && stood.steering().len() == chain.steering().len()
+        };
+        match stand.cast::<Stand>() {
+            Ok(settled) if fits(settled.get()) => Ok(Self::Settled(settled.clone())),
+            // Another suspension's: what its arrays say is looked at, and refused where it does not fit.
+            _ => Attributes::read(chain, stand).map(|told| Self::Told(Box::new(told))),
+        }
+    }
+
+    /// Lengths of the leading axes.
+    pub fn leading(&self) -> &[usize] {
+        match self {
+            Self::Settled(stand) => &stand.get().leading,
+            Self::Told(told) => &told.leading,
+        }
     }
 
     /// Number of rows.
     pub fn count(&self) -> usize {
-        self.leading.iter().product()
+        self.leading().iter().product()
     }
 
     /// Whether it is one pose, not a batch.
     pub fn is_single(&self) -> bool {
-        self.leading.is_empty()
+        self.leading().is_empty()
     }
 
-    /// One row, as the core takes it; a single pose is every row.
-    pub fn row(&self, chain: &Chain, k: usize) -> Footing<'_> {
-        let k = if self.is_single() { 0 } else { k };
-        let [wheels, joints, steered] = self.widths;
-        let of = |rows: &'_ Option<Rows<'py>>, width: usize| {
-            // An empty array has no rows to take apart.
-            rows.as_ref().map_or(0..0, |_| k * width..(k + 1) * width)
-        };
-        let angles = self
-            .joints
-            .as_ref()
-            .map_or(&[][..], |rows| &rows.flat()[of(&self.joints, joints)]);
-        let steering = self
-            .steering
-            .as_ref()
-            .map_or(&[][..], |rows| &rows.flat()[of(&self.steering, steered)]);
-        let gaps = &self.gap.flat()[k * wheels..][..wheels];
-        let mut touching = [false; MAX_WHEELS];
-        for (touching, gap) in touching.iter_mut().zip(gaps) {
-            *touching = gap.abs() <= HANGING;
-        }
-        let mut stopped = [false; MAX_FREE];
-        if gaps.iter().any(|gap| *gap > HANGING) {
-            for ((stopped, angle), joint) in stopped.iter_mut().zip(angles).zip(chain.joints()) {
-                let range = joint.range;
-                *stopped = *angle <= range.lower + STOPPED || *angle >= range.upper - STOPPED;
+    /// As the core takes them.
+    pub fn footings(&self) -> Footings<'_> {
+        match self {
+            Self::Settled(stand) => {
+                let stand = stand.get();
+                Footings::Settled {
+                    stands: &stand.stands,
+                    poses: &stand.poses,
+                    steering: &stand.steering,
+                }
             }
-        }
-        let transform = &self.transform.flat()[16 * k..][..16];
-        Footing {
-            attitude: [
-                self.roll.at(k),
-                self.pitch.at(k),
-                transform[4].atan2(transform[0]),
-            ],
-            joints: angles,
-            steering,
-            angles: &self.angles.flat()[k * wheels..][..wheels],
-            normals: &self.normals.triples()[k * wheels..][..wheels],
-            touching,
-            stopped,
+            Self::Told(told) => Footings::Told(Told {
+                roll: told.roll.flat(),
+                pitch: told.pitch.flat(),
+                transform: told.transform.flat().as_chunks().0,
+                joints: told.joints.as_ref().map_or(&[], Rows::flat),
+                steering: told.steering.as_ref().map_or(&[], Rows::flat),
+                angles: told.angles.flat(),
+                normals: told.normals.triples(),
+                gap: told.gap.flat(),
+            }),
         }
     }
 }

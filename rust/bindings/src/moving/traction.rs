@@ -1,36 +1,109 @@
 //! `Suspension.traction`.
 
 use pyo3::prelude::*;
-use six_wheel_core::Error;
-use six_wheel_core::moving::{Closure, Lift, Rates, rest_offset, traction};
+use pyo3::types::PyFloat;
+use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
+use six_wheel_core::suspension::MAX_WHEELS;
 
-use super::{done, fresh, row};
-use crate::convert::{Rows, Scalars, memory, raise, refuse, scalar_or_array};
+use super::{done, fresh};
+use crate::batch::any_workers;
+use crate::convert::{Rows, Scalars, compute, memory, raise, refuse, scalar_or_array};
 use crate::given;
 use crate::suspension::Suspension;
 
 /// Wheels over ground that nobody has mapped.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct Traction {
-    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: Py<PyAny>,
-    /// Steering angles, shape (..., steered wheels) [rad].
-    steering: Py<PyAny>,
-    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
-    contact_angles: Py<PyAny>,
-    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
-    lifted: Py<PyAny>,
-    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
-    vertical_speed: Py<PyAny>,
+#[pyclass(frozen, module = "six_wheel")]
+pub struct Traction(Told);
+
+enum Told {
+    /// The arrays of a batch.
+    Rows {
+        speeds: Py<PyAny>,
+        steering: Py<PyAny>,
+        contact_angles: Py<PyAny>,
+        lifted: Py<PyAny>,
+        vertical_speed: Py<PyAny>,
+    },
+    /// One call's numbers: a control loop need not pay for arrays that it does not look at.
+    One(Box<One>),
+}
+
+/// The numbers of one row.
+pub struct One {
+    pub wheels: usize,
+    pub steered: usize,
+    pub speeds: [f64; MAX_WHEELS],
+    pub steering: [f64; MAX_WHEELS],
+    pub contact_angles: [f64; MAX_WHEELS],
+    pub lifted: [bool; MAX_WHEELS],
+    pub vertical: f64,
+}
+
+impl Traction {
+    /// That of one call.
+    pub fn one(one: One) -> Self {
+        Self(Told::One(Box::new(one)))
+    }
+}
+
+fn array<T: numpy::Element + Copy>(py: Python<'_>, values: &[T]) -> PyResult<Py<PyAny>> {
+    Ok(memory::array(py, values, &[values.len()])?
+        .into_any()
+        .unbind())
 }
 
 #[pymethods]
 impl Traction {
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    #[getter]
+    fn speeds(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { speeds, .. } => Ok(speeds.clone_ref(py)),
+            Told::One(one) => array(py, &one.speeds[..one.wheels]),
+        }
+    }
+
+    /// Steering angles, shape (..., steered wheels) [rad].
+    #[getter]
+    fn steering(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { steering, .. } => Ok(steering.clone_ref(py)),
+            Told::One(one) => array(py, &one.steering[..one.steered]),
+        }
+    }
+
+    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
+    #[getter]
+    fn contact_angles(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { contact_angles, .. } => Ok(contact_angles.clone_ref(py)),
+            Told::One(one) => array(py, &one.contact_angles[..one.wheels]),
+        }
+    }
+
+    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
+    #[getter]
+    fn lifted(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { lifted, .. } => Ok(lifted.clone_ref(py)),
+            Told::One(one) => array(py, &one.lifted[..one.wheels]),
+        }
+    }
+
+    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
+    #[getter]
+    fn vertical_speed(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { vertical_speed, .. } => Ok(vertical_speed.clone_ref(py)),
+            Told::One(one) => Ok(PyFloat::new(py, one.vertical).into_any().unbind()),
+        }
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!(
             "Traction(speeds={}, steering={})",
-            self.speeds.bind(py).repr()?,
-            self.steering.bind(py).repr()?
+            self.speeds(py)?.bind(py).repr()?,
+            self.steering(py)?.bind(py).repr()?
         ))
     }
 }
@@ -67,6 +140,10 @@ impl Suspension {
     /// lift_angle, lift_speed : float, default 1.0 and 0.01
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
+    /// kernel : str, optional
+    ///     Instructions, one of `kernels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -82,7 +159,7 @@ impl Suspension {
     ///
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
     #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
-                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01))]
+                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn traction<'py>(
         &self,
@@ -97,6 +174,8 @@ impl Suspension {
         wheel_speeds: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::lift_angle)] lift_angle: f64,
         #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (
@@ -106,6 +185,7 @@ impl Suspension {
         );
         let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
         let leading = turning.leading.clone();
+        let count = turning.count();
         let angles = Rows::read("joints", joints, free)?;
         let rates = Rows::read("joint_rates", joint_rates, free)?;
         let present = Rows::read_beside("steering", steering, steered, &leading)?;
@@ -150,7 +230,7 @@ impl Suspension {
             angle: lift_angle.min(std::f64::consts::FRAC_PI_2),
             speed: lift_speed,
         };
-        let count = turning.count();
+        let workers = any_workers(threads, kernel)?;
         let mut outputs = [
             fresh(py, &leading, wheels)?,
             fresh(py, &leading, steered)?,
@@ -158,44 +238,41 @@ impl Suspension {
         ];
         let mut lifted = memory::filled(false, count * wheels)?;
         let mut vertical = memory::filled(0.0, count)?;
-        let offset = rest_offset(chain);
-        {
-            let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
-            for k in 0..count {
-                let ahead = speed.at(k);
-                let [roll_rate, pitch_rate, _] = turning.triples()[k];
-                let given = Rates {
-                    speed: ahead,
-                    yaw_rate: if curved {
-                        ahead * turn.at(k)
-                    } else {
-                        turn.at(k)
-                    },
-                    tilt_rates: [roll_rate, pitch_rate],
-                    joints: &angles.flat()[k * free..][..free],
-                    joint_rates: &rates.flat()[k * free..][..free],
-                    steering: row(present.as_ref(), k, steered).unwrap_or(&[]),
-                };
-                let closure =
-                    row(measured.as_ref(), k, wheels).map_or(Closure::Suspension, Closure::Wheels);
-                let driven = traction(chain, offset, &given, closure, lift)
-                    .map_err(|error: Error| raise(error.at_row(k), &leading))?;
-                speeds[k * wheels..][..wheels].copy_from_slice(&driven.speeds[..wheels]);
-                steers[k * steered..][..steered].copy_from_slice(&driven.steering[..steered]);
-                contacts[k * wheels..][..wheels].copy_from_slice(&driven.contact_angles[..wheels]);
-                lifted[k * wheels..][..wheels].copy_from_slice(&driven.lifted[..wheels]);
-                vertical[k] = driven.vertical;
-            }
-        }
+        let driving = Driving {
+            speed: speed.flat(),
+            turning: if curved {
+                Turns::Curvature(turn.flat())
+            } else {
+                Turns::YawRate(turn.flat())
+            },
+            angular_velocity: turning.triples(),
+            joints: angles.flat(),
+            joint_rates: rates.flat(),
+            steering: present.as_ref().map(Rows::flat),
+            wheel_speeds: measured.as_ref().map(Rows::flat),
+            lift,
+        };
+        let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
+        let drives = Drives {
+            steering: steers,
+            speeds,
+            contact_angles: contacts,
+            lifted: &mut lifted,
+            vertical: &mut vertical,
+        };
+        compute(py, count, || {
+            traction_rows(chain, &self.motion, &driving, drives, workers)
+        })
+        .map_err(|error| raise(error, &leading))?;
         let [speeds, steers, contacts] = outputs;
         let mut flags = leading.clone();
         flags.push(wheels);
-        Ok(Traction {
+        Ok(Traction(Told::Rows {
             speeds: done(speeds)?,
             steering: done(steers)?,
             contact_angles: done(contacts)?,
             lifted: scalar_or_array(py, lifted, &flags)?,
             vertical_speed: scalar_or_array(py, vertical, &leading)?,
-        })
+        }))
     }
 }

@@ -3,6 +3,7 @@
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::moving::Prepared;
 use six_wheel_core::suspension::TripleBogie;
 use six_wheel_core::{Chain, Error, SteeringRange};
 
@@ -19,6 +20,8 @@ use crate::wheel::{reduce, steering_range};
 pub struct Suspension {
     /// The parts, joints and wheels.
     pub chain: Chain,
+    /// What its motion needs beforehand.
+    pub motion: Prepared,
     /// The name of what made it, and its arguments.
     made: Option<(&'static str, Py<PyDict>)>,
 }
@@ -26,7 +29,11 @@ pub struct Suspension {
 impl Suspension {
     /// The face of a chain that a subclass makes.
     pub fn of(chain: Chain) -> Self {
-        Self { chain, made: None }
+        Self {
+            motion: Prepared::new(&chain),
+            chain,
+            made: None,
+        }
     }
 
     /// The face of a chain, and how it is made again.
@@ -36,8 +43,10 @@ impl Suspension {
         arguments: Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let chain = chain.map_err(|error| raise(error, &[]))?;
-        let made = Some((name, arguments.unbind()));
-        Ok(Self { chain, made })
+        Ok(Self {
+            made: Some((name, arguments.unbind())),
+            ..Self::of(chain)
+        })
     }
 }
 

@@ -2,14 +2,17 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use six_wheel_core::batch::Workers;
 use six_wheel_core::suspension::{self as core, FRAMES, WHEELS};
 use six_wheel_core::{Error, RockerBogie as Core};
 
 use super::RockerBogie;
+use crate::batch::any_workers;
 use crate::convert::{
     Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text,
     together,
 };
+use crate::given;
 
 /// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
 pub struct Joints<'py> {
@@ -69,7 +72,7 @@ impl<'py> Joints<'py> {
 }
 
 /// A kernel of the core that fills an array from rows of joint angles.
-type Kernel = fn(&Core, &[f64], &mut [f64]) -> Result<(), Error>;
+type Kernel = fn(&Core, &[f64], &mut [f64], Workers) -> Result<(), Error>;
 
 impl RockerBogie {
     /// One array per name, each with the leading axes of the angles and these last ones.
@@ -84,6 +87,7 @@ impl RockerBogie {
         names: &[&str],
         last: [usize; 2],
         kernel: Kernel,
+        workers: Workers,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (rho, beta, psi) = angles;
         let mut joints = Joints::read(rho, beta)?;
@@ -100,8 +104,10 @@ impl RockerBogie {
             .collect();
         let mut block = Output::fresh(py, &shape)?;
         let target = block.flat();
-        compute(py, joints.beta.count(), || kernel(&self.0, &rows, target))
-            .map_err(|error| joints.raise(error))?;
+        compute(py, joints.beta.count(), || {
+            kernel(&self.0, &rows, target, workers)
+        })
+        .map_err(|error| joints.raise(error))?;
         let block = block.finish()?;
         let arrays = PyDict::new(py);
         for (i, name) in names.iter().enumerate() {
@@ -127,6 +133,8 @@ impl RockerBogie {
     ///     Angles of the left and the right bogie against their rockers [rad].
     /// psi : array_like, shape (..., steered wheels), optional
     ///     Steering angles [rad], default 0.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -140,16 +148,18 @@ impl RockerBogie {
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    #[pyo3(signature = (rho, beta, psi=None))]
+    #[pyo3(signature = (rho, beta, psi=None, *, threads=None))]
     fn frames<'py>(
         &self,
         py: Python<'py>,
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
-        self.by_name(py, (rho, beta, psi), &names, [4, 4], core::frames)
+        self.by_name(py, (rho, beta, psi), &names, [4, 4], core::frames, workers)
     }
 
     /// Derivatives of the wheel centres by the joint angles.
@@ -162,6 +172,8 @@ impl RockerBogie {
     ///     Angles of the left and the right bogie against their rockers [rad].
     /// psi : array_like, shape (..., steered wheels), optional
     ///     Steering angles [rad], default 0.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -173,17 +185,19 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    #[pyo3(signature = (rho, beta, psi=None))]
+    #[pyo3(signature = (rho, beta, psi=None, *, threads=None))]
     fn jacobians<'py>(
         &self,
         py: Python<'py>,
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
         let wheels = &names[FRAMES - WHEELS.len()..];
         let last = [3, self.0.joint_count()];
-        self.by_name(py, (rho, beta, psi), wheels, last, core::jacobians)
+        self.by_name(py, (rho, beta, psi), wheels, last, core::jacobians, workers)
     }
 }

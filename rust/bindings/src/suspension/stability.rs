@@ -205,6 +205,8 @@ impl Suspension {
     ///     [m/s^2].
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -219,7 +221,8 @@ impl Suspension {
     ///
     /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
     /// ICRA 1996.
-    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None))]
+    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn stability(
         slf: &Bound<'_, Self>,
         py: Python<'_>,
@@ -228,7 +231,9 @@ impl Suspension {
         centre_of_mass: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::gravity)] gravity: f64,
         #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Stability> {
+        let workers = any_workers(threads, None)?;
         for (name, value) in [("mass", mass), ("gravity", gravity)] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(refuse(
@@ -269,26 +274,40 @@ impl Suspension {
         let nothing = |width: usize| memory::filled(f64::NAN, count * width);
         let (mut carried, mut margins) = (nothing(wheels)?, nothing(joints)?);
         let (mut tipping, mut clear, mut tilts) = (nothing(1)?, nothing(1)?, nothing(1)?);
-        for (k, one) in stand.stands.iter().enumerate() {
-            let Some(placed) = stand.placed(k) else {
-                continue;
-            };
-            if let Some(shares) = loads(chain, one, &placed, centre) {
-                for (load, share) in carried[k * wheels..][..wheels].iter_mut().zip(shares) {
-                    *load = share * mass * gravity;
-                }
-            }
-            for (margin, value) in margins[k * joints..][..joints]
-                .iter_mut()
-                .zip(joint_margins(chain, one))
-            {
-                *margin = value;
-            }
-            tipping[k] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
-            let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
-            clear[k] = clearance.unwrap_or(f64::NAN);
-            tilts[k] = tilt(&placed);
-        }
+        let outputs = [
+            (&mut carried[..], wheels),
+            (&mut margins, joints),
+            (&mut tipping, 1),
+            (&mut clear, 1),
+            (&mut tilts, 1),
+        ];
+        compute(py, count, || {
+            workers.rows(
+                count,
+                outputs,
+                |k, [carried, margins, tipping, clear, tilts]| {
+                    let one = &stand.stands[k];
+                    let Some(placed) = stand.placed(k) else {
+                        return Ok(());
+                    };
+                    if let Some(shares) = loads(chain, one, &placed, centre) {
+                        for (load, share) in carried.iter_mut().zip(shares) {
+                            *load = share * mass * gravity;
+                        }
+                    }
+                    for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
+                        *margin = value;
+                    }
+                    let angle = tip_over_angle(chain, one, &placed, centre);
+                    let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
+                    tipping[0] = angle.unwrap_or(f64::NAN);
+                    clear[0] = clearance.unwrap_or(f64::NAN);
+                    tilts[0] = tilt(&placed);
+                    Ok(())
+                },
+            )
+        })
+        .map_err(|error| raise(error, &stand.leading))?;
         let leading = stand.leading.as_slice();
         let array = |values: Vec<f64>, width: usize| {
             let shape = joined(leading, width);

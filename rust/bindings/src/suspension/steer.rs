@@ -6,9 +6,11 @@ use six_wheel_core::suspension::WHEELS;
 
 use super::RockerBogie;
 use super::chain::Joints;
+use crate::batch::any_workers;
 use crate::convert::{
     Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
 };
+use crate::given;
 use crate::rover::Rover;
 
 /// What the wheels have to do for a forward speed and a yaw rate.
@@ -78,6 +80,8 @@ impl RockerBogie {
     ///     Angle of the left rocker [rad]; the right one has ``-rho``.
     /// beta : array_like, shape (..., 2)
     ///     Angles of the left and the right bogie against their rockers [rad].
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -88,22 +92,26 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
+    #[pyo3(signature = (rho, beta, *, threads=None))]
     fn icr_offset(
         &self,
         py: Python<'_>,
         rho: &Bound<'_, PyAny>,
         beta: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
+        let workers = any_workers(threads, None)?;
         let mut joints = Joints::read(rho, beta)?;
         together(joints.both())?;
         let rows = memory::gathered((0..joints.beta.count()).map(|k| joints.row(k)))?;
         let mut offsets = memory::filled(0.0, rows.len())?;
         compute(py, rows.len(), || {
-            for (k, (target, &(rho, beta))) in offsets.iter_mut().zip(&rows).enumerate() {
+            workers.rows(rows.len(), [(&mut offsets, 1)], |k, [target]| {
+                let (rho, beta) = rows[k];
                 let offset = self.0.icr_offset(rho, beta);
-                *target = offset.map_err(|error| error.at_row(k))?;
-            }
-            Ok(())
+                target[0] = offset.map_err(|error| error.at_row(k))?;
+                Ok(())
+            })
         })
         .map_err(|error| joints.raise(error))?;
         scalar_or_array(py, offsets, &joints.beta.leading)
@@ -128,6 +136,8 @@ impl RockerBogie {
     ///     Present steering angles [rad], default 0; a wheel whose pivot rests holds them.
     /// previous_speeds : array_like, shape (..., 6), optional
     ///     Present wheel speeds [rad/s]: which way round wheels go on that could go either way.
+    /// threads : int, optional
+    ///     Threads at most; default that of `set_default_threads`.
     ///
     /// Returns
     /// -------
@@ -143,7 +153,7 @@ impl RockerBogie {
     ///
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
-    #[pyo3(signature = (speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None))]
+    #[pyo3(signature = (speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None, threads=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn steer<'py>(
         &self,
@@ -154,7 +164,9 @@ impl RockerBogie {
         beta: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<SteeringCommand> {
+        let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Joints::read(rho, beta)?;
         let read = |argument: &'static str, value| {
@@ -191,23 +203,33 @@ impl RockerBogie {
         let unsteered = WHEELS.len() - steered;
         let mut scrub = output(unsteered)?;
         let mut radii = memory::filled(0.0, motions.len())?;
-        let targets = (steering.flat(), wheel_speeds.flat(), scrub.flat());
+        let targets = [
+            (steering.flat(), steered),
+            (wheel_speeds.flat(), WHEELS.len()),
+            (scrub.flat(), unsteered),
+            (&mut radii[..], 1),
+        ];
         compute(py, motions.len(), || {
-            for (k, &(speed, yaw_rate, (rho, beta))) in motions.iter().enumerate() {
-                let row = |width: usize| k * width..(k + 1) * width;
-                let inputs = Inputs {
-                    previous: previous.map(|angles| &angles[row(steered)]),
-                    previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
-                    steering_rates: None,
-                };
-                let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
-                let command = command.map_err(|error| error.at_row(k))?;
-                targets.0[row(steered)].copy_from_slice(&command.steering);
-                targets.1[row(WHEELS.len())].copy_from_slice(&command.wheel_speeds);
-                targets.2[row(unsteered)].copy_from_slice(&command.scrub);
-                radii[k] = command.turning_radius;
-            }
-            Ok(())
+            workers.rows(
+                motions.len(),
+                targets,
+                |k, [angles, speeds, scrubs, radius]| {
+                    let (speed, yaw_rate, (rho, beta)) = motions[k];
+                    let row = |width: usize| k * width..(k + 1) * width;
+                    let inputs = Inputs {
+                        previous: previous.map(|angles| &angles[row(steered)]),
+                        previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
+                        steering_rates: None,
+                    };
+                    let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
+                    let command = command.map_err(|error| error.at_row(k))?;
+                    angles.copy_from_slice(&command.steering);
+                    speeds.copy_from_slice(&command.wheel_speeds);
+                    scrubs.copy_from_slice(&command.scrub);
+                    radius[0] = command.turning_radius;
+                    Ok(())
+                },
+            )
         })
         .map_err(|error| joints.raise(error))?;
         let array = |output: Output<'py>| PyResult::Ok(output.finish()?.into_any().unbind());

@@ -16,6 +16,7 @@ mod contact;
 mod least_squares;
 mod motion;
 mod response;
+mod rows;
 mod slip;
 mod traction;
 mod unmapped;
@@ -23,6 +24,10 @@ mod unmapped;
 pub use contact::{COLUMNS, Contacts, Footing, Row};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
 pub use response::Response;
+pub use rows::{
+    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Slips, Told, Turns,
+    forward_rows, inverse_rows, slip_rows, traction_rows,
+};
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};
 pub use unmapped::{Found, MEMORY, Unmapped};

@@ -10,10 +10,10 @@ use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the motion in plan: `vx, vy, wz`.
-const PLAN: [usize; 3] = [0, 1, 5];
+pub(super) const PLAN: [usize; 3] = [0, 1, 5];
 
 /// Rates that the ground decides: `vz, wx, wy` and the free angles.
-const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
+pub(super) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
 
 /// Turns of a steered wheel towards where it rolls; each leaves less than a tenth of what was missing.
 const TURNS: usize = 40;
@@ -393,7 +393,9 @@ fn steer(
             let touch = velocity + turn.cross(&arm);
             let tangent = tread.tangent();
             let (ahead, aside) = (touch.dot(&tangent), touch.dot(&normal.cross(&tangent)));
-            let change = if ahead < 0.0 {
+            let change = if ahead == 0.0 && aside == 0.0 {
+                0.0
+            } else if ahead < 0.0 {
                 (-aside).atan2(-ahead)
             } else {
                 aside.atan2(ahead)

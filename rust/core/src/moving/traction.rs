@@ -51,6 +51,16 @@ pub struct Lift {
     pub speed: f64,
 }
 
+impl Default for Lift {
+    /// Slopes of 1 rad, from 1 cm/s on.
+    fn default() -> Self {
+        Self {
+            angle: 1.0,
+            speed: 0.01,
+        }
+    }
+}
+
 /// What the wheels have to do.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven {
@@ -194,14 +204,19 @@ fn along_the_links(centres: &[Centre]) -> f64 {
 }
 
 /// Steps of Gauss and Newton.
-const STEPS: usize = 20;
+pub(super) const STEPS: usize = 20;
 
-/// [`Closure::Wheels`], by Gauss-Newton steps from [`along_the_links`]; damped by a thousandth, for on level ground
-/// the rolling speeds do not depend on the vertical one.
+/// Step below which the vertical speed is found [m/s].
+pub(super) const FOUND: f64 = 1e-15;
+
+/// Added to the sum of squared derivatives: on level ground the rolling speeds do not depend on the vertical one.
+pub(super) const DAMPING: f64 = 1e-3;
+
+/// [`Closure::Wheels`], by damped Gauss-Newton steps from [`along_the_links`].
 fn from_wheels(centres: &[Centre], measured: &[f64]) -> f64 {
     let mut vertical = along_the_links(centres);
     for _ in 0..STEPS {
-        let (mut slope, mut square) = (0.0, 1e-3);
+        let (mut slope, mut square) = (0.0, DAMPING);
         for (centre, measured) in centres.iter().zip(measured) {
             let [along, across] = centre.at(vertical);
             let speed = along.hypot(across);
@@ -216,7 +231,7 @@ fn from_wheels(centres: &[Centre], measured: &[f64]) -> f64 {
         }
         let step = slope / square;
         vertical += step;
-        if step.abs() < 1e-15 {
+        if step.abs() < FOUND {
             break;
         }
     }

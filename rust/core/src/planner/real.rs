@@ -67,6 +67,16 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     ) -> Self::Register<S>;
 }
 
+/// What a level makes of two registers, or of their truths.
+macro_rules! of_two {
+    ($register:ident: $($name:ident $level:ident),*) => {$(
+        #[inline(always)]
+        fn $name<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
+            s.$level(a, b)
+        }
+    )*};
+}
+
 macro_rules! real {
     ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
      $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
@@ -116,38 +126,7 @@ macro_rules! real {
                     *first = value;
                 }
             }
-            #[inline(always)]
-            fn add<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$add(a, b)
-            }
-            #[inline(always)]
-            fn sub<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$sub(a, b)
-            }
-            #[inline(always)]
-            fn mul<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$mul(a, b)
-            }
-            #[inline(always)]
-            fn div<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$div(a, b)
-            }
-            #[inline(always)]
-            fn min<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$min(a, b)
-            }
-            #[inline(always)]
-            fn max<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$max(a, b)
-            }
-            #[inline(always)]
-            fn xor<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$xor(a, b)
-            }
-            #[inline(always)]
-            fn and<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$register {
-                s.$and(a, b)
-            }
+            of_two! { $register: add $add, sub $sub, mul $mul, div $div, min $min, max $max, xor $xor, and $and }
             #[inline(always)]
             fn abs<S: Simd>(s: S, a: S::$register) -> S::$register {
                 s.$abs(a)
@@ -169,14 +148,7 @@ macro_rules! real {
             fn below<S: Simd>(s: S, a: S::$register, b: S::$register) -> S::$truths {
                 s.$below(a, b)
             }
-            #[inline(always)]
-            fn both<S: Simd>(s: S, a: S::$truths, b: S::$truths) -> S::$truths {
-                s.$both(a, b)
-            }
-            #[inline(always)]
-            fn either<S: Simd>(s: S, a: S::$truths, b: S::$truths) -> S::$truths {
-                s.$either(a, b)
-            }
+            of_two! { $truths: both $both, either $either }
             #[inline(always)]
             fn not<S: Simd>(s: S, a: S::$truths) -> S::$truths {
                 s.$not(a)

@@ -175,6 +175,40 @@ impl<S: Vector> Lanes<S> {
         }
     }
 
+    /// Eight columns of as many rows as there are lanes, a row every `width` numbers; all of the eight numbers from each
+    /// row's first one on have to be there.
+    #[inline(always)]
+    pub fn columns(simd: S, rows: &[f64], width: usize) -> [Self; 8] {
+        let mut registers = [simd.splat_f64s(0.0); 8];
+        for (k, register) in registers.iter_mut().enumerate() {
+            let first = k % S::F64_LANES * width + k / S::F64_LANES * S::F64_LANES;
+            *register = S::as_simd_f64s(&rows[first..first + S::F64_LANES]).0[0];
+        }
+        let columns = simd.transpose(registers);
+        let mut lanes = [Self::splat(simd, 0.0); 8];
+        for (lanes, values) in lanes.iter_mut().zip(columns) {
+            lanes.values = values;
+        }
+        lanes
+    }
+
+    /// The reverse of [`Self::columns`]: of each row all eight numbers are written, the rows one after the other.
+    #[inline(always)]
+    pub fn rows(simd: S, columns: [Self; 8], rows: &mut [f64], width: usize) {
+        let mut registers = [simd.splat_f64s(0.0); 8];
+        for (register, lanes) in registers.iter_mut().zip(columns) {
+            *register = lanes.values;
+        }
+        let registers = simd.transpose(registers);
+        for row in 0..S::F64_LANES {
+            for part in 0..8 / S::F64_LANES {
+                let first = row * width + part * S::F64_LANES;
+                let target = &mut rows[first..first + S::F64_LANES];
+                S::as_mut_simd_f64s(target).0[0] = registers[part * S::F64_LANES + row];
+            }
+        }
+    }
+
     /// [`Vector::gather`] at these places.
     #[inline(always)]
     pub fn gather(self, table: &[f64]) -> Self {

@@ -76,6 +76,37 @@ impl Workers {
         share.max(LEAST.div_ceil(count.max(1))).next_multiple_of(8)
     }
 
+    /// Computes every one of `count` rows: of an output of width `w` row `k` gets the `w` elements from `k w` on to
+    /// write to. Fails with the first row that does.
+    pub fn rows<T: Send, const N: usize>(
+        self,
+        count: usize,
+        outputs: [(&mut [T], usize); N],
+        row: impl Fn(usize, [&mut [T]; N]) -> Result<(), Error> + Sync,
+    ) -> Result<(), Error> {
+        let share = self.share(count);
+        let mut rest = outputs;
+        let jobs = (0..count).step_by(share).map(|first| {
+            let end = count.min(first + share);
+            let parts = rest.each_mut().map(|(values, width)| {
+                let (part, after) = std::mem::take(values).split_at_mut((end - first) * *width);
+                *values = after;
+                (part, *width)
+            });
+            (first..end, parts)
+        });
+        self.each(jobs, |(places, mut parts)| {
+            for (k, place) in places.enumerate() {
+                let outputs = parts.each_mut();
+                row(
+                    place,
+                    outputs.map(|(part, width)| &mut part[k * *width..][..*width]),
+                )?;
+            }
+            Ok(())
+        })
+    }
+
     /// Does every job with as many threads as there are to be.
     pub(crate) fn each<J: Send>(
         self,
@@ -133,6 +164,34 @@ fn shared_out<J: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_row_gets_its_own_numbers_and_the_first_that_fails_is_told() {
+        for count in [0, 1, 5, 30_001] {
+            for threads in [1, 2, 3] {
+                let (mut pairs, mut ones, mut none) = (vec![0.0; 2 * count], vec![0.0; count], []);
+                let outputs: [(&mut [f64], usize); 3] =
+                    [(&mut pairs, 2), (&mut ones, 1), (&mut none, 0)];
+                let workers = Workers {
+                    threads,
+                    ..Workers::PLAIN
+                };
+                let result = workers.rows(count, outputs, |row, [pair, one, none]| {
+                    pair.fill(row as f64);
+                    one[0] += 1.0;
+                    match row {
+                        3 | 29_000 => Err(Error::value("row", "work", row.to_string())),
+                        _ if none.is_empty() => Ok(()),
+                        _ => Err(Error::value("width", "be 0", none.len().to_string())),
+                    }
+                });
+                let told = result.err().map(|error| error.value);
+                assert_eq!(told, (count > 3).then(|| "3".to_owned()));
+                let places = || pairs.chunks(2).enumerate();
+                assert!(places().all(|(k, pair)| pair == [k as f64; 2] || ones[k] == 0.0));
+            }
+        }
+    }
 
     #[test]
     fn every_job_is_done_once_and_the_first_failure_is_told() {

@@ -1,0 +1,228 @@
+//! Contacts in lanes, and the suspension that follows the ground: see [`Contacts`](super::super::Contacts).
+
+use super::footings::{Standing, rim};
+use super::solve::{back, triangular};
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::vector::Vector;
+use crate::moving::contact::COLUMNS;
+use crate::moving::motion::{FOLLOWING, PLAN};
+use crate::suspension::lanes::{Placing, Turned, Vectors, WheelAt, all, cross, dot, less, sum};
+use crate::suspension::{MAX_FREE, MAX_WHEELS};
+
+/// Derivatives of a velocity by the rates, in lanes.
+pub(super) type Row<S> = [Lanes<S>; COLUMNS];
+
+/// Most equations of a suspension that follows: of every wheel, and of every rate that some lanes know.
+const EQUATIONS: usize = MAX_WHEELS + FOLLOWING.len();
+
+/// Where a wheel is touched.
+#[derive(Clone, Copy)]
+pub(super) struct Touch<S: Vector> {
+    pub tangent: Vectors<S>,
+    pub point: Vectors<S>,
+}
+
+impl<S: Vector> Touch<S> {
+    /// At a contact angle.
+    #[inline(always)]
+    pub fn new(simd: S, tread: &WheelAt<S>, radius: f64, at: Turned<S>) -> Self {
+        let [tangent, outwards] = rim(at, tread.forward, tread.up);
+        let radius = all(simd, radius);
+        let mut point = tread.centre;
+        for k in 0..3 {
+            point[k] = outwards[k].mul_add(radius, point[k]);
+        }
+        Self { tangent, point }
+    }
+}
+
+/// How a velocity of a point of a wheel's carrier along a direction answers to the rates.
+#[inline(always)]
+pub(super) fn row<S: Vector>(
+    simd: S,
+    placing: &Placing<'_, S>,
+    wheel: usize,
+    point: Vectors<S>,
+    direction: Vectors<S>,
+) -> Row<S> {
+    let mut row = [all(simd, 0.0); COLUMNS];
+    let moment = cross(point, direction);
+    row[..3].copy_from_slice(&direction);
+    row[3..6].copy_from_slice(&moment);
+    for axis in placing.axes(wheel) {
+        let arm = cross(less(point, axis.origin), direction);
+        let place = 6 + axis.joint % MAX_FREE;
+        row[place] = row[place] + dot(axis.axis, arm);
+    }
+    row
+}
+
+/// What the rate of a wheel's own steering adds: see [`Contact::swivel`](super::super::contact::Contact::swivel).
+#[inline(always)]
+pub(super) fn swivel<S: Vector>(
+    simd: S,
+    placing: &Placing<'_, S>,
+    wheel: usize,
+    tread: &WheelAt<S>,
+    radius: f64,
+    touch: &Touch<S>,
+    [normal, left]: [Vectors<S>; 2],
+) -> [Lanes<S>; 3] {
+    let arm = less(tread.centre, placing.pivot(wheel));
+    let centre = cross(tread.up, arm);
+    let moved = sum(centre, cross(tread.up, less(touch.point, tread.centre)));
+    [
+        dot(moved, normal),
+        dot(moved, left),
+        dot(centre, touch.tangent) * all(simd, 1.0 / radius) - dot(tread.up, tread.axle),
+    ]
+}
+
+/// What some lanes know of a rate.
+#[derive(Clone, Copy)]
+pub(super) enum Known<S: Vector> {
+    /// In no lane.
+    Nowhere,
+    /// In every lane.
+    Everywhere(Lanes<S>),
+    /// 1 where it is known, and 0 or its value.
+    Somewhere(Lanes<S>, Lanes<S>),
+}
+
+impl<S: Vector> Known<S> {
+    fn value(&self, zero: Lanes<S>) -> Lanes<S> {
+        match *self {
+            Self::Nowhere => zero,
+            Self::Everywhere(value) | Self::Somewhere(_, value) => value,
+        }
+    }
+}
+
+/// Rates as a function of those in plan: `offset + spread . plan`.
+pub(super) struct Follow<S: Vector> {
+    /// Columns that are not zero but for those of the plan itself.
+    pub unknown: [usize; FOLLOWING.len()],
+    pub count: usize,
+    /// By the rates in plan, for each unknown column.
+    pub spread: [[Lanes<S>; 3]; FOLLOWING.len()],
+    /// 1 where a rate in plan is not known.
+    pub free: [Lanes<S>; 3],
+    pub offset: Row<S>,
+}
+
+impl<S: Vector> Follow<S> {
+    /// From what is known of every rate, and what the ground says: for every wheel how its contact moves along the normal,
+    /// and what its steering adds to that.
+    #[inline(always)]
+    pub fn new<const RIGHT: usize>(
+        simd: S,
+        standing: &Standing<S>,
+        known: &[Known<S>; COLUMNS],
+        normals: &[(Row<S>, Lanes<S>)],
+    ) -> Self {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let mut follow = Self {
+            unknown: [0; FOLLOWING.len()],
+            count: 0,
+            spread: [[zero; 3]; FOLLOWING.len()],
+            free: [one; 3],
+            offset: [zero; COLUMNS],
+        };
+        for (value, known) in follow.offset.iter_mut().zip(known) {
+            *value = known.value(zero);
+        }
+        for (free, column) in follow.free.iter_mut().zip(PLAN) {
+            *free = match known[column] {
+                Known::Nowhere => one,
+                Known::Everywhere(_) => zero,
+                Known::Somewhere(here, _) => one - here,
+            };
+        }
+        for column in FOLLOWING {
+            if !matches!(known[column], Known::Everywhere(_)) {
+                follow.unknown[follow.count] = column;
+                follow.count += 1;
+            }
+        }
+        // Unknown columns, then what stands on the right-hand side: one motion in plan each, and what is known.
+        let mut rows = [[zero; FOLLOWING.len() + 4]; EQUATIONS];
+        let (count, mut filled) = (follow.count, 0);
+        for (wheel, (normal, moved)) in normals.iter().enumerate() {
+            let row = &mut rows[filled];
+            filled += 1;
+            for (cell, column) in row.iter_mut().zip(&follow.unknown[..count]) {
+                *cell = match known[*column] {
+                    Known::Somewhere(here, _) => normal[*column] * (one - here),
+                    _ => normal[*column],
+                };
+            }
+            if RIGHT > 1 {
+                for (k, column) in PLAN.into_iter().enumerate() {
+                    row[count + k] = -(normal[column] * follow.free[k]);
+                }
+            }
+            if RIGHT != 3 {
+                let mut rest = -*moved;
+                for (part, value) in normal.iter().zip(&follow.offset) {
+                    rest = (-*part).mul_add(*value, rest);
+                }
+                row[count + RIGHT - 1] = rest;
+            }
+            if !standing.all_touch {
+                for cell in &mut row[..count + RIGHT] {
+                    *cell = *cell * standing.touching[wheel];
+                }
+            }
+        }
+        for k in 0..count {
+            if let Known::Somewhere(here, _) = known[follow.unknown[k]] {
+                // Nothing is missing of what is known.
+                rows[filled][k] = here;
+                filled += 1;
+            }
+        }
+        let rows = &mut rows[..filled];
+        triangular(simd, rows, count, count + RIGHT);
+        let solution: [[Lanes<S>; RIGHT]; FOLLOWING.len()] = back(simd, rows, count);
+        for (k, told) in solution.iter().enumerate().take(count) {
+            if RIGHT > 1 {
+                follow.spread[k] = [told[0], told[1 % RIGHT], told[2 % RIGHT]];
+            }
+            if RIGHT != 3 {
+                let column = follow.unknown[k];
+                follow.offset[column] = follow.offset[column] + told[RIGHT - 1];
+            }
+        }
+        follow
+    }
+
+    /// How what a direction says answers to the motion in plan.
+    #[inline(always)]
+    pub fn plan(&self, direction: &Row<S>) -> [Lanes<S>; 3] {
+        let mut plan = self.free;
+        for k in 0..3 {
+            plan[k] = plan[k] * direction[PLAN[k]];
+        }
+        for (column, spread) in self.unknown.iter().zip(&self.spread).take(self.count) {
+            for k in 0..3 {
+                plan[k] = direction[*column].mul_add(spread[k], plan[k]);
+            }
+        }
+        plan
+    }
+
+    /// The rates of a motion in plan.
+    #[inline(always)]
+    pub fn rates(&self, plan: [Lanes<S>; 3]) -> Row<S> {
+        let mut rates = self.offset;
+        for k in 0..3 {
+            rates[PLAN[k]] = self.free[k].mul_add(plan[k], rates[PLAN[k]]);
+        }
+        for (column, spread) in self.unknown.iter().zip(&self.spread).take(self.count) {
+            for k in 0..3 {
+                rates[*column] = spread[k].mul_add(plan[k], rates[*column]);
+            }
+        }
+        rates
+    }
+}

@@ -1,0 +1,43 @@
+//! Motion on the ground for many rows; forward and traction with a row in every lane.
+//!
+//! In lanes it is the same mathematics as one row of [`Contacts::forward`](super::Contacts::forward) and
+//! [`super::traction`], which stays what these are compared with. Where a lane is not as plain as most (it steers past
+//! its range, rests, divides by almost nothing) that row goes the plain way.
+
+mod columns;
+mod follow;
+mod footings;
+mod forward;
+mod inverse;
+mod slip;
+mod solve;
+mod traction;
+
+pub use footings::{Footings, Told};
+pub use forward::{Movings, ReadingRows, forward_rows};
+pub use inverse::{Commands, inverse_rows};
+pub use slip::{Slips, slip_rows};
+pub use traction::{Drives, Driving, Turns, traction_rows};
+
+use super::rest_offset;
+use crate::suspension::Chain;
+use crate::suspension::lanes::Plan;
+
+/// What is known of a chain beforehand.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// None for chains that are not for lanes.
+    plan: Option<Plan>,
+    /// [`rest_offset`] [m].
+    pub offset: f64,
+}
+
+impl Prepared {
+    /// Of this chain.
+    pub fn new(chain: &Chain) -> Self {
+        Self {
+            plan: Plan::new(chain),
+            offset: rest_offset(chain),
+        }
+    }
+}

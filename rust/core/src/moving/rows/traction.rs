@@ -1,0 +1,478 @@
+//! [`traction`] for many rows.
+
+use super::Prepared;
+use super::columns::{Span, Way, angle_of, finite, truths, way, within};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::Kernel;
+use crate::batch::machine::polynomials::direction;
+use crate::batch::machine::vector::Vector;
+use crate::batch::{Level, Workers};
+use crate::error::Error;
+use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, dot};
+use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+
+/// What turning is commanded, one number or one per row.
+#[derive(Clone, Copy, Debug)]
+pub enum Turns<'a> {
+    /// Yaw rate per speed [1/m].
+    Curvature(&'a [f64]),
+    /// Yaw rate [rad/s].
+    YawRate(&'a [f64]),
+}
+
+/// What is commanded and measured, row after row; all numbers are finite.
+#[derive(Clone, Copy, Debug)]
+pub struct Driving<'a> {
+    /// Commanded forward speed of the body, one or one per row [m/s].
+    pub speed: &'a [f64],
+    /// How it is to turn.
+    pub turning: Turns<'a>,
+    /// Rates of the body about its axes [rad/s].
+    pub angular_velocity: &'a [[f64; 3]],
+    /// Free angles [rad].
+    pub joints: &'a [f64],
+    /// Their rates [rad/s].
+    pub joint_rates: &'a [f64],
+    /// Present steering angles [rad].
+    pub steering: Option<&'a [f64]>,
+    /// Measured speeds of the wheels [rad/s].
+    pub wheel_speeds: Option<&'a [f64]>,
+    /// When a wheel is off the ground.
+    pub lift: Lift,
+}
+
+/// What the wheels have to do, row after row: see [`super::super::Driven`].
+#[derive(Debug)]
+pub struct Drives<'a> {
+    /// Of the steering joints [rad].
+    pub steering: &'a mut [f64],
+    /// Of the wheels [rad/s].
+    pub speeds: &'a mut [f64],
+    /// Of the wheels [rad].
+    pub contact_angles: &'a mut [f64],
+    /// Of the wheels.
+    pub lifted: &'a mut [bool],
+    /// One per row [m/s].
+    pub vertical: &'a mut [f64],
+}
+
+/// [`traction`] for every row. Fails at the first one at which a wheel would steer past its range.
+pub fn traction_rows(
+    chain: &Chain,
+    prepared: &Prepared,
+    driving: &Driving<'_>,
+    drives: Drives<'_>,
+    workers: Workers,
+) -> Result<(), Error> {
+    let workers = workers.here();
+    let rows = drives.vertical.len();
+    let share = workers.share(rows);
+    let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
+    let mut steering = drives.steering.chunks_mut((share * steered).max(1));
+    let jobs = drives
+        .vertical
+        .chunks_mut(share)
+        .zip(drives.speeds.chunks_mut(share * wheels))
+        .zip(drives.contact_angles.chunks_mut(share * wheels))
+        .zip(drives.lifted.chunks_mut(share * wheels))
+        .enumerate()
+        .map(|(k, (((vertical, speeds), contact_angles), lifted))| Job {
+            chain,
+            prepared,
+            driving,
+            first: k * share,
+            drives: Drives {
+                steering: steering.next().unwrap_or_default(),
+                speeds,
+                contact_angles,
+                lifted,
+                vertical,
+            },
+        });
+    workers.each(jobs, |mut job| match &prepared.plan {
+        Some(plan) if workers.level != Level::Plain => {
+            let done = workers.level.run(InLanes { plan, job });
+            done.unwrap_or(Ok(()))
+        }
+        _ => (0..job.drives.vertical.len()).try_for_each(|row| job.one(row)),
+    })
+}
+
+/// Rows that one thread takes.
+struct Job<'a> {
+    chain: &'a Chain,
+    prepared: &'a Prepared,
+    driving: &'a Driving<'a>,
+    /// The first of its rows among all.
+    first: usize,
+    drives: Drives<'a>,
+}
+
+/// The number of a row, or that of all.
+fn at(values: &[f64], row: usize) -> f64 {
+    match values {
+        [value] => *value,
+        _ => values[row],
+    }
+}
+
+impl Job<'_> {
+    /// A row of its own, the plain way.
+    fn one(&mut self, row: usize) -> Result<(), Error> {
+        let (all, driving) = (self.first + row, self.driving);
+        let (wheels, free, steered) = (
+            self.chain.wheels().len(),
+            self.chain.joints().len(),
+            self.chain.steering().len(),
+        );
+        let of = |width: usize| all * width..(all + 1) * width;
+        let speed = at(driving.speed, all);
+        let [roll_rate, pitch_rate, _] = driving.angular_velocity[all];
+        let rates = Rates {
+            speed,
+            yaw_rate: match driving.turning {
+                Turns::Curvature(curvature) => speed * at(curvature, all),
+                Turns::YawRate(yaw_rate) => at(yaw_rate, all),
+            },
+            tilt_rates: [roll_rate, pitch_rate],
+            joints: &driving.joints[of(free)],
+            joint_rates: &driving.joint_rates[of(free)],
+            steering: driving.steering.map_or(&[], |some| &some[of(steered)]),
+        };
+        let measured = driving.wheel_speeds.map(|some| &some[of(wheels)]);
+        let closure = measured.map_or(Closure::Suspension, Closure::Wheels);
+        let driven = traction(
+            self.chain,
+            self.prepared.offset,
+            &rates,
+            closure,
+            driving.lift,
+        )
+        .map_err(|error| error.at_row(all))?;
+        let drives = &mut self.drives;
+        drives.speeds[row * wheels..][..wheels].copy_from_slice(&driven.speeds[..wheels]);
+        drives.steering[row * steered..][..steered].copy_from_slice(&driven.steering[..steered]);
+        drives.contact_angles[row * wheels..][..wheels]
+            .copy_from_slice(&driven.contact_angles[..wheels]);
+        drives.lifted[row * wheels..][..wheels].copy_from_slice(&driven.lifted[..wheels]);
+        drives.vertical[row] = driven.vertical;
+        Ok(())
+    }
+}
+
+struct InLanes<'a> {
+    plan: &'a Plan,
+    job: Job<'a>,
+}
+
+impl Kernel for InLanes<'_> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
+        let rows = self.job.drives.vertical.len();
+        let mut placing = Placing::new(simd, self.plan);
+        let mut first = 0;
+        while first < rows {
+            let some = Span {
+                first,
+                count: S::F64_LANES.min(rows - first),
+            };
+            let doubt = self.some(simd, some, &mut placing);
+            if doubt.any() {
+                let doubtful = truths(simd, doubt);
+                for lane in 0..some.count {
+                    if doubtful.0[lane] != 0.0 {
+                        self.job.one(first + lane)?;
+                    }
+                }
+            }
+            first += S::F64_LANES;
+        }
+        Ok(())
+    }
+}
+
+/// What is wanted of the body, and what it and the free angles do.
+struct Wanted<S: Vector> {
+    body: [Vectors<S>; 2],
+    rates: [Lanes<S>; MAX_FREE],
+}
+
+impl<S: Vector> Wanted<S> {
+    /// The velocity of a point of the body as commanded [m/s].
+    #[inline(always)]
+    fn in_plan(&self, point: Vectors<S>) -> [Lanes<S>; 2] {
+        let [[speed, sideways, _], [_, _, turn]] = self.body;
+        [speed - turn * point[1], turn.mul_add(point[0], sideways)]
+    }
+}
+
+/// The velocity of a wheel's centre along and across its link, but for the body's vertical speed: see `traction`.
+#[derive(Clone, Copy)]
+struct Centre<S: Vector> {
+    along: Lanes<S>,
+    across: Lanes<S>,
+    vertical: [Lanes<S>; 2],
+    turn: Lanes<S>,
+    radius: f64,
+}
+
+impl<S: Vector> Centre<S> {
+    #[inline(always)]
+    fn at(&self, vertical: Lanes<S>) -> [Lanes<S>; 2] {
+        [
+            self.vertical[0].mul_add(vertical, self.along),
+            self.vertical[1].mul_add(vertical, self.across),
+        ]
+    }
+}
+
+impl InLanes<'_> {
+    /// Some rows, and the lanes that are for the plain way.
+    #[inline(always)]
+    fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+        let (plan, driving) = (self.plan, self.job.driving);
+        let given = Span {
+            first: self.job.first + some.first,
+            ..some
+        };
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let (wheels, free) = (plan.wheels().min(MAX_WHEELS), plan.joints());
+        let joints = given.read::<S, MAX_FREE>(simd, driving.joints, free);
+        let mut doubt = zero.below(zero);
+        for angle in &joints[..free.min(MAX_FREE)] {
+            doubt = doubt | all(simd, LARGEST_TURN).below(angle.abs());
+        }
+        let wanted = self.wanted(simd, given);
+        placing.place(simd, &joints);
+        let placing = &*placing;
+        let mut treads = placing.wheels;
+        let mut angles = [zero; MAX_WHEELS];
+        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
+            let Some(joint) = plan.steering(wheel) else {
+                continue;
+            };
+            let WheelAt {
+                centre,
+                forward,
+                axle,
+                ..
+            } = placing.wheels[wheel];
+            let [x, y] = wanted.in_plan(centre);
+            let velocity = [
+                x.mul_add(forward[0], y * forward[1]),
+                x.mul_add(axle[0], y * axle[1]),
+            ];
+            let mut to = way(velocity, (zero, one), &mut doubt);
+            let mut angle = angle_of(simd, to.turned);
+            if to.rests.any() {
+                self.rest(simd, given, joint, &mut to, &mut angle, &mut doubt);
+            }
+            let range = self.job.chain.steering()[joint];
+            let within = within(simd, range, angle, &mut doubt);
+            angles[joint % MAX_WHEELS] = within.angle;
+            let turned = (
+                to.turned.0.flip(within.turned),
+                to.turned.1.flip(within.turned),
+            );
+            *tread = placing.steered(simd, wheel, turned);
+        }
+        self.share_joints(simd, placing, &angles, &mut treads);
+        let none = Centre {
+            along: zero,
+            across: zero,
+            vertical: [zero; 2],
+            turn: zero,
+            radius: 1.0,
+        };
+        let mut centres = [none; MAX_WHEELS];
+        for wheel in 0..wheels {
+            let tread = &treads[wheel];
+            let [velocity, turn] = placing.carried(wheel, tread.centre, wanted.body, &wanted.rates);
+            centres[wheel] = Centre {
+                along: dot(velocity, tread.forward),
+                across: dot(velocity, tread.up),
+                vertical: [tread.forward[2], tread.up[2]],
+                turn: dot(turn, tread.axle),
+                radius: plan.radius(wheel),
+            };
+        }
+        let centres = &centres[..wheels];
+        let mut vertical = along_the_links(simd, centres);
+        if let Some(measured) = driving.wheel_speeds {
+            let measured = given.read::<S, MAX_WHEELS>(simd, measured, wheels);
+            vertical = from_wheels(simd, centres, &measured, vertical, &mut doubt);
+        }
+        let mut checked = vertical;
+        let (mut speeds, mut contacts) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
+        let mut lifted = [zero; MAX_WHEELS];
+        let steepest = all(simd, driving.lift.angle.tan());
+        for (wheel, centre) in centres.iter().enumerate() {
+            let velocity = centre.at(vertical);
+            let to: Way<S> = way(velocity, (zero, one), &mut doubt);
+            let rolled = to.length.flip(to.sign) * all(simd, 1.0 / centre.radius);
+            speeds[wheel] = rolled - centre.turn;
+            contacts[wheel] = angle_of(simd, to.turned);
+            checked = checked + speeds[wheel];
+            let [x, y] = wanted.in_plan(treads[wheel].centre);
+            let slope = steepest * x.mul_add(x, y * y).sqrt();
+            let most = all(simd, driving.lift.speed).max(slope);
+            lifted[wheel] = most.below(velocity[1].abs()).select(one, zero);
+        }
+        // What is not finite is not sure to be what the plain way says.
+        doubt = doubt | !finite(simd, checked);
+        self.write(some, &angles, &speeds, &contacts, &lifted, vertical);
+        doubt
+    }
+
+    #[inline(always)]
+    fn wanted<S: Vector>(&self, simd: S, given: Span) -> Wanted<S> {
+        let driving = self.job.driving;
+        let speed = given.one(simd, driving.speed);
+        let yaw_rate = match driving.turning {
+            Turns::Curvature(curvature) => speed * given.one(simd, curvature),
+            Turns::YawRate(yaw_rate) => given.one(simd, yaw_rate),
+        };
+        let measured = driving.angular_velocity.as_flattened();
+        let [roll_rate, pitch_rate, _] = given.read::<S, 3>(simd, measured, 3);
+        let sideways = yaw_rate * all(simd, self.job.prepared.offset);
+        Wanted {
+            body: [
+                [speed, sideways, all(simd, 0.0)],
+                [roll_rate, pitch_rate, yaw_rate],
+            ],
+            rates: given.read::<S, MAX_FREE>(simd, driving.joint_rates, self.plan.joints()),
+        }
+    }
+
+    /// Wheels that rest keep the angle that they have.
+    #[inline(always)]
+    fn rest<S: Vector>(
+        &self,
+        simd: S,
+        given: Span,
+        joint: usize,
+        to: &mut Way<S>,
+        angle: &mut Lanes<S>,
+        doubt: &mut Mask<S>,
+    ) {
+        let mut present = all(simd, 0.0);
+        if let Some(steering) = self.job.driving.steering {
+            let steered = self.job.chain.steering().len();
+            let angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
+            present = angles[joint % MAX_WHEELS];
+        }
+        *doubt = *doubt | (to.rests & all(simd, LARGEST_TURN).below(present.abs()));
+        let (sin, cos) = direction(simd, present);
+        to.turned = (
+            to.rests.select(sin, to.turned.0),
+            to.rests.select(cos, to.turned.1),
+        );
+        *angle = to.rests.select(present, *angle);
+    }
+
+    /// Wheels whose joint steers others too are turned as the last of them asks.
+    #[inline(always)]
+    fn share_joints<S: Vector>(
+        &self,
+        simd: S,
+        placing: &Placing<'_, S>,
+        angles: &[Lanes<S>; MAX_WHEELS],
+        treads: &mut [WheelAt<S>; MAX_WHEELS],
+    ) {
+        let wheels = treads.iter_mut().enumerate().take(self.plan.wheels());
+        for (wheel, tread) in wheels {
+            if let Some(joint) = self.plan.shared(wheel) {
+                let turned = direction(simd, angles[joint % MAX_WHEELS]);
+                *tread = placing.steered(simd, wheel, turned);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn write<S: Vector>(
+        &mut self,
+        some: Span,
+        angles: &[Lanes<S>; MAX_WHEELS],
+        speeds: &[Lanes<S>; MAX_WHEELS],
+        contacts: &[Lanes<S>; MAX_WHEELS],
+        lifted: &[Lanes<S>; MAX_WHEELS],
+        vertical: Lanes<S>,
+    ) {
+        let (wheels, steered) = (self.plan.wheels(), self.job.chain.steering().len());
+        let (simd, drives) = (vertical.simd(), &mut self.job.drives);
+        some.write(simd, angles, steered, drives.steering);
+        some.write(simd, speeds, wheels, drives.speeds);
+        some.write(simd, contacts, wheels, drives.contact_angles);
+        some.write(simd, &[vertical], 1, drives.vertical);
+        some.flags(lifted, wheels, drives.lifted);
+    }
+}
+
+/// [`Closure::Suspension`].
+#[inline(always)]
+fn along_the_links<S: Vector>(simd: S, centres: &[Centre<S>]) -> Lanes<S> {
+    let zero = all(simd, 0.0);
+    let mut speeds = [zero; MAX_WHEELS];
+    let mut sum = zero;
+    for (speed, centre) in speeds.iter_mut().zip(centres) {
+        *speed = zero - centre.across.quotient(centre.vertical[1]);
+        sum = sum + *speed;
+    }
+    let count = centres.len().min(MAX_WHEELS);
+    // The smallest to the front, so far as it takes.
+    for k in 0..=count / 2 {
+        for i in k + 1..count {
+            let (a, b) = (speeds[k], speeds[i]);
+            speeds[k] = a.min(b);
+            speeds[i] = a.max(b);
+        }
+    }
+    let middle = count / 2;
+    let median = match count % 2 {
+        1 => speeds[middle],
+        _ => all(simd, 0.5) * (speeds[(middle + MAX_WHEELS - 1) % MAX_WHEELS] + speeds[middle]),
+    };
+    // NaN where one of them is.
+    sum.at_most(sum).select(median, sum)
+}
+
+/// [`Closure::Wheels`]; lanes that have found theirs wait for the others.
+#[inline(always)]
+fn from_wheels<S: Vector>(
+    simd: S,
+    centres: &[Centre<S>],
+    measured: &[Lanes<S>; MAX_WHEELS],
+    start: Lanes<S>,
+    doubt: &mut Mask<S>,
+) -> Lanes<S> {
+    let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+    let mut vertical = start;
+    let mut open = zero.below(one);
+    for _ in 0..STEPS {
+        let (mut slope, mut square) = (zero, all(simd, DAMPING));
+        for (centre, measured) in centres.iter().zip(measured) {
+            let [along, across] = centre.at(vertical);
+            let speed = along.mul_add(along, across * across).sqrt();
+            let [ahead, up] = centre.vertical;
+            let moves = zero.below(speed);
+            let inverse = one.quotient(moves.select(speed, one));
+            let derivative = along.mul_add(ahead, across * up) * inverse;
+            let rolled = (all(simd, centre.radius) * (*measured + centre.turn)).abs();
+            let missing = moves.select(rolled - speed, zero);
+            slope = derivative.mul_add(missing, slope);
+            square = moves.select(derivative, zero).mul_add(derivative, square);
+        }
+        let step = slope.quotient(square);
+        vertical = open.select(vertical + step, vertical);
+        open = open & all(simd, FOUND).at_most(step.abs());
+        if !open.any() {
+            break;
+        }
+    }
+    // Where there is none to be found the last one depends on every rounding.
+    *doubt = *doubt | open;
+    vertical
+}
