@@ -117,6 +117,9 @@ pub(crate) fn numbers(values: &[f64]) -> String {
 /// Numbers of a state, and lengths of a rover, from which on sums of their squares might not be finite.
 pub(crate) const HUGE: f64 = 1e60;
 
+/// Limits and radii up to which what is divided by them might not be finite.
+pub(crate) const TINY: f64 = 1e-60;
+
 /// Fails unless every value is finite.
 pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
     if values.iter().all(|value| value.is_finite()) {

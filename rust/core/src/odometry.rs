@@ -246,7 +246,7 @@ impl Odometry {
     /// A step of standing: the pose is held, and the bias learnt.
     fn rest(&mut self, rate: f64, dt: f64) {
         let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
-        let walk = self.settings.bias_walk();
+        let [_, walk] = self.settings.habits();
         if let Some(bias) = &mut self.state.uncertainty.bias {
             bias.variance += walk * walk * dt;
         }
@@ -374,8 +374,7 @@ impl Odometry {
             motion,
             &mut self.work,
             &mut self.state,
-            self.settings.smoothing,
-            self.settings.bias_walk(),
+            self.settings.habits(),
         )
         .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
@@ -555,8 +554,7 @@ impl Odometry {
             motion,
             &mut self.work,
             &mut self.state,
-            self.settings.smoothing,
-            self.settings.bias_walk(),
+            self.settings.habits(),
         )?;
         self.state.uncertainty.let_go();
         self.residual.fill(0.0);

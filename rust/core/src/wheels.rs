@@ -15,12 +15,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::error::{Error, HUGE, finite, number, positive};
+use crate::error::{Error, HUGE, TINY, finite, number, positive};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
-
-/// A wheel that is smaller turns infinitely fast under a twist that is still finite [m].
-const SMALLEST_RADIUS: f64 = 1.0e-60;
 
 /// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
 const LARGEST_HEADING: f64 = 1e3;
@@ -148,8 +145,8 @@ impl Wheel {
             return Err(Error::value("name", "not be empty", "''"));
         }
         positive("radius", self.radius)?;
-        if self.radius < SMALLEST_RADIUS {
-            let rule = format!("be at least {SMALLEST_RADIUS:e}");
+        if self.radius < TINY {
+            let rule = format!("be at least {TINY:e}");
             return Err(Error::value("radius", rule, number(self.radius)));
         }
         let lengths = [

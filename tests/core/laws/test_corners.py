@@ -293,6 +293,8 @@ def test_what_no_rover_has_is_not_taken_in():
     for stamp in (0.1, 0.2):
         odometry.update([0.0] * 4, [stamp] * 6, stamp)
     assert np.hypot(*odometry.state.pose[:2]) == pytest.approx(0.2 * ROVER.wheels[0].radius, rel=1e-12)
+    with pytest.raises(ValueError, match="jerk must be at least 1e-60, got 5e-324"):
+        sw.Limits(jerk=5e-324)
     controller = sw.Controller(ROVER)
     assert not controller.command((1e300, 0.0, 0.0), 0.0)
     with pytest.raises(ValueError, match="twist must be small enough for a possible twist beside it"):

@@ -1,6 +1,6 @@
 //! What the motion may not exceed: of the body, of the wheels, of the steering.
 
-use crate::error::{Error, number};
+use crate::error::{Error, TINY, number};
 
 /// Number of limits.
 pub const COUNT: usize = 14;
@@ -77,7 +77,7 @@ impl Limits {
     pub fn new(given: [Option<f64>; COUNT]) -> Result<Self, Error> {
         for (&name, value) in Self::NAMES.iter().zip(given) {
             let Some(value) = value else { continue };
-            if value > 0.0 {
+            if value >= TINY {
                 continue;
             }
             let still = name.ends_with("deceleration") && value == 0.0;
@@ -88,6 +88,7 @@ impl Limits {
                     let value = number(value);
                     format!("be positive: with {top}={value} the rover would never stop again")
                 }
+                None if value > 0.0 => format!("be at least {TINY:e}"),
                 None => "be positive (leave it out for no limit)".into(),
             };
             return Err(Error::value(name, rule, number(value)));

@@ -3,7 +3,7 @@
 
 use nalgebra::Matrix3;
 
-use super::state::{State, advance, check_covariance, check_pose, meet_yaw};
+use super::state::{State, check_covariance, check_pose, follow, meet_yaw};
 use super::step::Motion;
 use super::{Odometry, Readings, Sample, Settings};
 use crate::error::{Error, ErrorKind, number};
@@ -303,13 +303,13 @@ impl Odometry {
             pose,
             covariance,
         };
-        self.replay(correction)?;
+        self.replay(correction);
         self.history.remember(correction);
         Ok(())
     }
 
     /// Goes back to an entry, corrects it, and takes in again what came after it.
-    fn replay(&mut self, correction: Correction) -> Result<(), Error> {
+    fn replay(&mut self, correction: Correction) {
         let rules = self.settings.rules();
         let (first, next) = (correction.entry, self.history.next);
         let place = self.history.place(first);
@@ -331,17 +331,17 @@ impl Odometry {
                     .bias
                     .map_or(0.0, |bias| bias.variance),
             };
-            // It went well the first time, and the displacement does not depend on the pose.
-            let smoothing = self.settings.smoothing;
-            advance(
-                &self.rover,
-                &rules,
-                motion,
-                &mut self.work,
-                &mut self.state,
-                smoothing,
-                self.settings.bias_walk(),
-            )?;
+            // It was found the first time and does not depend on the pose: what was taken in is taken in again,
+            // however large its noise is said to be by another way of summing it.
+            if let Ok(found) = self.work.displacement(&self.rover, motion, &rules) {
+                follow(
+                    found,
+                    motion,
+                    &self.work,
+                    &mut self.state,
+                    self.settings.habits(),
+                );
+            }
             if let Some(yaw) = entry.yaw {
                 meet_yaw(&mut self.state, yaw, rules.noise.yaw);
             }
@@ -355,6 +355,5 @@ impl Odometry {
             }
             self.history.entries[place].state.copy_from(&self.state);
         }
-        Ok(())
     }
 }

@@ -129,9 +129,10 @@ impl Settings {
 }
 
 impl Settings {
-    /// By how much the bias of the gyroscope wanders [rad/s per root s].
-    pub(super) fn bias_walk(&self) -> f64 {
-        self.gyroscope.map_or(0.0, |known| known.bias_walk)
+    /// Smoothing of the twist [s], and by how much the bias of the gyroscope wanders [rad/s per root s].
+    pub(super) fn habits(&self) -> [f64; 2] {
+        let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
+        [self.smoothing, walk]
     }
 
     pub(super) fn rules(&self) -> Rules {

@@ -71,19 +71,29 @@ pub(super) fn advance(
     motion: Motion<'_>,
     work: &mut Workspace,
     state: &mut State,
-    smoothing: f64,
-    walk: f64,
+    [smoothing, walk]: [f64; 2],
 ) -> Result<(), Error> {
     let displacement = work.displacement(rover, motion, rules)?;
     let step = <[f64; 3]>::from(displacement);
-    let twist = Twist::from(step.map(|part| part / motion.dt));
     let finite = step.iter().all(|part| part.abs() < HUGE)
         && work.noise.total().is_below(HUGE)
-        && <[f64; 3]>::from(twist).iter().all(|part| part.is_finite());
+        && step.iter().all(|part| (part / motion.dt).is_finite());
     if !finite {
         let rule = "be small enough for a finite pose and covariance";
         return Err(Error::value("wheel_angles", rule, numbers(motion.turned)));
     }
+    follow(displacement, motion, work, state, [smoothing, walk]);
+    Ok(())
+}
+
+/// Goes along the displacement that a workspace has just found.
+pub(super) fn follow(
+    displacement: Twist,
+    motion: Motion<'_>,
+    work: &Workspace,
+    state: &mut State,
+    [smoothing, walk]: [f64; 2],
+) {
     let (sin, cos) = state.walk.heading.value().sin_cos();
     let jacobian = step_jacobian::<Apart>(displacement, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
@@ -95,8 +105,8 @@ pub(super) fn advance(
             .lean_on_bias(&jacobian, &gain, motion.dt, wandered);
     }
     state.go(jacobian.shift, displacement.omega);
-    state.hold(twist, motion.dt, smoothing);
-    Ok(())
+    let twist = <[f64; 3]>::from(displacement).map(|part| part / motion.dt);
+    state.hold(twist.into(), motion.dt, smoothing);
 }
 
 /// Takes in an absolute yaw; the first one tells where the sensor's zero is.

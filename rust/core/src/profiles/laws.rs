@@ -3,11 +3,11 @@
 use nalgebra::{Complex, Vector2};
 
 use super::chord::{Chord, Joint, is_driven};
-use crate::error::{Error, number};
+use crate::error::{Error, HUGE, TINY, number};
 use crate::rover::{Mount, Rover};
 
 /// Limits whose cubes, of rates, are still numbers.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+const SIZES: std::ops::RangeInclusive<f64> = TINY..=HUGE;
 
 /// Limits of a transition; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]

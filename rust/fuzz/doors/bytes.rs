@@ -62,7 +62,12 @@ impl Bytes<'_> {
                 scrub: if kind & 32 == 0 { 0.0 } else { self.number() },
                 trail: if kind & 64 == 0 { 0.0 } else { self.number() },
                 driven: kind & 8 == 0,
-                ..Wheel::new(format!("w{k}"), self.number(), self.number(), self.number().abs())
+                ..Wheel::new(
+                    format!("w{k}"),
+                    self.number(),
+                    self.number(),
+                    self.number().abs(),
+                )
             }
         });
         Rover::new(wheels.collect()).ok()
