@@ -282,7 +282,11 @@ MISTAKES = {
     "three radii": (lines("tracked", track_width=1, wheel_radius=[1, 1, 1]), 3, "a number or two numbers"),
     "one radius": (lines("tracked", track_width=1, wheel_radius=[1, -1]), 3, "finite and positive, got -1"),
     "fixed wheels": (lines("mecanum", **MECANUM, steering_limit=1), 5, "steering_limit is no key of kind"),
-    "far apart": (lines("omni", **OMNI | {"positions": "[1e300, 0, 0, 0]"}), 2, "positions[0] must be smaller than 1e60"),
+    "far apart": (
+        lines("omni", **OMNI | {"positions": "[1e300, 0, 0, 0]"}),
+        2,
+        "positions[0] must be smaller than 1e60",
+    ),
     "wheels a number": (lines("custom", wheels=3), 2, "wheels must be a list, got 3"),
     "no wheel": (lines("custom", wheels="{}"), 2, "wheels must hold 1 to 64 wheels, got 0"),
     "same wheel": (lines("custom", wheels=f"[{ARM}, {ARM}]"), 2, 'have a name each, got "a" twice'),
