@@ -169,6 +169,11 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     moved = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
     driven = arm.traction(*drive, kernel=kernel)
+    # What is known in some rows only is nothing to their neighbours.
+    gappy, rates = (
+        np.where(rng.random(rows.shape) < 0.1, math.nan, rows) for rows in (whole.speeds, whole.joint_rates)
+    )
+    known = arm.forward(stand, stand.steering, gappy, rates, kernel=kernel)
     for threads in (2, 3):
         again = arm.inverse(stand, commands, steering=stand.steering, threads=threads)
         alike(again, whole, COMMAND, 0)
@@ -183,6 +188,8 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
             COMMAND,
             0,
         )
+        part = arm.forward(part, part.steering, gappy[first:], rates[first:], kernel=kernel)
+        alike(part, SimpleNamespace(**{key: getattr(known, key)[first:] for key in MOTION}), MOTION, 0)
     fortran = [np.asfortranarray(values) for values in drive]
     alike(arm.traction(*fortran, kernel=kernel), driven, TRACTION, 0)
     lists = [values[:4].tolist() for values in drive]

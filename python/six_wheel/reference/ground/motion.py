@@ -199,23 +199,42 @@ def inverse(
 
 
 def _heading(chain: Chain, stand: Stand, motion: Floats, wheel: int) -> float:
-    """The angle at which a steered wheel's touching point has no velocity along its axle, and so rolls."""
-    angles = np.zeros(len(chain.steered))
+    """The angle at which a steered wheel's touching point has no velocity along its axle, and so rolls.
+
+    Half a turn on it goes to the other side: every half turn has such an angle. It is looked for about the
+    one at which the point goes where it goes now.
+    """
+    assert stand.steering is not None
+    angles = np.array(stand.steering, float)
     place = chain.steered.index(wheel)
-    for _ in range(100):
+    present = float(angles[place])
+
+    def way(angle: float) -> tuple[float, float]:
+        angles[place] = angle
         contacts = touch(chain, stand, angles)
         posture = contacts.posture
         spin = motion[3:6] + motion[6:] @ posture.turns[wheel]
-        ahead = (
-            float(contacts.along[wheel] @ motion + spin @ posture.axle[wheel]) * chain.wheels[wheel].radius
-        )
-        aside = float(contacts.left[wheel] @ motion)
-        # Forwards or backwards: within a quarter turn.
-        change = math.atan2(aside, ahead) if ahead >= 0 else math.atan2(-aside, -ahead)
-        angles[place] += change
-        if abs(change) < 1e-15:
-            break
-    return float(math.remainder(angles[place], math.pi))
+        rolled = float(contacts.along[wheel] @ motion + spin @ posture.axle[wheel])
+        return rolled * chain.wheels[wheel].radius, float(contacts.left[wheel] @ motion)
+
+    ahead, aside = way(present)
+    if ahead == aside == 0:
+        return present
+    first = present + (math.atan2(aside, ahead) if ahead >= 0 else math.atan2(-aside, -ahead))
+    # False position; the end that stays twice counts half, so that both come.
+    (low, below), (high, above) = ((end, way(end)[1]) for end in (first - math.pi / 2, first + math.pi / 2))
+    angle, side = first, 0
+    while True:
+        slip = way(angle)[1]
+        if (slip > 0) == (below > 0):
+            low, below, above = angle, slip, above / 2 if side == -1 else above
+            side = -1
+        else:
+            high, above, below = angle, slip, below / 2 if side == 1 else below
+            side = 1
+        last, angle = angle, low + (high - low) * below / (below - above)
+        if slip == 0 or abs(angle - last) < 1e-15 or not low < angle < high:
+            return present + math.remainder(last - present, math.pi)
 
 
 @dataclass(frozen=True)

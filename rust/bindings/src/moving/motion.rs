@@ -126,7 +126,7 @@ impl Suspension {
     /// Raises
     /// ------
     /// InfeasibleMotionError
-    ///     If a wheel would steer past its limit.
+    ///     If a wheel would steer past its limit, or, beside its steering axis, rolls at no angle.
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
     ///

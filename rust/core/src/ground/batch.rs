@@ -5,9 +5,10 @@
 //! so near that the way from there could have closed it. Whatever is not as plain as that (unknown ground, the end
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
+use super::circles::{FAR, cells, floor};
 use super::look::{Extent, Here, Look, MARGIN, MOST, spread};
 use super::plan::{Placing, Plan, Rows, solve};
-use super::rims::{FAR, TIE, cells, floor};
+use super::search::TIE;
 use super::settle::{Settler, Status};
 use super::stand::{Contact, Stand};
 use crate::batch::machine::lanes::{Lanes, Mask};

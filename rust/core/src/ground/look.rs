@@ -1,7 +1,8 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
+use super::circles::{FAR, Point, Rims, cells, floor};
 use super::plan::{Placing, Plan, Rows, Turned, Vectors};
-use super::rims::{FAR, Found, Point, Rims, Stretch, cells, floor, search};
+use super::search::{Found, Stretch, search};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;

@@ -1,17 +1,20 @@
 //! Rovers on ground: where a chain settles on a grid of heights.
 //!
-//! Rooms: [`rim`] (where one wheel meets the ground), [`rims`] (the same for eight at once), [`plan`],
-//! [`look`] and [`batch`] (many poses at once), [`touch`] (all wheels of a chain), [`newton`] (closing the
+//! Rooms: [`circle`] and [`rim`] (where one wheel meets the ground), [`circles`], [`search`] and [`rims`] (the same for
+//! eight at once), [`plan`], [`look`] and [`batch`] (many poses at once), [`touch`] (all wheels of a chain), [`newton`] (closing the
 //! gaps), [`stops`] (joints at their stops, wheels in the air), [`settle`] (the answer, with its status), [`stand`]
 //! (the answer as plain numbers, and batches), [`derivatives`] (of the answer, by the pose and by dimensions).
 
 mod batch;
+mod circle;
+mod circles;
 mod derivatives;
 mod look;
 mod newton;
 mod plan;
 mod rim;
 mod rims;
+mod search;
 mod settle;
 mod stand;
 mod stops;

@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
+use super::circle::Circle;
+use super::circles::RIMS;
 use super::derivatives::gap_slopes;
-use super::rim::{Circle, Minimum, Part, Rim, upper_half_matters, walk};
-use super::rims::{self, RIMS};
+use super::rim::{Minimum, Part, Rim, upper_half_matters, walk};
+use super::rims;
 use crate::batch::Level;
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;

@@ -18,6 +18,7 @@ mod motion;
 mod response;
 mod rows;
 mod slip;
+mod steer;
 mod traction;
 mod unmapped;
 

@@ -1,12 +1,12 @@
 //! Wheels to body and body to wheels on the ground.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::Rotation3;
 
-use super::contact::{COLUMNS, Contacts, Footing, Row, Tread, carried, in_body};
+use super::contact::{COLUMNS, Contacts, Footing, Row};
 use super::least_squares::{back, shortest, triangular};
 use super::rest_offset;
-use crate::error::{Error, ErrorKind, number};
-use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
+use super::steer::steer;
+use crate::error::Error;
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the motion in plan: `vx, vy, wz`.
@@ -14,9 +14,6 @@ pub(super) const PLAN: [usize; 3] = [0, 1, 5];
 
 /// Rates that the ground decides: `vz, wx, wy` and the free angles.
 pub(super) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
-
-/// Turns of a steered wheel towards where it rolls; each leaves less than a tenth of what was missing.
-const TURNS: usize = 40;
 
 /// What was measured beside the wheels.
 #[derive(Clone, Copy, Debug, Default)]
@@ -337,7 +334,12 @@ pub fn inverse(
         Some(given) => angles[..joints].copy_from_slice(given),
         None => steer(chain, footing, &rates, &mut angles)?,
     }
-    let Some(contacts) = Contacts::new(chain, footing, Some(&angles[..joints])) else {
+    // At its own angles a footing has its own contacts, wherever on the rims they are.
+    let moved = (angles[..joints] != *footing.steering).then_some(&angles[..joints]);
+    let moved = moved.map_or(Some(contacts), |angles| {
+        Contacts::new(chain, footing, Some(angles))
+    });
+    let Some(contacts) = moved else {
         return Ok(nothing);
     };
     let mut speeds = [0.0; MAX_WHEELS];
@@ -358,70 +360,6 @@ pub fn inverse(
         twist: twist.map(|rate| scale * rate),
         joint_rates: joint_rates.map(|rate| scale * rate),
         scale,
-    })
-}
-
-/// Turns every steered wheel to where its touching point goes, forwards or backwards, whichever is nearer to where
-/// it points; one that rests stays.
-fn steer(
-    chain: &Chain,
-    footing: &Footing<'_>,
-    rates: &Row,
-    angles: &mut [f64; MAX_WHEELS],
-) -> Result<(), Error> {
-    let Some(placed) = in_body(chain, footing.joints, footing.steering) else {
-        return Ok(());
-    };
-    let body_from_world = footing.rotation().inverse();
-    for (wheel, mount) in chain.wheels().iter().enumerate() {
-        let Some((joint, axis, pivot)) = placed.steering_axes(wheel).next() else {
-            continue;
-        };
-        let normal = body_from_world * Vector3::from(footing.normals[wheel]);
-        let (velocity, turn) = carried(&placed, wheel, rates);
-        let start = placed.wheel(wheel);
-        let mut angle = 0.0;
-        for _ in 0..TURNS {
-            let swivel = Rotation3::from_scaled_axis(axis * angle);
-            let mut frame = start;
-            frame.forward = swivel * start.forward;
-            frame.axle = swivel * start.axle;
-            frame.up = swivel * start.up;
-            frame.centre = pivot + swivel * (start.centre - pivot);
-            let tread = Tread::on_plane(frame, normal, mount.radius);
-            let arm = frame.centre + tread.spoke() - start.centre;
-            let touch = velocity + turn.cross(&arm);
-            let tangent = tread.tangent();
-            let (ahead, aside) = (touch.dot(&tangent), touch.dot(&normal.cross(&tangent)));
-            let change = if ahead == 0.0 && aside == 0.0 {
-                0.0
-            } else if ahead < 0.0 {
-                (-aside).atan2(-ahead)
-            } else {
-                aside.atan2(ahead)
-            };
-            angle += change;
-            if change.abs() < 4.0 * f64::EPSILON {
-                break;
-            }
-        }
-        angles[joint] = within(chain, joint, wheel, footing.steering[joint] + angle)?;
-    }
-    Ok(())
-}
-
-/// The angle, or half a turn from it, inside the range of a steering joint.
-pub(super) fn within(chain: &Chain, joint: usize, wheel: usize, angle: f64) -> Result<f64, Error> {
-    use std::f64::consts::PI;
-    let range: SteeringRange = chain.steering()[joint];
-    let fits = |angle: &f64| {
-        *angle >= range.lower - ANGLE_TOLERANCE && *angle <= range.upper + ANGLE_TOLERANCE
-    };
-    let found = [angle, angle - PI, angle + PI].into_iter().find(fits);
-    found.map(|angle| range.clip(angle)).ok_or_else(|| {
-        let (name, lower, upper) = (&chain.wheels()[wheel].name, range.lower, range.upper);
-        let rule = format!("let {name} steer within ({lower:?}, {upper:?})");
-        Error::value("command", rule, number(angle)).of_kind(ErrorKind::Infeasible)
     })
 }
 

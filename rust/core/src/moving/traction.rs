@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Row, carried, in_body};
-use super::motion::within;
+use super::steer::within;
 use crate::error::Error;
 use crate::suspension::{Chain, MAX_WHEELS};
 

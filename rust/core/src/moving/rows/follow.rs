@@ -2,7 +2,7 @@
 
 use super::footings::{Standing, rim};
 use super::solve::{back, triangular};
-use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{FOLLOWING, PLAN};
@@ -194,6 +194,20 @@ impl<S: Vector> Follow<S> {
             }
         }
         follow
+    }
+
+    /// Where there are as many rates to follow the ground as wheels on it: they follow it exactly.
+    #[inline(always)]
+    pub fn exactly(&self, simd: S, known: &[Known<S>; COLUMNS], wheels: usize) -> Mask<S> {
+        let (one, mut missing) = (all(simd, 1.0), all(simd, 0.0));
+        for column in &self.unknown[..self.count] {
+            missing = missing
+                + match known[*column] {
+                    Known::Somewhere(here, _) => one - here,
+                    _ => one,
+                };
+        }
+        all(simd, wheels as f64).at_most(missing)
     }
 
     /// How what a direction says answers to the motion in plan.

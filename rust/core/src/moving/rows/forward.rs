@@ -203,15 +203,14 @@ impl InLanes<'_> {
             *normal = (contact.normal, contact.swivel[0]);
         }
         let follow = Follow::new::<4>(simd, &standing, &known, &normals[..contacts.len()]);
-        // Where there are as many rates to follow the ground as wheels on it, they follow it exactly.
-        let some_know = known
-            .iter()
-            .any(|known| matches!(known, Known::Somewhere(..)));
-        let exactly = follow.count >= contacts.len() && !some_know;
+        let exactly = follow.exactly(simd, &known, contacts.len());
+        let everywhere = !(!exactly).any();
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, contacts.len());
         let nan = all(simd, f64::NAN);
         let mut rows = [[zero; 4]; 3 * MAX_WHEELS];
         let mut told = [[([zero; 3], zero); 3]; MAX_WHEELS];
+        // What the wheels do along the normals comes last: then rows of nothing, in lanes where it is nothing, are as none.
+        let lifts = if everywhere { 0 } else { contacts.len() };
         let mut filled = 0;
         for (wheel, contact) in contacts.iter().enumerate() {
             let [roll, side] = weights(self.job.readings.weights, contacts.len(), wheel);
@@ -246,20 +245,25 @@ impl InLanes<'_> {
                     *column = *column * unit;
                 }
                 told[wheel][i] = (columns, left);
-                if i == 0 && exactly {
+                let mut root = roots[i] * touching;
+                let place = if i > 0 {
+                    filled += 1;
+                    filled - 1
+                } else if everywhere {
                     continue;
-                }
-                let root = roots[i] * touching;
-                rows[filled] = [
+                } else {
+                    root = exactly.select(zero, root);
+                    2 * contacts.len() + wheel
+                };
+                rows[place] = [
                     columns[0] * root,
                     columns[1] * root,
                     columns[2] * root,
                     -(left * root),
                 ];
-                filled += 1;
             }
         }
-        let rows = &mut rows[..filled];
+        let rows = &mut rows[..filled + lifts];
         triangular(simd, rows, 3, 4);
         doubt = doubt | (dependent(simd, rows) & !standing.nowhere);
         let solution: [[Lanes<S>; 1]; 3] = back(simd, rows, 3);
@@ -452,11 +456,10 @@ fn measured<S: Vector>(simd: S, rate: Lanes<S>) -> Known<S> {
     let here = rate.at_most(rate);
     if !here.any() {
         Known::Nowhere
-    } else if (!here).any() {
+    } else {
+        // Even if it is everywhere: a row is not to be solved in another order for what its neighbours know.
         let one = all(simd, 1.0);
         Known::Somewhere(here.select(one, zero), here.select(rate, zero))
-    } else {
-        Known::Everywhere(rate)
     }
 }
 
