@@ -1,5 +1,13 @@
 """What this package raises beyond the built-in exceptions."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import os
+    from pathlib import Path
+
 
 class InfeasibleMotionError(ValueError):
     """A motion the rover cannot make: a wheel would slide sideways or steer past its range."""
@@ -11,6 +19,16 @@ class UnderdeterminedError(ValueError):
 
 class ArgumentTypeError(ValueError, TypeError):
     """An argument of the wrong type. Bad input like any other here, and a `TypeError` by Python's custom."""
+
+
+def as_path(argument: str, value: str | os.PathLike[str]) -> Path:
+    """The path that an argument is."""
+    from pathlib import Path  # nothing else needs it when the package is imported
+
+    try:
+        return Path(value)
+    except TypeError:
+        raise ArgumentTypeError(f"{argument} must be a path, got {value!r}") from None
 
 
 def printable(text: str) -> str:

@@ -161,6 +161,13 @@ def test_a_rover_that_is_not_there(refused: Callable[..., str]) -> None:
     assert "none.yaml" in refused("drive", "none.yaml", "commands.csv")
 
 
+def test_a_value_that_is_no_number_is_shown(refused: Callable[..., str]) -> None:
+    said = refused("show", "perseverance", "--twist", "a", "0", "0")
+    assert said == "--twist must be a valid number, got 'a'; see six-wheel show --help"
+    said = refused("drive", "perseverance", "commands.csv", "--rate", "quick")
+    assert said == "--rate must be a valid number, got 'quick'; see six-wheel drive --help"
+
+
 def test_other_commands_name_the_first_mistake_and_count_the_others(
     refused: Callable[..., str], run: Run
 ) -> None:

@@ -9,6 +9,7 @@ import six_wheel as sw
 from six_wheel.evaluation import evaluate, slip_against
 from six_wheel.logs import Log, Truth
 from six_wheel.odometry.tracks import SILENT, can_contradict
+from six_wheel.simulation.motion import Slip
 
 PAIR = sw.Rover.differential(0.5, (0.1, 0.102))
 STEP, FIRST, LAST = 0.02, 3400, 3550  # [s]; rows in which the left wheel slips
@@ -130,6 +131,45 @@ def test_a_calibration_leaves_a_slide_out_and_says_where(parameters):
     )
     assert abs(plain.values[0] - 0.1) > 1e-4
     assert plain.slips == ()
+
+
+ROVERS = {
+    "differential": (sw.Rover.differential(0.2, 0.042), sw.Rover.differential(0.2, 0.044)),
+    "six wheels": (
+        sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15),
+        sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.157),
+    ),
+    "mecanum": (sw.Rover.mecanum(0.2, 0.2, 0.05), sw.Rover.mecanum(0.2, 0.2, 0.052)),
+}
+SLID = (70.0, 73.0)  # [s]: in part 3 of 4
+
+
+@pytest.mark.parametrize("name", ROVERS)
+@pytest.mark.parametrize("factor", [1.0, 1.3, 1.5, 2.0, 3.0])
+def test_one_slip_in_a_clean_log_is_named_whatever_its_size(name, factor):
+    """Wheels turn `factor` times as far for 3 s of 100; motion capture errs by 1 mm."""
+    pytest.importorskip("scipy")
+    true, nominal = ROVERS[name]
+    times = np.arange(0.0, 100.5, 0.5)
+    twists = np.stack(
+        (
+            0.25 + 0.05 * np.sin(0.4 * times),
+            0 * times,
+            0.3 * np.sin(0.3 * times) + 0.2 * np.sin(0.071 * times),
+        ),
+        -1,
+    )
+    slip = () if factor == 1.0 else Slip(*SLID, ratio=1.0 - 1.0 / factor)
+    log = sw.simulate(
+        true, (times, twists), slip=slip, rate=20, truth_noise=(1e-3, 2e-3), seed=3, name="drive"
+    )
+    found = sw.calibrate(nominal, log, parameters=["wheel_radius"], cross_validation=False)
+    assert found.values[0] == pytest.approx(true.wheels[0].radius, rel=1e-3)
+    if factor == 1.0:
+        assert found.slips == ()
+        return
+    (sentence,) = found.slips
+    assert sentence.startswith("slip in part 3 of 4 of drive (")
 
 
 def test_only_the_log_that_slipped_is_cut():

@@ -82,6 +82,10 @@ def raising(poses, twists):
             {"out": (np.zeros(4), np.zeros(5))},
             "out.speeds must be a writeable float64 array of shape (6,), got shape",
         ),
+        (
+            {"goal": None},
+            "goal must be given, or a path or an extra_cost: without one there is nowhere to go",
+        ),
         ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and speeds, got ndarray"),
         ({"kernel": "none"}, "kernel must be one this machine has"),
         ({"threads": 0}, "threads must be at least 1, got 0"),
@@ -116,14 +120,15 @@ def test_what_a_callback_raises_comes_through():
     plan, twin = planner(), planner()
     with pytest.raises(KeyError, match="mine"):
         plan.step((0, 0, 0), extra_cost=raising)
-    np.testing.assert_array_equal(plan.step((0, 0, 0)).controls, twin.step((0, 0, 0)).controls)
+    first, second = (one.step((0, 0, 0), goal=(3, 1)) for one in (plan, twin))
+    np.testing.assert_array_equal(first.controls, second.controls)
 
 
 def test_a_callback_must_not_step_its_planner():
     plan = planner()
 
     def stepping(poses, twists):
-        plan.step((0, 0, 0))
+        plan.step((0, 0, 0), goal=(3, 1))
         return np.zeros(50)
 
     with pytest.raises(ValueError, match="extra_cost must not step the planner it judges for"):

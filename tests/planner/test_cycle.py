@@ -78,7 +78,7 @@ def test_wishes_are_the_noise_of_the_counter(name, dtype):
     plan = sw.Mppi(
         rover, horizon=11, samples=3000, seed=2**63 + 5, noise=(1, 1, 1), correlation=0, dtype=dtype
     )
-    plan.step((0, 0, 0))
+    plan.step((0, 0, 0), goal=(3, 1))
     noise = plain.normals(2**63 + 5, 0, 3000, 11, components)
     wishes = plan.wishes if components == 3 else plan.wishes[..., [0, 2]]
     # Past the rollouts that are no noise; polynomials in single precision, at up to 6 standard deviations.
@@ -173,7 +173,8 @@ def test_a_state_goes_on_in_another_planner():
     np.testing.assert_array_equal(first.controls, second.controls)
     one.reset()
     again = sw.Mppi(rover, sw.Limits(**LIMITS), samples=100, seed=4)
-    np.testing.assert_array_equal(one.step((0, 0, 0)).controls, again.step((0, 0, 0)).controls)
+    first, second = (plan.step((0, 0, 0), goal=(3, 1)) for plan in (one, again))
+    np.testing.assert_array_equal(first.controls, second.controls)
 
 
 @ALL_ROVERS

@@ -24,8 +24,12 @@ SAME_PLACE = 0.05
 AT_BOUND = 1e-6
 # A direction known no better than to this share of what is plausible.
 HARDLY = 0.1
-# Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears.
+# Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears,
 LARGE = 1.5
+# unless they last for so long [s]: a steering joint that lags, a corner that scrubs is over before.
+LASTING = 1.75
+# By what share of a usual motion a slide errs at least: under a fit, dimensions err by far less.
+LEAST = 0.1
 # Left out on either side of a slide [s]: where it begins is known to half a window.
 MARGIN = 0.5
 FEWEST_ROWS = 10
@@ -168,12 +172,26 @@ class Slip:
 
 
 def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
-    """Large slides in the drives of a problem, under a fit of it that nearly forgets them."""
+    """Large slides in the drives of a problem, under a fit of it that forgets them.
+
+    The first fit nearly does: what it finds bends it still, and hides a part of itself. The second one has no
+    windows in which there may be slip.
+    """
     model = problem.model
-    values = solve(replace(problem, loss="cauchy")).values
+    problem = replace(problem, loss="cauchy")
+    values = solve(problem).values
+    suspects = [_lost(model, drive, values) for drive in problem.drives]
+    if any(suspects):
+        rest = [_outside(drive, lost) for drive, lost in zip(problem.drives, suspects, strict=True)]
+        if rest := [drive for drive in rest if len(drive.rows)]:
+            values = solve(replace(problem, drives=rest)).values
+    reach = size(model.nominal)
     found = []
     for number, (drive, log) in enumerate(zip(problem.drives, records, strict=True)):
-        stretches = _large(model, drive, values)
+        lost = _lost(model, drive, values)
+        stretches = tuple(
+            one for one in lost if one.distance > LARGE * reach or one.end - one.start > LASTING
+        )
         if stretches:
             edges = np.linspace(log.stamps[0], log.stamps[-1], parts + 1)
             longest = max(stretches, key=lambda one: one.distance)
@@ -183,12 +201,25 @@ def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
     return found
 
 
-def _large(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
+def _lost(model: Model, drive: Drive, values: Floats) -> tuple[Stretch, ...]:
     if not (drive.truth.has_positions and drive.truth.has_headings):
         return ()  # a motion needs both
-    reach = size(model.nominal)
-    stretches = lost_stretches(*timed_path(model, drive, values), reach)
-    return tuple(one for one in stretches if one.distance > LARGE * reach)
+    return lost_stretches(*timed_path(model, drive, values), size(model.nominal), LEAST)
+
+
+def _outside(drive: Drive, stretches: Sequence[Stretch]) -> Drive:
+    """The drive without the windows that see one of these stretches."""
+    first, last = drive.stamps[drive.rows].T
+    kept = np.ones(len(drive.rows), dtype=bool)
+    for start, end in merged(stretches, MARGIN):
+        kept &= (last <= start) | (first >= end)
+    rows, middles, lengths, blocks = (
+        drive.rows[kept],
+        drive.middles[kept],
+        drive.lengths[kept],
+        drive.blocks[kept],
+    )
+    return replace(drive, rows=rows, middles=middles, lengths=lengths, blocks=blocks)
 
 
 def clean(

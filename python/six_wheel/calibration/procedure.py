@@ -13,12 +13,13 @@ from __future__ import annotations  # so that help shows the names of types, not
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
+from numbers import Real
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel._core import Rover
+from six_wheel._core import Rover, check_kind
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
@@ -31,6 +32,7 @@ from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.cluster import Journal
+from six_wheel.errors import ArgumentTypeError
 from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
@@ -92,7 +94,8 @@ def calibrate(
     loss : {'auto', 'soft_l1', 'linear', 'huber', 'cauchy'}
         How much windows count in which the rover slipped: from three times the usual error on less and less.
         ``"auto"`` is ``"soft_l1"``; where a drive slid by more than 1.5 times the rover's size at a stretch,
-        that is left out of fit and cross-validation (`Calibration.slips`) and the loss is ``"cauchy"``.
+        or for longer than 1.75 s, that is left out of fit and cross-validation (`Calibration.slips`) and the
+        loss is ``"cauchy"``.
     window : float or sequence of float, optional
         Lengths of the windows [m], a turn in place counting as what its outermost wheel drives; default 5,
         10, 20 and 40 times the distance of the farthest wheel from the origin.
@@ -129,18 +132,21 @@ def calibrate(
     Sensor Parameters for Mobile Robots, IEEE T-RO 29(2), 2013; intervals from leaving out clusters, see
     `six_wheel.calibration.fitting.covariance`.
     """
+    check_kind("rover", rover)
     records = _with_truth(as_logs(logs, rover), truth)
     if loss not in ("auto", *fitting.LOSSES):
         raise ValueError(f"loss must be one of auto, {', '.join(fitting.LOSSES)}, got {loss!r}")
-    if not 0.0 < confidence < 1.0:
-        raise ValueError(f"confidence must be between 0 and 1, got {confidence}")
-    if not (np.isfinite(max_time_offset) and max_time_offset > 0.0):
-        raise ValueError(f"max_time_offset must be finite and positive, got {max_time_offset}")
+    if not (isinstance(confidence, Real) and 0.0 < confidence < 1.0):
+        raise ValueError(f"confidence must be between 0 and 1, got {confidence!r}")
+    if not (isinstance(max_time_offset, Real) and np.isfinite(max_time_offset) and max_time_offset > 0.0):
+        raise ValueError(f"max_time_offset must be finite and positive, got {max_time_offset!r}")
     records = [_readable(rover, log, number) for number, log in enumerate(records)]
     lengths = _lengths(rover, window)
     catalogue = Catalogue(rover, encoders(rover, records))
     if isinstance(parameters, str) and parameters != "auto":
         parameters = [parameters]
+    if not isinstance(parameters, Iterable):
+        raise ArgumentTypeError(f"parameters must be 'auto' or names, got {parameters!r}")
     asked = None if parameters == "auto" else tuple(parameters)
     wanted = catalogue.find(asked) if asked is not None else []
     if asked is not None and not wanted:
@@ -292,7 +298,10 @@ def _noise(
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
     if window is None:
         return default_lengths(rover)
-    lengths = np.unique(np.atleast_1d(np.asarray(window, dtype=np.float64)))
+    try:
+        lengths = np.unique(np.atleast_1d(np.asarray(window, dtype=np.float64)))
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"window must be a number or several, got {window!r}") from None
     if not lengths.size or not (np.isfinite(lengths) & (lengths > 0.0)).all():
         raise ValueError(f"window must be finite and positive, got {window}")
     return lengths

@@ -99,6 +99,17 @@ def run(arguments: Sequence[str]) -> int:
     return code if isinstance(code, int) else 0
 
 
+def _odd_value(error: Exception) -> str | None:
+    """The option, its rule and what came, of a value that typer could not read."""
+    options = getattr(getattr(error, "param", None), "opts", None)
+    read = getattr(error.__cause__, "errors", None)
+    if not options or read is None:
+        return None
+    found = read()[0]
+    rule = str(found["msg"]).removeprefix("Input should be ").split(",")[0]
+    return f"{options[-1]} must be {rule}, got {str(found['input'])!r}"
+
+
 def _explain(error: Exception) -> str | None:
     """What to tell the user about an error; None if it is not their input but this program that is wrong."""
     if findings := getattr(error, "findings", None):  # of a parameter file
@@ -107,7 +118,7 @@ def _explain(error: Exception) -> str | None:
     if hasattr(error, "format_message"):  # typer's own, whichever class it has in this version
         context = getattr(error, "ctx", None)
         usage = f"; see {context.command_path} --help" if context else ""
-        return str(error.format_message()).rstrip(".") + usage
+        return (_odd_value(error) or str(error.format_message()).rstrip(".")) + usage
     if isinstance(error, ModuleNotFoundError) and (error.name or "").split(".")[0] in EXTRA_MODULES:
         return f"this needs {error.name}, which is not installed: {INSTALL}"
     if isinstance(error, OSError) and error.strerror:

@@ -90,7 +90,9 @@ def reach(rover: Rover) -> float:
     return max(float(np.hypot(wheel.x, wheel.y)) for wheel in rover.wheels)
 
 
-def lost_stretches(stamps: Floats, estimate: Floats, truth: Floats, reach: float) -> tuple[Stretch, ...]:
+def lost_stretches(
+    stamps: Floats, estimate: Floats, truth: Floats, reach: float, least: float = SLIP
+) -> tuple[Stretch, ...]:
     """Stretches in which the motion errs by far more than it usually does.
 
     Parameters
@@ -101,6 +103,8 @@ def lost_stretches(stamps: Floats, estimate: Floats, truth: Floats, reach: float
         Poses at those times [m, m, rad].
     reach : float
         Origin to the farthest wheel [m]: a turn counts as what that wheel drives.
+    least : float
+        Share of a usual motion by which a motion errs at least.
     """
     first = np.arange(len(stamps))
     last = np.searchsorted(stamps, stamps + SPAN)
@@ -116,7 +120,7 @@ def lost_stretches(stamps: Floats, estimate: Floats, truth: Floats, reach: float
     if usual == 0.0:
         return ()
     share = error / np.maximum(moved, usual)
-    odd = share > max(SLIP, UNUSUAL * float(np.median(share)))
+    odd = share > max(least, UNUSUAL * float(np.median(share)))
     return _stretches(stamps, first[odd], last[odd], error[odd])
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.errors import ArgumentTypeError
 from six_wheel.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
@@ -261,6 +262,9 @@ def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder
         return [given.get(name, Encoder()) for name in names]
     if given is None or isinstance(given, Encoder):
         return [given or Encoder()] * len(names)
+    if not isinstance(given, Sequence) or not all(isinstance(one, Encoder) for one in given):
+        rule = "must be an Encoder, several of them or a dict of them by name"
+        raise ArgumentTypeError(f"{argument} {rule}, got {given!r}")
     if len(given) != len(names):
         raise ValueError(f"{argument} must be one or {len(names)}, got {len(given)}")
     return list(given)

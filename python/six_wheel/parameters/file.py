@@ -30,6 +30,7 @@ from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Limits, Rover, without_questions
 from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
+from six_wheel.errors import as_path
 from six_wheel.parameters import syntax
 from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
@@ -133,7 +134,7 @@ def read_parameters(
 
     Parameters, errors: see `load`.
     """
-    path = Path(path)
+    path = as_path("path", path)
     log = _Log(str(path))
     return _read(path, _text(path, log), node, kind, log)
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain
+from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain, check_kind
+from six_wheel.errors import ArgumentTypeError
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.motion import Motion, Slip, drive
@@ -112,7 +113,13 @@ def simulate(
     ValueError
         If an argument breaks its rule.
     """
+    check_kind("noise", noise)
+    check_kind("gyroscope", gyroscope)
+    slips = [slip] if isinstance(slip, Slip) else slip
+    if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
+        raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
     if isinstance(rover, RockerBogie):
+        check_kind("ground", ground)
         if ground is None:
             raise ValueError("ground must be given for a suspension, got None; or simulate rover.planar(...)")
         if jitter or dropped or any(truth_noise):
@@ -135,6 +142,7 @@ def simulate(
             name=name,
             session=session,
         )
+    check_kind("rover", rover)
     if ground is not None:
         raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
     noise = Noise(0.0, 0.0) if noise is None else noise
@@ -154,7 +162,6 @@ def simulate(
         raise ValueError(f"start must be three finite numbers, got {first}")
     random = np.random.default_rng(seed)
     course = read_course(path, rover, speed)
-    slips = [slip] if isinstance(slip, Slip) else list(slip)
     motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), first, random)
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
     if dropped:

@@ -4,6 +4,7 @@ from os import PathLike
 from pathlib import Path
 
 from six_wheel._core import Terrain
+from six_wheel.errors import as_path
 from six_wheel.terrain import grids
 from six_wheel.terrain.files import Grid, TerrainFileError, Window, check, cut
 
@@ -22,7 +23,7 @@ def read(
 ) -> Terrain:
     """See `Terrain.read`."""
     check(window)
-    path = Path(path)
+    path = as_path("path", path)
     if not path.exists():
         raise FileNotFoundError(f"{path} must be a file, there is none")
     if path.suffix.lower() in BAGS or (path.is_dir() and (path / "metadata.yaml").exists()):

@@ -13,6 +13,7 @@ use crate::convert::{
     scalar_or_array,
 };
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
+use crate::given;
 use crate::rover::Rover;
 
 /// Puts the quick ways before the methods of the class.
@@ -105,7 +106,7 @@ impl Rover {
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
         one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
@@ -161,7 +162,7 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
         let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
@@ -209,7 +210,7 @@ impl Rover {
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Array<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use six_wheel_core::planner::Costmap as Core;
 
 use crate::convert::{ArgumentTypeError, number, raise, refuse, shape_text};
+use crate::given;
 
 /// Costs on a grid, for a planner.
 ///
@@ -52,7 +53,7 @@ impl Costmap {
         origin: Option<&Bound<'_, PyAny>>,
         lethal: Option<&Bound<'_, PyAny>>,
         outside: Option<&Bound<'_, PyAny>>,
-        frame: Option<String>,
+        #[pyo3(from_py_with = given::frame)] frame: Option<String>,
     ) -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;

@@ -8,6 +8,7 @@ use six_wheel_core::{Method, batch};
 
 use crate::batch::any_workers;
 use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
+use crate::given;
 use crate::kinematics::unseen;
 use crate::rover::Rover;
 
@@ -133,10 +134,10 @@ impl Rover {
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
-        method: &str,
+        #[pyo3(from_py_with = given::method)] method: &str,
         steering_rates: Option<&Bound<'py, PyAny>>,
-        allow_underdetermined: bool,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::allow_underdetermined)] allow_underdetermined: bool,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Fit> {
         let workers = any_workers(threads, None)?;
         let this = slf.get();

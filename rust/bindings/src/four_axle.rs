@@ -12,6 +12,7 @@ use six_wheel_core::four_axle::{self as core, Brakes};
 
 use crate::batch::any_workers;
 use crate::convert::{AnyArray, Array, Output, Rows, compute, number, raise, refuse};
+use crate::given;
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
 use values::{array, axles, brake, drives, raised, value, vector};
@@ -112,7 +113,7 @@ impl FourAxle {
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(
             py,
@@ -161,8 +162,8 @@ impl FourAxle {
         py: Python<'py>,
         angles: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
-        front: &str,
-        rear: &str,
+        #[pyo3(from_py_with = given::front)] front: &str,
+        #[pyo3(from_py_with = given::rear)] rear: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let set = Brakes {
             front: brake("front", front)?,
@@ -248,7 +249,7 @@ impl FourAxle {
         &self,
         py: Python<'py>,
         icr: &Bound<'py, PyAny>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Array<'py>> {
         let workers = any_workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;

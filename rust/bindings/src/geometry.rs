@@ -13,6 +13,7 @@ use crate::convert::{
     AnyArray, Array, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
     memory, named, number, raise, refuse, shape_text, together,
 };
+use crate::given;
 use crate::rover::Rover;
 
 /// Poses along a log of twists, each held over its step.
@@ -61,8 +62,8 @@ pub fn integrate<'py>(
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
     dtype: Option<&Bound<'py, PyAny>>,
-    threads: Option<i64>,
-    kernel: Option<&str>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+    #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
 ) -> PyResult<AnyArray<'py>> {
     let twists = Blocks::read("twists", twists, 3)?;
     let course = Course::read("twists", twists, dt, start)?;
@@ -121,13 +122,13 @@ pub fn rollout<'py>(
     start: Option<&Bound<'py, PyAny>>,
     out: Option<&Bound<'py, PyAny>>,
     dtype: Option<&Bound<'py, PyAny>>,
-    rover: Option<&Bound<'py, Rover>>,
-    limits: Option<Limits>,
+    #[pyo3(from_py_with = given::rover)] rover: Option<Bound<'py, Rover>>,
+    #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
     twist: Option<&Bound<'py, PyAny>>,
     steering: Option<&Bound<'py, PyAny>>,
-    delay: f64,
-    threads: Option<i64>,
-    kernel: Option<&str>,
+    #[pyo3(from_py_with = given::delay)] delay: f64,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+    #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
 ) -> PyResult<AnyArray<'py>> {
     let course = Course::read_controls(controls, dt, start)?;
     let Some(rover) = rover else {
@@ -324,7 +325,7 @@ pub fn differentiate<'py>(
     py: Python<'py>,
     poses: &Bound<'py, PyAny>,
     dt: &Bound<'py, PyAny>,
-    threads: Option<i64>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
     let workers = any_workers(threads, None)?;
     let poses = Rows::read("poses", poses, 3)?;
@@ -367,7 +368,7 @@ pub fn exp<'py>(
     py: Python<'py>,
     twist: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
-    threads: Option<i64>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
     over_time(py, ("twist", twist), dt, threads, batch::Map::Exp)
 }
@@ -393,7 +394,7 @@ pub fn log<'py>(
     py: Python<'py>,
     pose: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
-    threads: Option<i64>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
     over_time(py, ("pose", pose), dt, threads, batch::Map::Log)
 }
@@ -445,7 +446,7 @@ pub fn compose<'py>(
     py: Python<'py>,
     first: &Bound<'py, PyAny>,
     second: &Bound<'py, PyAny>,
-    threads: Option<i64>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<Array<'py>> {
     let workers = any_workers(threads, None)?;
     let mut first = Rows::read("first", first, 3)?;

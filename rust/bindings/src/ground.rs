@@ -7,6 +7,7 @@ use six_wheel_core::ground::{self, Settler, Status};
 
 use crate::batch::any_workers;
 use crate::convert::{Rows, compute, memory, raise};
+use crate::given;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 
@@ -75,13 +76,13 @@ impl Suspension {
     fn settle(
         slf: &Bound<'_, Self>,
         py: Python<'_>,
-        ground: &Bound<'_, Terrain>,
+        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
         poses: &Bound<'_, PyAny>,
         steering: Option<&Bound<'_, PyAny>>,
-        derivatives: bool,
+        #[pyo3(from_py_with = given::derivatives)] derivatives: bool,
         centre_of_mass: Option<&Bound<'_, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Stand> {
         let chain = &slf.get().chain;
         let poses = Rows::read("poses", poses, 3)?;

@@ -7,6 +7,7 @@ use pyo3::types::{PyDict, PyEllipsis, PyFloat, PyMapping, PyTuple};
 use six_wheel_core::Rover as Core;
 
 use crate::convert::{one_twist, refuse};
+use crate::given;
 use crate::rover::Rover;
 
 /// A joint of the robot: what it is called there, the index of its wheel, and which way it counts.
@@ -192,7 +193,7 @@ impl Rover {
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
         let (steering, speeds) = self.inverse(

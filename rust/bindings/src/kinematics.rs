@@ -12,6 +12,7 @@ use crate::convert::{
     AnyArray, Blocks, Output, Precision, Rows, ask, compute, given, joined, named, one_twist,
     raise, refuse, together,
 };
+use crate::given;
 use crate::rover::Rover;
 
 pub use quick::install;
@@ -183,8 +184,8 @@ impl Rover {
         previous_speeds: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
@@ -290,11 +291,11 @@ impl Rover {
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
-        allow_underdetermined: bool,
+        #[pyo3(from_py_with = given::allow_underdetermined)] allow_underdetermined: bool,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<AnyArray<'py>> {
         let precision = Precision::read(py, dtype, out)?;
         let readings = self.read_log(steering, speeds, steering_rates)?;

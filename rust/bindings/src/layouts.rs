@@ -8,6 +8,7 @@ use six_wheel_core::rover::MAX_WHEELS;
 use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, presets};
 
 use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
+use crate::given;
 use crate::rover::Rover;
 use crate::wheel::steering_range;
 
@@ -179,7 +180,7 @@ impl Rover {
         py: Python<'_>,
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
-        wheels_per_side: i64,
+        #[pyo3(from_py_with = given::wheels_per_side)] wheels_per_side: i64,
         wheelbase: Option<&Bound<'_, PyAny>>,
         icr_left: Option<&Bound<'_, PyAny>>,
         icr_right: Option<&Bound<'_, PyAny>>,
@@ -280,7 +281,7 @@ impl Rover {
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        driven: &str,
+        #[pyo3(from_py_with = given::driven)] driven: &str,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         Self::car(py, lengths, steering_limit, driven, Core::ackermann)
@@ -313,7 +314,7 @@ impl Rover {
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        driven: &str,
+        #[pyo3(from_py_with = given::driven)] driven: &str,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         Self::car(py, lengths, steering_limit, driven, Core::tricycle)
@@ -343,7 +344,7 @@ impl Rover {
         wheelbase: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        driven: &str,
+        #[pyo3(from_py_with = given::driven)] driven: &str,
     ) -> PyResult<Self> {
         let base = number("wheelbase", wheelbase)?;
         let (radius, range) = (
@@ -455,7 +456,7 @@ impl Rover {
     #[pyo3(signature = (name, *, steering_limit=None))]
     fn preset(
         py: Python<'_>,
-        name: &str,
+        #[pyo3(from_py_with = given::name)] name: &str,
         steering_limit: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         Self::named(py, presets::preset(name, steering_range(steering_limit)?))

@@ -9,6 +9,7 @@ mod fast;
 mod fit;
 mod four_axle;
 mod geometry;
+mod given;
 mod ground;
 mod joints;
 mod kinematics;
@@ -42,6 +43,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<rover::Rover>()?;
     module.add_function(wrap_pyfunction!(rover::unit_questions, module)?)?;
     module.add_function(wrap_pyfunction!(convert::without_questions, module)?)?;
+    module.add_function(wrap_pyfunction!(given::check_kind, module)?)?;
     kinematics::install(module.py())?;
     admissible::install(module.py())?;
     module.add_class::<fit::Fit>()?;

@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::odometry::{
     Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
 };
@@ -20,7 +20,10 @@ use six_wheel_core::{Error, Method};
 
 pub use quick::install;
 
-use crate::convert::{Array, Output, Rows, Scalars, compute, memory, number, raise, refuse};
+use crate::convert::{
+    Array, Output, Rows, Scalars, compute, memory, number, one_twist_first, raise, refuse,
+};
+use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
 use input::{Columns, build_track, encoders, optional, row, triple};
@@ -132,21 +135,21 @@ impl Odometry {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        rover: &Bound<'_, Rover>,
-        noise: Option<&Bound<'_, Noise>>,
-        readings: &str,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = given::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
-        method: &str,
-        inflate: bool,
+        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::inflate)] inflate: bool,
         slip_threshold: Option<&Bound<'_, PyAny>>,
         max_gap: Option<&Bound<'_, PyAny>>,
         max_speed: Option<&Bound<'_, PyAny>>,
         max_steering_rate: Option<&Bound<'_, PyAny>>,
         smoothing: Option<&Bound<'_, PyAny>>,
         lag: Option<&Bound<'_, PyAny>>,
-        history: usize,
-        gyroscope: Option<&Bound<'_, gyroscope::Gyroscope>>,
+        #[pyo3(from_py_with = given::history)] history: usize,
+        #[pyo3(from_py_with = given::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
         let wheels: Vec<&str> = core
@@ -268,9 +271,9 @@ impl Odometry {
         stamps: &Bound<'py, PyAny>,
         yaw: Option<&Bound<'py, PyAny>>,
         yaw_rate: Option<&Bound<'py, PyAny>>,
-        errors: &str,
-        covariances: bool,
-        residuals: bool,
+        #[pyo3(from_py_with = given::errors)] errors: &str,
+        #[pyo3(from_py_with = given::covariances)] covariances: bool,
+        #[pyo3(from_py_with = given::residuals)] residuals: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let count = self.wheels();
         let widths = [count, self.joints()];
@@ -338,12 +341,15 @@ impl Odometry {
     ///     If the rover cannot make the twist.
     /// ValueError
     ///     If a value is not finite or the stamp not later than the last one.
+    #[pyo3(signature = (twist, stamp, *more), text_signature = "($self, twist, stamp)")]
     fn command(
         &self,
         py: Python<'_>,
         twist: &Bound<'_, PyAny>,
         stamp: &Bound<'_, PyAny>,
+        more: &Bound<'_, PyTuple>,
     ) -> PyResult<OdometryState> {
+        one_twist_first("Odometry.command((vx, vy, omega), stamp)", twist, 2, more)?;
         let (twist, stamp) = (triple("twist", twist)?, number("stamp", stamp)?);
         self.change(py, |core| core.command(twist.into(), stamp).map(|_| ()))
     }

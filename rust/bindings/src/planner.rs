@@ -10,9 +10,10 @@ use six_wheel_core::planner::{
 use crate::batch::any_workers;
 use crate::controller::limits::Limits;
 use crate::convert::{
-    ArgumentTypeError, Array, Output, Rows, compute, memory, number, raise, refuse,
+    ArgumentTypeError, Array, Output, Rows, compute, memory, number, one_row, raise, refuse,
 };
 use crate::costmap::Costmap;
+use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
 
@@ -91,18 +92,18 @@ impl Mppi {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        rover: Bound<'_, Rover>,
-        limits: Option<Limits>,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
         horizon: Option<&Bound<'_, PyAny>>,
         dt: Option<&Bound<'_, PyAny>>,
         samples: Option<&Bound<'_, PyAny>>,
         seed: Option<&Bound<'_, PyAny>>,
         noise: Option<&Bound<'_, PyAny>>,
-        correlation: f64,
-        temperature: f64,
+        #[pyo3(from_py_with = given::correlation)] correlation: f64,
+        #[pyo3(from_py_with = given::temperature)] temperature: f64,
         weights: Option<&Bound<'_, PyDict>>,
-        smoothing: bool,
-        delay: f64,
+        #[pyo3(from_py_with = given::smoothing)] smoothing: bool,
+        #[pyo3(from_py_with = given::delay)] delay: f64,
         dtype: Option<&Bound<'_, PyAny>>,
         footprint: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -170,7 +171,7 @@ impl Mppi {
     /// costmap : Costmap, optional
     ///     What it costs to be somewhere. The rover has to be on it.
     /// goal : array_like, shape (2,) or (3,), optional
-    ///     Where to go [m]; default the end of the path.
+    ///     Where to go [m]; default the end of the path. One of `path`, `goal` and `extra_cost` has to be given.
     /// extra_cost : callable, optional
     ///     Called once, with the poses (samples, horizon + 1, 3) and the motions (samples, horizon, 3) of all rollouts;
     ///     returns a cost for each, shape (samples,), which may be infinite.
@@ -192,25 +193,32 @@ impl Mppi {
     /// Raises
     /// ------
     /// ValueError
-    ///     If a value is not finite, a shape does not fit, the rover is not on the map, or no rollout is left possible.
-    ///     The planner stays as it was, and nothing is written.
-    #[pyo3(signature = (state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None))]
+    ///     If a value is not finite, a shape does not fit, there is nowhere to go, the rover is not on the map, or no
+    ///     rollout is left possible. The planner stays as it was, and nothing is written.
+    #[pyo3(
+        signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None),
+        text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None)"
+    )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn step<'py>(
         &self,
         py: Python<'py>,
         state: &Bound<'py, PyAny>,
+        more: &Bound<'py, PyTuple>,
         twist: Option<&Bound<'py, PyAny>>,
         steering: Option<&Bound<'py, PyAny>>,
         path: Option<&Bound<'py, PyAny>>,
-        costmap: Option<&Bound<'py, Costmap>>,
+        #[pyo3(from_py_with = given::costmap)] costmap: Option<Bound<'py, Costmap>>,
         goal: Option<&Bound<'py, PyAny>>,
         extra_cost: Option<&Bound<'py, PyAny>>,
-        frame: Option<&str>,
+        #[pyo3(from_py_with = given::frame)] frame: Option<&str>,
         out: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<MppiPlan> {
+        if !more.is_empty() {
+            return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
+        }
         let seen = Seen::of(state)?;
         let pose = Rows::read("state.pose", &seen.pose, 3)?;
         pose.check_leading("state.pose", &[])?;
@@ -224,8 +232,8 @@ impl Mppi {
         )?;
         let path = path.map(|path| points("path", path)).transpose()?;
         let goal = goal.map(|goal| place("goal", goal)).transpose()?;
-        let map = costmap.map(|map| &map.get().core);
-        check_frame(costmap, frame.or(seen.frame.as_deref()))?;
+        let map = costmap.as_ref().map(|map| &map.get().core);
+        check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
         let mut outputs = self.outputs(py, out)?;
         let workers = any_workers(threads, kernel)?;
         let situation = Situation {

@@ -12,6 +12,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
 
 use crate::convert::{Scalars, memory, number, raise, refuse, scalar_or_array, shape_text};
+use crate::given;
 use made::{Made, class, known_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
@@ -296,7 +297,7 @@ impl Profile {
         minimum_velocity: Option<&Bound<'_, PyAny>>,
         minimum_acceleration: Option<&Bound<'_, PyAny>>,
         duration: Option<&Bound<'_, PyAny>>,
-        synchronise: &str,
+        #[pyo3(from_py_with = given::synchronise)] synchronise: &str,
     ) -> PyResult<Self> {
         let keywords = PyDict::new(py);
         let read = |argument, given: Option<&Bound<'_, PyAny>>, default| {

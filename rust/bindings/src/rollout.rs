@@ -8,6 +8,7 @@ use six_wheel_core::batch::{self, Costs, Workers};
 use crate::batch::workers;
 use crate::convert::{Output, Precision, Rows, compute, refuse};
 use crate::geometry::Course;
+use crate::given;
 use crate::rover::Rover;
 
 /// Fields of the result after its poses.
@@ -69,8 +70,8 @@ impl Rover {
         previous: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;

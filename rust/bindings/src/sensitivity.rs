@@ -7,6 +7,7 @@ use six_wheel_core::estimate::sensitivity::Quantity;
 
 use crate::batch::any_workers;
 use crate::convert::{Output, compute, items, joined, raise, refuse};
+use crate::given;
 use crate::rover::Rover;
 
 /// Names that are read at most.
@@ -195,7 +196,7 @@ impl Rover {
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         quantities: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Sensitivity> {
         let workers = any_workers(threads, None)?;
         let wanted = wanted(quantities)?;

@@ -12,6 +12,7 @@ use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, St
 use six_wheel_core::{Error, RockerBogie as Core};
 
 use crate::convert::{ArgumentTypeError, Rows, number, raise, refuse, shape_text};
+use crate::given;
 use crate::wheel::{reduce, steering_range};
 
 pub use base::Suspension;
@@ -197,7 +198,7 @@ impl RockerBogie {
         bogie_to_middle: Option<&Bound<'_, PyAny>>,
         bogie_to_rear: Option<&Bound<'_, PyAny>>,
         wheel_radius: Option<&Bound<'_, PyAny>>,
-        steered: &str,
+        #[pyo3(from_py_with = given::steered)] steered: &str,
         steering_limit: Option<&Bound<'_, PyAny>>,
         rocker_to_rear: Option<&Bound<'_, PyAny>>,
         bogie_to_front: Option<&Bound<'_, PyAny>>,

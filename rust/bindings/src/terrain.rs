@@ -13,6 +13,7 @@ use crate::convert::{
     Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
     scalar_or_array, shape_text, singles,
 };
+use crate::given;
 use crate::wheel::reduce;
 
 /// Ground as a regular grid of heights.
@@ -232,10 +233,10 @@ impl Terrain {
     fn yard<'py>(
         py: Python<'py>,
         size: Option<&Bound<'py, PyAny>>,
-        spacing: f64,
-        cover: f64,
+        #[pyo3(from_py_with = given::spacing)] spacing: f64,
+        #[pyo3(from_py_with = given::cover)] cover: f64,
         seed: Option<&Bound<'py, PyAny>>,
-        roughness: f64,
+        #[pyo3(from_py_with = given::roughness)] roughness: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(py);
         options.set_item("spacing", spacing)?;
@@ -305,8 +306,8 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, threads, |height, _, target| {
             target[0] = height;
@@ -333,8 +334,8 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -361,8 +362,8 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        method: &str,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
@@ -386,7 +387,7 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
         let workers = any_workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;

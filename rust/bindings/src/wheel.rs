@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyFloat, PyString, PyTuple};
 use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
 
 use crate::convert::{number, raise, refuse};
+use crate::given;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
 ///
@@ -102,18 +103,18 @@ impl Wheel {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        name: String,
+        #[pyo3(from_py_with = given::name)] name: String,
         x: &Bound<'_, PyAny>,
         y: &Bound<'_, PyAny>,
         radius: &Bound<'_, PyAny>,
-        steered: bool,
+        #[pyo3(from_py_with = given::steered)] steered: bool,
         heading: Option<&Bound<'_, PyAny>>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         scrub: Option<&Bound<'_, PyAny>>,
         trail: Option<&Bound<'_, PyAny>>,
         roller_angle: Option<&Bound<'_, PyAny>>,
-        driven: Option<bool>,
-        castor: bool,
+        #[pyo3(from_py_with = given::driven)] driven: Option<bool>,
+        #[pyo3(from_py_with = given::castor)] castor: bool,
     ) -> PyResult<Self> {
         let optional = |argument, value: Option<&Bound<'_, PyAny>>| {
             value.map_or(Ok(0.0), |value| number(argument, value))

@@ -16,7 +16,8 @@ use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
 use crate::controller::run::ControllerRun;
-use crate::convert::{Rows, name, number, one_twist, raise};
+use crate::convert::{Rows, name, number, one_twist_first, raise};
+use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
 
@@ -80,15 +81,15 @@ impl Controller {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        rover: Bound<'_, Rover>,
-        limits: Option<Limits>,
-        timeout: Option<f64>,
-        period: Option<f64>,
-        max_step: f64,
-        mode: &str,
-        align: Option<&str>,
-        align_tolerance: f64,
-        discretise: bool,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
+        #[pyo3(from_py_with = given::timeout)] timeout: Option<f64>,
+        #[pyo3(from_py_with = given::period)] period: Option<f64>,
+        #[pyo3(from_py_with = given::max_step)] max_step: f64,
+        #[pyo3(from_py_with = given::mode)] mode: &str,
+        #[pyo3(from_py_with = given::align)] align: Option<&str>,
+        #[pyo3(from_py_with = given::align_tolerance)] align_tolerance: f64,
+        #[pyo3(from_py_with = given::discretise)] discretise: bool,
         steering: Option<&Bound<'_, PyAny>>,
         twist: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -159,7 +160,8 @@ impl Controller {
         mode: Option<&Bound<'_, PyAny>>,
         more: &Bound<'_, PyTuple>,
     ) -> PyResult<bool> {
-        one_twist("Controller.command((vx, vy, omega), stamp)", 3, more)?;
+        let call = "Controller.command((vx, vy, omega), stamp)";
+        one_twist_first(call, twist, if mode.is_some() { 3 } else { 2 }, more)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_leading("twist", &[])?;
         let stamp = number("stamp", stamp)?;

@@ -17,7 +17,7 @@ use pyo3::exceptions::{PyMemoryError, PyOverflowError, PyTypeError, PyValueError
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyTuple};
+use pyo3::types::{PyBool, PyFloat, PyInt, PyTuple};
 use six_wheel_core::units::Question;
 use six_wheel_core::{Error, ErrorKind};
 
@@ -104,17 +104,36 @@ pub fn name(value: &Bound<'_, PyAny>) -> String {
     value.extract().unwrap_or_else(|_| short_repr(value))
 }
 
-/// Fails where numbers came one by one that belong into one twist: more of them than the method has parameters.
-pub fn one_twist(call: &str, before: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
-    if more.is_empty() {
-        return Ok(());
+/// Fails where numbers came one by one that belong into one row: more of them than the method has parameters, of
+/// which `given` are.
+pub fn one_twist(call: &str, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
+    match more.is_empty() {
+        true => Ok(()),
+        false => Err(one_row(call, "twist", given + more.len())),
     }
-    let count = before + more.len();
+}
+
+/// The same where the first of them may be all there is to see: the others fill parameters of their own.
+pub fn one_twist_first(
+    call: &str,
+    first: &Bound<'_, PyAny>,
+    given: usize,
+    more: &Bound<'_, PyTuple>,
+) -> PyResult<()> {
+    let number = first.is_instance_of::<PyFloat>() || first.is_instance_of::<PyInt>();
+    match number && given > 1 {
+        true => Err(one_row(call, "twist", given + more.len())),
+        false => one_twist(call, given, more),
+    }
+}
+
+/// Who hands over several numbers for one row of them is told how it is called.
+pub fn one_row(call: &str, what: &str, count: usize) -> PyErr {
     let (class, call) = call.split_once('.').unwrap_or(("", call));
     let method = call.split('(').next().unwrap_or(call);
-    Err(PyTypeError::new_err(format!(
-        "{class}.{method}() takes one twist, as in {call}, got {count} arguments"
-    )))
+    PyTypeError::new_err(format!(
+        "{class}.{method}() takes one {what}, as in {call}, got {count} arguments"
+    ))
 }
 
 thread_local! {

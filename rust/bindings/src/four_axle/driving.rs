@@ -10,6 +10,7 @@ use super::values::{
     array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step,
 };
 use crate::convert::{Rows, items, number, refuse};
+use crate::given;
 
 /// Steps of a sequence that are looked at.
 const MOST_STEPS: usize = 1 << 20;
@@ -167,7 +168,7 @@ impl FourAxle {
         py: Python<'py>,
         state: &Bound<'py, PyAny>,
         curvature: &Bound<'py, PyAny>,
-        steer: &str,
+        #[pyo3(from_py_with = given::steer)] steer: &str,
         speed: Option<&Bound<'py, PyAny>>,
         pivot_rate: Option<&Bound<'py, PyAny>>,
         brake_time: Option<&Bound<'py, PyAny>>,

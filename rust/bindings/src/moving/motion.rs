@@ -14,6 +14,7 @@ use crate::batch::any_workers;
 use crate::convert::{
     Rows, compute, joined, memory, number, raise, refuse, scalar_or_array, shape_text,
 };
+use crate::given;
 use crate::suspension::Suspension;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
@@ -137,10 +138,10 @@ impl Suspension {
         py: Python<'py>,
         stand: &Bound<'py, PyAny>,
         command: &Bound<'py, PyAny>,
-        view: &str,
+        #[pyo3(from_py_with = given::view)] view: &str,
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -260,8 +261,8 @@ impl Suspension {
         angular_velocity: Option<&Bound<'py, PyAny>>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         weights: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;

@@ -7,6 +7,7 @@ use super::stand::Stands;
 use super::{done, fresh};
 use crate::batch::any_workers;
 use crate::convert::{Rows, compute, raise, refuse};
+use crate::given;
 use crate::suspension::Suspension;
 
 /// How wheels slip.
@@ -61,7 +62,7 @@ impl Suspension {
         speeds: &Bound<'py, PyAny>,
         twist: &Bound<'py, PyAny>,
         joint_rates: &Bound<'py, PyAny>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
         let chain = &self.chain;
@@ -188,7 +189,7 @@ pub fn body_slip(
     navigated: &Bound<'_, PyAny>,
     kinematic: &Bound<'_, PyAny>,
     covariance: &Bound<'_, PyAny>,
-    false_alarm: f64,
+    #[pyo3(from_py_with = given::false_alarm)] false_alarm: f64,
 ) -> PyResult<BodySlip> {
     let length = navigated.len().unwrap_or(0);
     if !(1..=6).contains(&length) {

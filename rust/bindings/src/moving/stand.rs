@@ -5,6 +5,7 @@ use six_wheel_core::Chain;
 use six_wheel_core::moving::{Footings, Told};
 
 use crate::convert::{Rows, Scalars, refuse, shape_text};
+use crate::given::other_kind;
 use crate::ground::Stand;
 
 /// Where a rover stands: what `settle` says, or somebody with the face of it. Read once for all rows.
@@ -37,6 +38,10 @@ impl<'py> Attributes<'py> {
         );
         let rows =
             |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
+        if !stand.hasattr("contact_angles")? {
+            let remedy = "what settle(...) has returned";
+            return Err(other_kind("stand", "a Stand", stand, remedy));
+        }
         let angles = rows("contact_angles", wheels)?;
         let leading = angles.leading.clone();
         let beside = |name: &str, width: usize| {

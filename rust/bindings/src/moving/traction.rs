@@ -8,6 +8,7 @@ use six_wheel_core::suspension::MAX_WHEELS;
 use super::{done, fresh};
 use crate::batch::any_workers;
 use crate::convert::{Rows, Scalars, compute, memory, raise, refuse, scalar_or_array};
+use crate::given;
 use crate::suspension::Suspension;
 
 /// Wheels over ground that nobody has mapped.
@@ -171,10 +172,10 @@ impl Suspension {
         yaw_rate: Option<&Bound<'py, PyAny>>,
         steering: Option<&Bound<'py, PyAny>>,
         wheel_speeds: Option<&Bound<'py, PyAny>>,
-        lift_angle: f64,
-        lift_speed: f64,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::lift_angle)] lift_angle: f64,
+        #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (

@@ -7,6 +7,7 @@ use six_wheel_core::odometry::Encoder as CoreEncoder;
 
 use super::values::Encoder;
 use crate::convert::{Rows, Scalars, items, number, refuse};
+use crate::given::other_kind;
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(
@@ -21,12 +22,8 @@ pub fn encoders(
         item.cast::<Encoder>()
             .map(|encoder| encoder.get().0)
             .map_err(|_| {
-                let got = item.get_type().to_string();
-                refuse(
-                    argument,
-                    "be an Encoder, several of them or a dict of them by name",
-                    &got,
-                )
+                let rule = "an Encoder, several of them or a dict of them by name";
+                other_kind(argument, rule, item, "")
             })
     };
     if let Ok(mapping) = given.cast::<PyMapping>() {

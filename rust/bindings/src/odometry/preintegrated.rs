@@ -18,6 +18,7 @@ use super::input::{encoders, optional, steering_left_out, triple};
 use super::readings_named;
 use super::values::Noise;
 use crate::convert::{Rows, Scalars, compute, number, raise, refuse};
+use crate::given;
 use crate::rover::Rover;
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
@@ -246,14 +247,14 @@ impl Preintegrated {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        rover: &Bound<'_, Rover>,
-        noise: Option<&Bound<'_, Noise>>,
-        gyroscope: Option<&Bound<'_, Gyroscope>>,
-        readings: &str,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = given::gyroscope)] gyroscope: Option<Bound<'_, Gyroscope>>,
+        #[pyo3(from_py_with = given::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
-        method: &str,
-        in_space: bool,
+        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = given::in_space)] in_space: bool,
         attitude_noise: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
@@ -547,7 +548,12 @@ impl Preintegrated {
     /// ----------
     /// other : Preintegrated
     ///     Of the same rover, its first sample the last one here.
-    fn merge(&self, py: Python<'_>, other: PyRef<'_, Self>) -> PyResult<Self> {
+    fn merge(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = given::other)] other: Bound<'_, Self>,
+    ) -> PyResult<Self> {
+        let other = other.try_borrow()?;
         let (ours, theirs) = (&self.core, &other.core);
         let merged = compute(py, theirs.len(), || ours.merge(theirs));
         Ok(self.with(merged.map_err(|error| raise(error, &[]))?, py))

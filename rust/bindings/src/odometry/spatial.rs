@@ -16,6 +16,7 @@ use super::input::{Columns, build_track, encoders, optional, row};
 use super::readings_named;
 use super::values::Noise;
 use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, ready};
+use crate::given;
 use crate::shared::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -110,12 +111,12 @@ impl Odometry3 {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        arm: &Bound<'_, Suspension>,
-        noise: Option<&Bound<'_, Noise>>,
-        ground: Option<&Bound<'_, Terrain>>,
+        #[pyo3(from_py_with = given::arm)] arm: Bound<'_, Suspension>,
+        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = given::ground)] ground: Option<Bound<'_, Terrain>>,
         attitude_noise: Option<&Bound<'_, PyAny>>,
         joint_noise: Option<&Bound<'_, PyAny>>,
-        readings: &str,
+        #[pyo3(from_py_with = given::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
         slip_threshold: Option<&Bound<'_, PyAny>>,
@@ -123,7 +124,7 @@ impl Odometry3 {
         max_speed: Option<&Bound<'_, PyAny>>,
         max_steering_rate: Option<&Bound<'_, PyAny>>,
         lag: Option<&Bound<'_, PyAny>>,
-        history: usize,
+        #[pyo3(from_py_with = given::history)] history: usize,
     ) -> PyResult<Self> {
         ready(arm.py())?;
         let chain = &arm.get().chain;
@@ -151,12 +152,12 @@ impl Odometry3 {
                 .unwrap_or(usual.attitude_noise),
             joint_noise: optional("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
         };
-        let map = ground.map(|ground| ground.get().0.clone());
+        let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).map_err(|error| raise(error, &[]))?;
         Ok(Self {
             work: Shared::new(core),
             arm: arm.clone().unbind(),
-            ground: ground.map(|ground| ground.clone().unbind()),
+            ground: ground.map(Bound::unbind),
         })
     }
 
@@ -264,9 +265,9 @@ impl Odometry3 {
         joints: Option<&Bound<'py, PyAny>>,
         attitude: Option<&Bound<'py, PyAny>>,
         yaw_rate: Option<&Bound<'py, PyAny>>,
-        errors: &str,
-        covariances: bool,
-        slips: bool,
+        #[pyo3(from_py_with = given::errors)] errors: &str,
+        #[pyo3(from_py_with = given::covariances)] covariances: bool,
+        #[pyo3(from_py_with = given::slips)] slips: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let [count, steered, free] = self.widths();
         let log = Columns::read(wheel_angles, steering, stamps, errors, [count, steered])?;

@@ -9,6 +9,7 @@ use six_wheel_core::Method;
 use six_wheel_core::odometry::Odometry;
 
 use crate::fast::is_held_once;
+use crate::given;
 use crate::rover::Rover;
 
 /// Where the rover is after a sample, and how far that may be off.
@@ -260,7 +261,7 @@ impl OdometryState {
     fn covariance_6x6<'py>(
         &self,
         py: Python<'py>,
-        unmeasured: f64,
+        #[pyo3(from_py_with = given::unmeasured)] unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         spatial(py, &whole(self.covariance), unmeasured)
     }
@@ -275,7 +276,7 @@ impl OdometryState {
     fn twist_covariance_6x6<'py>(
         &self,
         py: Python<'py>,
-        unmeasured: f64,
+        #[pyo3(from_py_with = given::unmeasured)] unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let known = self.twist_covariance.map(|value| match value.is_finite() {
             true => value,

@@ -9,6 +9,7 @@ use six_wheel_core::profiles::{
 use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
 use super::made::{Made, class, known_by_its_call};
 use crate::convert::refuse;
+use crate::given;
 use crate::rover::Rover;
 
 macro_rules! value_methods {
@@ -78,16 +79,16 @@ impl BodyTransition {
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        rover: &Bound<'py, Rover>,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        shape: Option<&str>,
+        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
         acceleration: Option<&Bound<'py, PyAny>>,
         angular_acceleration: Option<&Bound<'py, PyAny>>,
         jerk: Option<&Bound<'py, PyAny>>,
         angular_jerk: Option<&Bound<'py, PyAny>>,
-        synchronise: Option<&str>,
+        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
@@ -217,17 +218,17 @@ impl ModuleTransition {
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        rover: &Bound<'py, Rover>,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
         start: &Bound<'py, PyAny>,
         end: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        shape: Option<&str>,
+        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
         steering_rate: Option<&Bound<'py, PyAny>>,
         steering_acceleration: Option<&Bound<'py, PyAny>>,
         steering_jerk: Option<&Bound<'py, PyAny>>,
         wheel_acceleration: Option<&Bound<'py, PyAny>>,
         wheel_jerk: Option<&Bound<'py, PyAny>>,
-        synchronise: Option<&str>,
+        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -258,7 +259,7 @@ impl ModuleTransition {
         let view = |(steering, speeds): &(Vec<f64>, Vec<f64>)| {
             PyResult::Ok((PyTuple::new(py, steering)?, PyTuple::new(py, speeds)?))
         };
-        let arguments = (rover, view(&from)?, view(&to)?)
+        let arguments = (&rover, view(&from)?, view(&to)?)
             .into_pyobject(py)?
             .unbind();
         let [start, end] = [&from, &to].map(|(steering, speeds)| Modules { steering, speeds });
@@ -350,7 +351,7 @@ impl IcrTransition {
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        rover: &Bound<'py, Rover>,
+        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         steering_rate: &Bound<'py, PyAny>,

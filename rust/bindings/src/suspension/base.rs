@@ -9,6 +9,7 @@ use six_wheel_core::{Chain, Error, SteeringRange};
 
 use super::{joint_range, vector};
 use crate::convert::{Rows, number, raise, refuse, shape_text};
+use crate::given;
 use crate::wheel::{reduce, steering_range};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
@@ -105,7 +106,7 @@ impl Suspension {
         rear_pivot: &Bound<'py, PyAny>,
         rear_to_wheel: &Bound<'py, PyAny>,
         wheel_radius: &Bound<'py, PyAny>,
-        steered: &str,
+        #[pyo3(from_py_with = given::steered)] steered: &str,
         steering_limit: Option<&Bound<'py, PyAny>>,
         bogie_limit: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {

@@ -12,6 +12,7 @@ use crate::batch::any_workers;
 use crate::convert::{
     Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together,
 };
+use crate::given;
 use crate::terrain::Terrain;
 
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
@@ -188,15 +189,15 @@ impl RockerBogie {
     fn bounds(
         &self,
         py: Python<'_>,
-        ground: &Bound<'_, Terrain>,
+        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
         poses: &Bound<'_, PyAny>,
         yaw_margin: Option<&Bound<'_, PyAny>>,
         position_margin: Option<&Bound<'_, PyAny>>,
-        map_error: f64,
-        belly: Option<(f64, f64, f64, f64)>,
-        within: Option<(f64, f64, f64)>,
-        threads: Option<i64>,
-        kernel: Option<&str>,
+        #[pyo3(from_py_with = given::map_error)] map_error: f64,
+        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
         let mut poses = Rows::read("poses", poses, 3)?;

@@ -12,6 +12,7 @@ use crate::convert::{
     Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text,
     together,
 };
+use crate::given;
 
 /// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
 pub struct Joints<'py> {
@@ -154,7 +155,7 @@ impl RockerBogie {
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
@@ -191,7 +192,7 @@ impl RockerBogie {
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);

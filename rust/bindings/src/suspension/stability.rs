@@ -11,6 +11,7 @@ use six_wheel_core::ground::Settler;
 use super::{RockerBogie, Suspension};
 use crate::batch::any_workers;
 use crate::convert::{Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
+use crate::given;
 use crate::ground::Stand;
 use crate::terrain::Terrain;
 
@@ -141,12 +142,12 @@ impl RockerBogie {
     fn feasible(
         slf: &Bound<'_, Self>,
         py: Python<'_>,
-        ground: &Bound<'_, Terrain>,
+        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
         poses: &Bound<'_, PyAny>,
         limits: Option<&Bound<'_, PyAny>>,
-        map_error: f64,
-        belly: Option<(f64, f64, f64, f64)>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::map_error)] map_error: f64,
+        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Feasible> {
         let this = slf.get();
         let error = this.question(map_error, belly, None)?.error;
@@ -225,12 +226,12 @@ impl Suspension {
     fn stability(
         slf: &Bound<'_, Self>,
         py: Python<'_>,
-        stand: &Bound<'_, Stand>,
-        mass: f64,
+        #[pyo3(from_py_with = given::stand)] stand: Bound<'_, Stand>,
+        #[pyo3(from_py_with = given::mass)] mass: f64,
         centre_of_mass: Option<&Bound<'_, PyAny>>,
-        gravity: f64,
-        belly: Option<(f64, f64, f64, f64)>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::gravity)] gravity: f64,
+        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Stability> {
         let workers = any_workers(threads, None)?;
         for (name, value) in [("mass", mass), ("gravity", gravity)] {

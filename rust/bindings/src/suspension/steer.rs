@@ -10,6 +10,7 @@ use crate::batch::any_workers;
 use crate::convert::{
     Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
 };
+use crate::given;
 use crate::rover::Rover;
 
 /// What the wheels have to do for a forward speed and a yaw rate.
@@ -97,7 +98,7 @@ impl RockerBogie {
         py: Python<'_>,
         rho: &Bound<'_, PyAny>,
         beta: &Bound<'_, PyAny>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
         let workers = any_workers(threads, None)?;
         let mut joints = Joints::read(rho, beta)?;
@@ -163,7 +164,7 @@ impl RockerBogie {
         beta: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
