@@ -9,6 +9,7 @@ use crate::batch;
 use crate::batch::Cone;
 use crate::error::{Error, finite};
 use crate::estimate::gradients::Gradients;
+use crate::estimate::sensitivity::Quantity;
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 use crate::units;
@@ -76,7 +77,7 @@ pub struct Rover {
     /// Made when they are first asked for: many rovers are never asked to project.
     faces: OnceLock<Faces>,
     /// Likewise, for derivatives of the twist.
-    gradients: OnceLock<Gradients>,
+    gradients: [OnceLock<Gradients>; Quantity::ALL.len()],
 }
 
 impl PartialEq for Rover {
@@ -147,7 +148,7 @@ impl Rover {
             spin_radius: f64::INFINITY,
             cone: None,
             faces: OnceLock::new(),
-            gradients: OnceLock::new(),
+            gradients: Default::default(),
         };
         rover.plain_angle = units::plain_angle(&rover);
         rover.solution = rover.constant_solution();
@@ -178,9 +179,9 @@ impl Rover {
         steering.iter().all(|angle| angle.abs() <= self.plain_angle)
     }
 
-    /// What derivatives of the twist are made of.
-    pub(crate) fn gradients(&self) -> &Gradients {
-        self.gradients.get_or_init(|| Gradients::new(self))
+    /// What derivatives of the twist by a quantity are made of.
+    pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
+        self.gradients[quantity as usize].get_or_init(|| Gradients::new(self, quantity))
     }
 
     /// The faces of the admissible set.

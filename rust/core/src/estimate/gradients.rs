@@ -18,25 +18,34 @@ pub(crate) const PRODUCTS: usize = 3 * GIVEN;
 /// A sum of products, by their places.
 pub(crate) type Sum = Vec<(usize, f64)>;
 
-/// The derivatives of every wheel by every quantity: of the twist where the solution of the normal equations is a
-/// constant of the rover, or else their gradients about the centre of the pivots. First for steering that rests.
-#[derive(Clone, Debug)]
-pub(crate) struct Gradients([Vec<[[Sum; 3]; Quantity::ALL.len()]>; 2]);
+/// The derivatives by a quantity of every wheel: of the twist where the solution of the normal equations is a constant of
+/// the rover, or else their gradients about the centre of the pivots. First for steering that rests.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gradients([Vec<[Sum; 3]>; 2]);
 
 impl Gradients {
-    pub fn new(rover: &Rover) -> Self {
-        let all = [false, true].map(|turning| {
-            let of_wheel = |wheel| {
-                Quantity::ALL.map(|quantity| sums(&products(rover, wheel, quantity), turning))
-            };
-            (0..rover.wheels().len()).map(of_wheel).collect()
-        });
-        Self(all)
+    pub fn new(rover: &Rover, quantity: Quantity) -> Self {
+        let zeros = [0.0; MAX_WHEELS];
+        let at_rest = Measured {
+            steering: &zeros[..rover.steered().len()],
+            speeds: &zeros[..rover.wheels().len()],
+            steering_rates: None,
+        };
+        let mut readings = [Reading::NONE; MAX_WHEELS];
+        rover.read(at_rest, &mut readings);
+        let mut all = Self::default();
+        for wheel in 0..rover.wheels().len() {
+            let products = products(rover, &readings, wheel, quantity);
+            for (sums_of, turning) in all.0.iter_mut().zip([false, true]) {
+                sums_of.push(sums(&products, turning));
+            }
+        }
+        all
     }
 
     /// Those of a wheel, of steering that rests or is `turning`.
-    pub fn of(&self, wheel: usize, quantity: Quantity, turning: bool) -> &[Sum; 3] {
-        &self.0[usize::from(turning)][wheel][quantity as usize]
+    pub fn of(&self, wheel: usize, turning: bool) -> &[Sum; 3] {
+        &self.0[usize::from(turning)][wheel]
     }
 }
 
@@ -51,26 +60,34 @@ fn sums(products: &[Vector3<f64>; PRODUCTS], turning: bool) -> [Sum; 3] {
 }
 
 /// What every product is multiplied by.
-fn products(rover: &Rover, wheel: usize, quantity: Quantity) -> [Vector3<f64>; PRODUCTS] {
+fn products(
+    rover: &Rover,
+    readings: &[Reading; MAX_WHEELS],
+    i: usize,
+    quantity: Quantity,
+) -> [Vector3<f64>; PRODUCTS] {
     let mut products = [Vector3::zeros(); PRODUCTS];
-    let ahead = |sin, cos| Direction { sin, cos };
-    for given in 0..GIVEN {
-        let ask = |direction| {
-            let bare = gradient(rover, wheel, quantity, direction, 0);
-            match given {
-                0 => bare,
-                _ => gradient(rover, wheel, quantity, direction, given) - bare,
-            }
-        };
-        if !matches!(rover.mounts[wheel], Mount::Steered(..)) {
-            products[given] = ask(ahead(0.0, 1.0));
-            continue;
+    let ask = |sin, cos| {
+        let mut all = [Vector3::zeros(); GIVEN];
+        for given in 0..GIVEN {
+            // Without anything given, or what that one adds.
+            let direction = Direction { sin, cos };
+            all[given] = gradient(rover, *readings, i, quantity, direction, given) - all[0];
         }
-        let [along, back] = [1.0, -1.0].map(|cos| ask(ahead(0.0, cos)));
-        let [left, right] = [1.0, -1.0].map(|sin| ask(ahead(sin, 0.0)));
-        products[given] = (along + back) / 2.0;
-        products[GIVEN + given] = (along - back) / 2.0;
-        products[2 * GIVEN + given] = (left - right) / 2.0;
+        all
+    };
+    if !matches!(rover.mounts[i], Mount::Steered(..)) {
+        products[..GIVEN].copy_from_slice(&ask(0.0, 1.0));
+        return products;
+    }
+    let ([along, back], [left, right]) = (
+        [ask(0.0, 1.0), ask(0.0, -1.0)],
+        [ask(1.0, 0.0), ask(-1.0, 0.0)],
+    );
+    for given in 0..GIVEN {
+        products[given] = (along[given] + back[given]) / 2.0;
+        products[GIVEN + given] = (along[given] - back[given]) / 2.0;
+        products[2 * GIVEN + given] = (left[given] - right[given]) / 2.0;
     }
     products
 }
@@ -78,32 +95,32 @@ fn products(rover: &Rover, wheel: usize, quantity: Quantity) -> [Vector3<f64>; P
 /// What it is with a wheel in this direction, where everything is 0 but this one number, which is 1.
 fn gradient(
     rover: &Rover,
+    mut readings: [Reading; MAX_WHEELS],
     i: usize,
     quantity: Quantity,
     direction: Direction,
     given: usize,
 ) -> Vector3<f64> {
     let one = |place| if place == given { 1.0 } else { 0.0 };
-    let wheel = &rover.wheels()[i];
-    let (mut speeds, zeros) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
+    let (wheel, reading) = (&rover.wheels()[i], &mut readings[i]);
+    let (mut speeds, rates) = ([0.0; MAX_WHEELS], [one(5); MAX_WHEELS]);
     speeds[i] = one(4);
-    let rates = [one(5); MAX_WHEELS];
-    let (count, joints) = (rover.wheels().len(), rover.steered().len());
-    let measured = Measured {
-        steering: &zeros[..joints],
-        speeds: &speeds[..count],
-        steering_rates: Some(&rates[..joints]),
-    };
-    let mut readings = [Reading::NONE; MAX_WHEELS];
-    rover.read(measured, &mut readings);
+    reading.rolled = wheel.radius * one(4);
     if matches!(rover.mounts[i], Mount::Steered(..)) {
         let rows = wheel.rows(direction);
-        (readings[i].rolling, readings[i].side_slip) = (rows.rolling, rows.side_slip);
+        (reading.rolling, reading.side_slip) = (rows.rolling, rows.side_slip);
+        reading.rolled += wheel.scrub * one(5);
+        reading.slipped = wheel.trail * one(5);
     }
+    let (count, joints) = (rover.wheels().len(), rover.steered().len());
     let linearised = Linearised {
         rover,
         readings: &readings[..count],
-        measured,
+        measured: Measured {
+            steering: &[],
+            speeds: &speeds[..count],
+            steering_rates: Some(&rates[..joints]),
+        },
         solution: rover.solution.unwrap_or_else(Matrix3::zeros),
         twist: Vector3::new(one(1), one(2), one(3)),
         weights: None,

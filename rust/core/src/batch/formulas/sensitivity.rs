@@ -41,7 +41,7 @@ impl Kernel for Ask<'_, '_> {
         let mut columns = vec![Column::ZERO; readings + 3 * wheels];
         let (readings, derivatives) = columns.split_at_mut(readings);
         let mut products = vec![[simd.splat_f64s(0.0); QUAD]; PRODUCTS * wheels];
-        let (gradients, turning) = (rover.gradients(), self.log.steering_rates.is_some());
+        let turning = self.log.steering_rates.is_some();
         let mut twists = [Column::ZERO; 3];
         let mut kept = Kept::new(&mut []);
         let mut inverse = [Column::ZERO; 9];
@@ -66,10 +66,10 @@ impl Kernel for Ask<'_, '_> {
                     invert(simd, plan, heard.steering, quad, &mut inverse);
                 }
                 for (quantity, of, target) in &mut *self.targets {
-                    let width = of.len();
+                    let (width, gradients) = (of.len(), rover.gradients(*quantity));
                     for (column, &i) in of.iter().enumerate() {
                         let products = &products[PRODUCTS * i..PRODUCTS * (i + 1)];
-                        let sums = gradients.of(i, *quantity, turning);
+                        let sums = gradients.of(i, turning);
                         let mut derivative = summed(simd, sums, products);
                         if plan.solution.is_none() {
                             derivative = turned(simd, &derivative, &inverse);
