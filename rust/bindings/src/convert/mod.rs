@@ -1,9 +1,11 @@
 //! Where shapes, dtypes and memory order meet: Python objects in, slices of `f64` out, and back.
 
+mod array;
 mod broadcast;
 mod input;
 pub mod memory;
 mod output;
+mod scalars;
 mod strided;
 
 use std::cell::Cell;
@@ -19,9 +21,11 @@ use pyo3::types::{PyBool, PyTuple};
 use six_wheel_core::units::Question;
 use six_wheel_core::{Error, ErrorKind};
 
+pub use array::{read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
-pub use input::{Blocks, Rows, Scalars, read_array, singles};
+pub use input::{Blocks, Rows};
 pub use output::{Output, Precision, scalar_or_array};
+pub use scalars::Scalars;
 
 import_exception!(six_wheel.errors, ArgumentTypeError);
 import_exception!(six_wheel.errors, InfeasibleMotionError);
@@ -154,7 +158,7 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
-    input::refuse_masks(argument, value, input::DEEP)?;
+    array::refuse_masks(argument, value, array::DEEP)?;
     value
         .extract::<f64>()
         .map_err(|error| match is_of_another_kind(py, &error) {
