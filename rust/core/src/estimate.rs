@@ -1,5 +1,6 @@
 //! Wheels to twist: the rows of every wheel, stacked and solved by least squares.
 
+pub(crate) mod gradients;
 pub mod sensitivity;
 
 use std::str::FromStr;

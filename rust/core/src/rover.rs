@@ -8,6 +8,8 @@ use crate::admissible::faces::Faces;
 use crate::batch;
 use crate::batch::Cone;
 use crate::error::{Error, finite};
+use crate::estimate::gradients::Gradients;
+use crate::estimate::sensitivity::Quantity;
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 use crate::units;
@@ -74,6 +76,8 @@ pub struct Rover {
     pub(crate) cone: Option<Cone>,
     /// Made when they are first asked for: many rovers are never asked to project.
     faces: OnceLock<Faces>,
+    /// Likewise, for derivatives of the twist.
+    gradients: [OnceLock<Gradients>; Quantity::ALL.len()],
 }
 
 impl PartialEq for Rover {
@@ -144,6 +148,7 @@ impl Rover {
             spin_radius: f64::INFINITY,
             cone: None,
             faces: OnceLock::new(),
+            gradients: Default::default(),
         };
         rover.plain_angle = units::plain_angle(&rover);
         rover.solution = rover.constant_solution();
@@ -172,6 +177,11 @@ impl Rover {
     /// Whether no angle raises a question of units ([`units::angles`]): a comparison each.
     pub fn are_plain(&self, steering: &[f64]) -> bool {
         steering.iter().all(|angle| angle.abs() <= self.plain_angle)
+    }
+
+    /// What derivatives of the twist by a quantity are made of.
+    pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
+        self.gradients[quantity as usize].get_or_init(|| Gradients::new(self, quantity))
     }
 
     /// The faces of the admissible set.

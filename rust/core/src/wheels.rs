@@ -210,6 +210,15 @@ impl Wheel {
         }
     }
 
+    /// What two rows of a steered wheel measure together, whichever way it points, where it has neither scrub nor trail: the
+    /// velocity of its pivot, along the axes.
+    pub(crate) fn pivot_rows(&self) -> [Vector3<f64>; 2] {
+        [
+            Vector3::new(1.0, 0.0, -self.y),
+            Vector3::new(0.0, 1.0, self.x),
+        ]
+    }
+
     /// The wheel equation without regard to rollers.
     pub(crate) fn bare_rows(&self, Direction { sin, cos }: Direction) -> Rows {
         Rows {

@@ -1,6 +1,7 @@
 //! The analytic derivatives of the estimated twist against differences of the estimate itself.
 
 use proptest::prelude::*;
+use six_wheel_core::batch::{self, Level, Log, Workers};
 use six_wheel_core::estimate::Measured;
 use six_wheel_core::estimate::sensitivity::Quantity;
 use six_wheel_core::{Error, Pivot, Rover, SteeringRange, Unseen, Wheel};
@@ -108,19 +109,6 @@ fn moved(
     Some((wheels, readings))
 }
 
-const QUANTITIES: [Quantity; 10] = [
-    Quantity::Speed,
-    Quantity::Steering,
-    Quantity::SteeringRate,
-    Quantity::X,
-    Quantity::Y,
-    Quantity::Heading,
-    Quantity::Radius,
-    Quantity::Scrub,
-    Quantity::Trail,
-    Quantity::RollerAngle,
-];
-
 proptest! {
     #[test]
     fn derivatives_are_the_limits_of_differences((wheels, readings) in cases()) {
@@ -147,7 +135,7 @@ proptest! {
                 prop_assume!(((one.heading - other.heading).sin().abs() - aside).abs() > 1e-4);
             }
         }
-        for quantity in QUANTITIES {
+        for quantity in Quantity::ALL {
             for i in 0..wheels.len() {
                 let step = 1e-5;
                 let (Some(ahead), Some(behind)) = (
@@ -167,6 +155,90 @@ proptest! {
                         "{quantity:?} of wheel {i}: {} against {difference}",
                         derivative[k]
                     );
+                }
+            }
+        }
+    }
+
+    /// The registers' normal equations, like those of the plain core, lose digits by the square of the condition.
+    #[test]
+    fn registers_say_what_the_plain_core_says((wheels, readings) in cases(), with_rates in any::<bool>()) {
+        let Ok(rover) = Rover::new(wheels.clone()) else { return Ok(()) };
+        let count = 70;
+        // Some rows are not of a usual size.
+        let size = |k: usize| if k % 23 == 5 { 1e120 } else { 1.0 - k as f64 / 16.0 };
+        let rows = |row: &[f64], size: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..count).flat_map(|k| row.iter().map(move |number| number * size(k))).collect()
+        };
+        let steering = rows(&readings.steering, &|k| k as f64 / 16.0);
+        let (speeds, rates) = (rows(&readings.speeds, &size), rows(&readings.rates, &size));
+        let log = Log {
+            steering: &steering,
+            speeds: &speeds,
+            steering_rates: with_rates.then_some(&rates),
+        };
+        let measured = |k: usize| {
+            let of = |rows: &'_ [f64], width: usize| rows[k * width..(k + 1) * width].to_vec();
+            let joints = readings.steering.len();
+            (of(&steering, joints), of(&speeds, wheels.len()), of(&rates, joints))
+        };
+        for level in Level::available() {
+            let workers = Workers { level, ..Workers::PLAIN };
+            let mut columns: Vec<_> = Quantity::ALL
+                .iter()
+                .map(|quantity| match quantity {
+                    Quantity::Steering | Quantity::SteeringRate => rover.steered().to_vec(),
+                    _ => (0..wheels.len()).collect(),
+                })
+                .map(|wheels| (vec![0.0; 3 * wheels.len() * count], wheels))
+                .collect();
+            let mut targets: Vec<_> = Quantity::ALL
+                .into_iter()
+                .zip(&mut columns)
+                .map(|(quantity, (target, _))| (quantity, target.as_mut_slice()))
+                .collect();
+            let (mut twists, mut estimates) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
+            let done = batch::sensitivity(&rover, log, &mut twists, &mut targets, workers);
+            let forward = batch::forward(&rover, log, Unseen::Refuse, &mut estimates, workers);
+            for k in 0..count {
+                let (steering, speeds, rates) = measured(k);
+                let measured = Measured {
+                    steering: &steering,
+                    speeds: &speeds,
+                    steering_rates: with_rates.then_some(&rates),
+                };
+                let (mut slips, mut says) = (vec![0.0; wheels.len()], vec![0.0; wheels.len()]);
+                let method = six_wheel_core::Method::LeastSquares;
+                let fit = rover.fit(measured, method, Unseen::Zero, &mut slips, &mut says)?;
+                let loss = 1e-13 * (1.0 + fit.sigma_min.powi(-4)) * size(k).abs().max(1.0);
+                let checked = rover.sensitivity(measured, |linear| {
+                    let expected: [f64; 3] = linear.twist().into();
+                    for found in [twists[k], estimates[k]] {
+                        for (found, expected) in found.into_iter().zip(expected) {
+                            prop_assert!((found - expected).abs() <= loss, "{found} {expected}");
+                        }
+                    }
+                    for (quantity, (found, wheels)) in Quantity::ALL.into_iter().zip(&columns) {
+                        for (column, wheel) in wheels.iter().enumerate() {
+                            let expected = linear.derivative(*wheel, quantity);
+                            for part in 0..3 {
+                                let found = found[(3 * k + part) * wheels.len() + column];
+                                prop_assert!(
+                                    (found - expected[part]).abs() <= loss * 100.0,
+                                    "{quantity:?} of wheel {wheel}, row {k}: {found} {expected}"
+                                );
+                            }
+                        }
+                    }
+                    Ok(())
+                });
+                match checked {
+                    Ok(checked) => checked?,
+                    Err(error) => {
+                        prop_assert_eq!(&done, &Err(error.clone().at_row(k)));
+                        prop_assert_eq!(&forward, &Err(error.at_row(k)));
+                        break;
+                    }
                 }
             }
         }
@@ -211,7 +283,7 @@ fn a_wheel_without_an_encoder_is_silent() -> Result<(), Error> {
         speeds: &[1.0, 2.0, f64::NAN],
         steering_rates: None,
     };
-    for quantity in QUANTITIES {
+    for quantity in Quantity::ALL {
         let derivative = rover.sensitivity(measured, |linear| linear.derivative(2, quantity))?;
         assert!(
             derivative.iter().all(|value| value.is_finite()),

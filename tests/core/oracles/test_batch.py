@@ -45,6 +45,14 @@ ROVERS = {
             sw.Wheel("c", 0.0, -0.3, radius=0.1),
         ]
     ),
+    "scrub and trail": sw.Rover(
+        [
+            sw.Wheel("a", 0.5, 0.4, radius=0.1, steered=True, steering_limit=1.2, scrub=0.05, trail=0.02),
+            sw.Wheel("b", 0.5, -0.4, radius=0.1, steered=True, heading=0.3, scrub=-0.05, trail=0.02),
+            sw.Wheel("c", 0.0, 0.4, radius=0.1),
+            sw.Wheel("d", 0.0, -0.4, radius=0.1),
+        ]
+    ),
 }
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 

@@ -47,6 +47,24 @@ pub enum Quantity {
     RollerAngle,
 }
 
+impl Quantity {
+    /// All there are, in their order.
+    pub const ALL: [Self; 12] = [
+        Self::Speed,
+        Self::Steering,
+        Self::SteeringRate,
+        Self::Slip,
+        Self::SideSlip,
+        Self::X,
+        Self::Y,
+        Self::Heading,
+        Self::Radius,
+        Self::Scrub,
+        Self::Trail,
+        Self::RollerAngle,
+    ];
+}
+
 /// Change of a wheel's rows and right-hand sides per unit of a quantity.
 #[derive(Clone, Copy, Default)]
 struct Change {

@@ -254,7 +254,7 @@ pub fn forward<'a>(
 ) -> Result<(), Error> {
     let Workers { level, fresh, .. } = workers.here();
     let (count, readings) = (twists.len(), readings.into());
-    let planned = level != Level::Plain && count >= FEW && readings.steering_rates.is_none();
+    let planned = level != Level::Plain && count >= FEW;
     let reports = Reports {
         rover,
         plan: planned.then(|| estimate::Plan::new(rover)).flatten(),

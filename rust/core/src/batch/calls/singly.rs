@@ -2,10 +2,12 @@
 
 use super::rows::FEW;
 use crate::batch::formulas::fit::{Fits, Plan};
-use crate::batch::machine::table::{Log, row_mut};
+use crate::batch::formulas::forward;
+use crate::batch::formulas::sensitivity::{Ask, plain};
+use crate::batch::machine::table::Log;
 use crate::batch::machine::workers::Workers;
 use crate::error::Error;
-use crate::estimate::sensitivity::{Linearised, Quantity};
+use crate::estimate::sensitivity::Quantity;
 use crate::estimate::{Method, Unseen};
 use crate::rover::Rover;
 
@@ -87,22 +89,27 @@ pub fn sensitivity(
     targets: &mut [(Quantity, &mut [f64])],
     workers: Workers,
 ) -> Result<(), Error> {
-    let share = workers.share(twists.len());
-    let width = |quantity: Quantity| 3 * differentiated(rover, quantity).len();
+    let (share, all) = (workers.share(twists.len()), (0..rover.wheels().len()));
+    let all: Vec<_> = all.collect();
+    let plan = forward::Plan::new(rover);
     let mut parts: Vec<_> = targets
         .iter_mut()
         .map(|(quantity, target)| {
+            let wheels = match quantity {
+                Quantity::Steering | Quantity::SteeringRate => rover.steered(),
+                _ => &all,
+            };
             // A rover without steered wheels has no columns to cut.
-            let size = (share * width(*quantity)).max(1);
-            (*quantity, target.chunks_mut(size))
+            let size = (share * 3 * wheels.len()).max(1);
+            (*quantity, wheels, target.chunks_mut(size))
         })
         .collect();
     let jobs: Vec<_> = twists
         .chunks_mut(share)
         .map(|twists| {
-            let parts = parts
-                .iter_mut()
-                .map(|(quantity, parts)| (*quantity, parts.next().unwrap_or_default()));
+            let parts = parts.iter_mut().map(|(quantity, wheels, parts)| {
+                (*quantity, *wheels, parts.next().unwrap_or_default())
+            });
             (twists, parts.collect::<Vec<_>>())
         })
         .collect();
@@ -110,46 +117,23 @@ pub fn sensitivity(
         jobs.into_iter().enumerate(),
         |(k, (twists, mut targets))| {
             let log = log.rows(rover, k * share..k * share + twists.len());
-            sensitivity_rows(rover, log, twists, &mut targets)
-                .map_err(|error| error.below(k * share))
-        },
-    )
-}
-
-/// Indices of the wheels with a derivative by this quantity.
-fn differentiated(rover: &Rover, quantity: Quantity) -> Vec<usize> {
-    match quantity {
-        Quantity::Steering | Quantity::SteeringRate => rover.steered().to_vec(),
-        _ => (0..rover.wheels().len()).collect(),
-    }
-}
-
-fn sensitivity_rows(
-    rover: &Rover,
-    log: Log<'_>,
-    twists: &mut [[f64; 3]],
-    targets: &mut [(Quantity, &mut [f64])],
-) -> Result<(), Error> {
-    let columns: Vec<_> = targets
-        .iter()
-        .map(|(quantity, _)| differentiated(rover, *quantity))
-        .collect();
-    for (k, twist) in twists.iter_mut().enumerate() {
-        let differentiate = |linearised: &Linearised<'_>| {
-            *twist = linearised.twist().into();
-            for ((quantity, target), wheels) in targets.iter_mut().zip(&columns) {
-                let target = row_mut(target, 3 * wheels.len(), k);
-                for (column, wheel) in wheels.iter().enumerate() {
-                    let derivative = linearised.derivative(*wheel, *quantity);
-                    for (row, value) in derivative.iter().enumerate() {
-                        target[row * wheels.len() + column] = *value;
-                    }
+            let failed = |error: Error| error.below(k * share);
+            if let Some(plan) = &plan {
+                let ask = Ask {
+                    plan,
+                    log,
+                    twists,
+                    targets: &mut targets,
+                };
+                if let Some(done) = workers.here().level.run(ask) {
+                    return done.map_err(failed);
                 }
             }
-        };
-        rover
-            .sensitivity(log.row(rover, k), differentiate)
-            .map_err(|error| error.at_row(k))?;
-    }
-    Ok(())
+            for (k, twist) in twists.iter_mut().enumerate() {
+                let done = plain(rover, log, k, k, twist, &mut targets);
+                done.map_err(|error| failed(error.at_row(k)))?;
+            }
+            Ok(())
+        },
+    )
 }

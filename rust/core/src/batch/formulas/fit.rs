@@ -5,40 +5,30 @@
 #[cfg(test)]
 mod tests;
 
-use super::inverse::all_within;
-use super::{forward, robust};
+use super::cone::dot;
+use super::readings::{self, Kept, Rows, solve_block};
+use super::robust;
+use super::steered::load;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
-use crate::batch::machine::table::{Log, row, row_mut};
+use crate::batch::machine::table::{Log, row_mut};
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, weave, with_columns};
+use crate::batch::machine::weave::{BLOCK, Column, weave, with_columns};
 use crate::error::Error;
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
-use crate::rover::{MAX_WHEELS, Mount, Rover};
-
-/// What a wheel disagrees by is the length of two products with the twist, less what it rolled along the first.
-#[derive(Clone, Copy, Debug)]
-enum Part {
-    /// Rolling and side-slip row.
-    Fixed([[f64; 3]; 2]),
-    /// Place of the pivot [m] and direction at steering angle 0 [rad].
-    Steered { pivot: [f64; 2], heading: f64 },
-    /// It measures nothing.
-    Castor,
-}
+use crate::rover::{MAX_WHEELS, Rover};
 
 /// What the kernel needs to know of a rover and a method.
 pub(crate) struct Plan<'a> {
     rover: &'a Rover,
     method: Method,
     unseen: Unseen,
-    forward: forward::Plan<'a>,
-    parts: Vec<(Part, f64)>,
+    forward: readings::Plan<'a>,
+    robust: Option<robust::Plan>,
+    /// A say of 1 or 0, to begin with.
     weights: Vec<f64>,
     rank: usize,
     sigma_min: f64,
-    robust: Option<robust::Plan>,
 }
 
 /// Where the results go, one row per reading: see [`Fit`], and a number per wheel.
@@ -78,8 +68,7 @@ impl<'a> Plan<'a> {
     /// Nothing where the solution depends on the readings.
     pub fn new(rover: &'a Rover, method: Method, unseen: Unseen) -> Option<Self> {
         let solution = rover.solution?;
-        let zeros = [0.0; MAX_WHEELS];
-        let wheels = rover.wheels();
+        let (wheels, zeros) = (rover.wheels(), [0.0; MAX_WHEELS]);
         let at_rest = Measured {
             steering: &zeros[..rover.steered().len()],
             speeds: &zeros[..wheels.len()],
@@ -98,32 +87,21 @@ impl<'a> Plan<'a> {
                 rover.solution(normal, unseen).ok()?
             }
         };
-        let robust = match method {
-            Method::Robust => Some(robust::Plan::new(rover, &solution)?),
-            _ => None,
-        };
         let (rank, sigma_min) = rover.singular_values(readings, &weights);
-        let part = |(wheel, mount): (&crate::Wheel, &Mount)| {
-            let part = match *mount {
-                Mount::Castor(_) => Part::Castor,
-                Mount::Fixed(rows) => Part::Fixed([rows.rolling.into(), rows.side_slip.into()]),
-                Mount::Steered(..) => Part::Steered {
-                    pivot: [wheel.x, wheel.y],
-                    heading: wheel.heading,
-                },
-            };
-            (part, wheel.radius)
+        let forward = readings::Plan::weighted(rover, Some(solution), |i| weights[i])?;
+        let robust = match method {
+            Method::Robust => Some(robust::Plan::new(rover, &forward)?),
+            _ => None,
         };
         Some(Self {
             rover,
             method,
             unseen,
-            forward: forward::Plan::weighted(rover, solution, |i| weights[i])?,
-            parts: wheels.iter().zip(&rover.mounts).map(part).collect(),
+            forward,
+            robust,
             weights,
             rank,
             sigma_min,
-            robust,
         })
     }
 
@@ -134,8 +112,8 @@ impl<'a> Plan<'a> {
         log: Log<'_>,
         fits: &mut Fits<'_>,
     ) -> Option<Result<(), Error>> {
-        let joints = self.rover.steered().len();
-        with_columns(joints + 3 * self.parts.len(), |columns| {
+        let (joints, wheels) = (self.rover.steered().len(), self.weights.len());
+        with_columns(joints + 4 * wheels, |columns| {
             level.run(Solve {
                 plan: self,
                 log,
@@ -150,7 +128,7 @@ struct Solve<'a, 'b> {
     plan: &'a Plan<'a>,
     log: Log<'a>,
     fits: &'a mut Fits<'b>,
-    /// One per steering angle, and one per speed, residual and weight.
+    /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
     columns: &'a mut [Column],
 }
 
@@ -159,70 +137,52 @@ impl Kernel for Solve<'_, '_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let (plan, log) = (self.plan, self.log);
-        let (joints, wheels) = (plan.rover.steered().len(), plan.parts.len());
-        let (steering, rest) = self.columns.split_at_mut(joints);
-        let (speeds, rest) = rest.split_at_mut(wheels);
-        let (residuals, says) = rest.split_at_mut(wheels);
+        let plan = self.plan;
+        let (joints, wheels) = (plan.rover.steered().len(), plan.weights.len());
+        let (readings, rest) = self.columns.split_at_mut(joints + wheels);
+        let (weights, seen) = rest.split_at_mut(wheels);
         let mut twists = [Column::ZERO; 3];
-        for (says, weight) in says.iter_mut().zip(&plan.weights) {
-            says.0.fill(*weight);
+        let mut sigmas = Column([plan.sigma_min; BLOCK]);
+        let mut kept = Kept::new(seen.as_chunks_mut().0);
+        for (weights, weight) in weights.iter_mut().zip(&plan.weights) {
+            weights.0.fill(*weight);
         }
         let rows = self.fits.twists.len();
         for first in (0..rows).step_by(BLOCK) {
             let count = BLOCK.min(rows - first);
             let at = first..first + count;
             let of_wheels = first * wheels..(first + count) * wheels;
-            let rows = [
-                &log.steering[first * joints..(first + count) * joints],
-                &log.speeds[first * wheels..(first + count) * wheels],
-            ];
-            unweave(simd, rows[0], steering);
-            unweave(simd, rows[1], speeds);
-            let [mut sigmas, mut doubts] = [Column([plan.sigma_min; BLOCK]), Column::ZERO];
-            let mut sure = true;
+            let log = self.log.rows(plan.rover, at.clone());
+            let (by, heard) = (&plan.forward, plan.forward.hear(simd, log, readings));
+            let mut sure = solve_block::<S, true>(simd, by, heard, &mut twists, &mut kept, log);
             if let Some(robust) = &plan.robust {
-                let mut found = robust::Found {
-                    twists: &mut twists,
-                    residuals,
-                    weights: says,
-                    sigma_min: &mut sigmas,
-                    doubts: &mut doubts,
-                };
-                sure = robust::solve_block(simd, robust, steering, speeds, count, &mut found);
-            } else {
-                forward::solve_block(simd, &plan.forward, steering, speeds, &mut twists, rows);
-                disagree(simd, plan, steering, speeds, &twists, residuals);
+                let settled =
+                    robust::solve_block(simd, robust, count, &mut kept, weights, &mut sigmas);
+                sure = sure && settled;
             }
-            weave(
-                simd,
-                &twists,
-                self.fits.twists[at.clone()].as_flattened_mut(),
-            );
+            // No longer needed: room for the residuals.
+            let residuals = &mut readings[joints..];
+            for k in 0..BLOCK / S::F64_LANES {
+                let unknowns = load(simd, &kept.unknowns, k);
+                if plan.robust.is_some() {
+                    for (column, part) in twists.iter_mut().zip(by.unshifted(simd, unknowns)) {
+                        column.store(k, part);
+                    }
+                }
+                let columns = kept.seen.iter().zip(residuals.iter_mut());
+                for (wheel, ([u, v], residual)) in by.wheels.iter().zip(columns) {
+                    let seen = [u.load(simd, k), v.load(simd, k)];
+                    residual.store(k, wheel.square(simd, seen, unknowns).sqrt());
+                }
+            }
+            let target = self.fits.twists[at.clone()].as_flattened_mut();
+            weave(simd, &twists, target);
             weave(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
-            weave(simd, says, &mut self.fits.weights[of_wheels]);
+            weave(simd, weights, &mut self.fits.weights[of_wheels]);
             self.fits.ranks[at.clone()].fill(plan.rank as i64);
             self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
-            let usual = sure
-                && all_within(simd, rows[0], LARGEST_ANGLE / 2.0)
-                && all_within(simd, rows[1], forward::LARGEST_SPEED);
-            if usual {
-                continue;
-            }
-            for (k, doubt) in doubts.0.iter().enumerate().take(count) {
-                let measured = Measured {
-                    steering: row(rows[0], joints, k),
-                    speeds: row(rows[1], wheels, k),
-                    steering_rates: None,
-                };
-                let within =
-                    |values: &[f64], largest| values.iter().all(|value| value.abs() <= largest);
-                if *doubt == 0.0
-                    && within(measured.steering, LARGEST_ANGLE / 2.0)
-                    && within(measured.speeds, forward::LARGEST_SPEED)
-                {
-                    continue;
-                }
+            for k in (0..count).filter(|k| !sure && kept.doubts.0[*k] != 0.0) {
+                let measured = log.row(plan.rover, k);
                 let solve = |residual: &mut [f64], weights: &mut [f64]| {
                     let (method, unseen) = (plan.method, plan.unseen);
                     plan.rover.fit(measured, method, unseen, residual, weights)
@@ -235,39 +195,28 @@ impl Kernel for Solve<'_, '_> {
     }
 }
 
-/// Residuals of a block.
-#[inline(always)]
-fn disagree<S: Vector>(
-    simd: S,
-    plan: &Plan<'_>,
-    steering: &[Column],
-    speeds: &[Column],
-    twists: &[Column; 3],
-    residuals: &mut [Column],
-) {
-    let splat = |number| Lanes::splat(simd, number);
-    let mut joint = 0;
-    for (((part, radius), speeds), residuals) in plan.parts.iter().zip(speeds).zip(residuals) {
-        let steering = steering.get(joint);
-        for k in 0..BLOCK / S::F64_LANES {
-            let twist = super::steered::load(simd, twists, k);
-            let rolled = speeds.load(simd, k) * splat(*radius);
-            let [along, across] = match (*part, steering) {
-                (Part::Fixed(rows), _) => rows.map(|row| super::cone::dot(simd, &row, twist)),
-                (Part::Steered { pivot, heading }, Some(steering)) => {
-                    let [vx, vy, omega] = twist;
-                    let ux = vx - omega * splat(pivot[1]);
-                    let uy = vy + omega * splat(pivot[0]);
-                    let (sin, cos) = sin_cos(simd, steering.load(simd, k) + splat(heading));
-                    [cos * ux + sin * uy, cos * uy - sin * ux]
-                }
-                _ => [rolled, splat(0.0)],
-            };
-            let along = along - rolled;
-            residuals.store(k, along.mul_add(along, across * across).sqrt());
+impl Rows {
+    /// What it adds to the right-hand side.
+    #[inline(always)]
+    pub fn moment<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
+        let mut moment = [seen[0]; 3];
+        for (part, moment) in moment.iter_mut().enumerate() {
+            let across = seen[1] * Lanes::splat(simd, self.rows[1][part]);
+            *moment = seen[0].mul_add(Lanes::splat(simd, self.rows[0][part]), across);
         }
-        if matches!(part, Part::Steered { .. }) {
-            joint += 1;
-        }
+        moment
+    }
+
+    /// Its squared residual.
+    #[inline(always)]
+    pub fn square<S: Vector>(
+        &self,
+        simd: S,
+        seen: [Lanes<S>; 2],
+        unknowns: [Lanes<S>; 3],
+    ) -> Lanes<S> {
+        let along = dot(simd, &self.rows[0], unknowns) - seen[0];
+        let across = dot(simd, &self.rows[1], unknowns) - seen[1];
+        along.mul_add(along, across * across)
     }
 }

@@ -9,6 +9,9 @@ use crate::rover::MAX_WHEELS;
 /// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
 pub(crate) const BLOCK: usize = 64;
 
+/// Columns of a square of registers.
+const TILE: usize = 8;
+
 /// One number per row of a block.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
@@ -103,8 +106,34 @@ pub(crate) fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
         3 if whole => weave_groups!(S, columns, rows, 3, |group| simd.braid(group)),
         4 if whole => weave_groups!(S, columns, rows, 4, |group| together_4(simd, group)),
         6 if whole => weave_groups!(S, columns, rows, 6, |group| together_6(simd, group)),
-        8 if whole => weave_groups!(S, columns, rows, 8, |group| together_8(simd, group)),
-        _ => weave_singly(columns, rows),
+        _ => weave_tiles(simd, columns, rows),
+    }
+}
+
+/// Puts rows of any width together, as many as there is room for, by squares of eight columns.
+#[inline(always)]
+pub(crate) fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+    let (width, lanes) = (columns.len(), S::F64_LANES);
+    for (k, rows) in rows.chunks_mut((width * lanes).max(1)).enumerate() {
+        if width < TILE || rows.len() < width * lanes {
+            for (row, values) in rows.chunks_exact_mut(width).enumerate() {
+                for (value, column) in values.iter_mut().zip(columns) {
+                    *value = column.0[k * lanes + row];
+                }
+            }
+            continue;
+        }
+        // The last one overlaps the one before, and writes the same once more.
+        for first in (0..width).step_by(TILE).map(|at| at.min(width - TILE)) {
+            let mut tile = [S::as_simd_f64s(&columns[first].0).0[k]; TILE];
+            for (register, column) in tile.iter_mut().zip(&columns[first..]) {
+                *register = S::as_simd_f64s(&column.0).0[k];
+            }
+            for (j, register) in simd.transpose(tile).into_iter().enumerate() {
+                let at = j % lanes * width + first + j / lanes * lanes;
+                S::as_mut_simd_f64s(&mut rows[at..at + lanes]).0[0] = register;
+            }
+        }
     }
 }
 
@@ -139,17 +168,6 @@ fn apart_6<S: Vector>(simd: S, [a, b, c, d, e, f]: [S::f64s; 6]) -> [S::f64s; 6]
 }
 
 #[inline(always)]
-fn together_8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f64s; 8] {
-    let ([a, e], [b, f]) = (simd.zip([a, e]), simd.zip([b, f]));
-    let ([c, g], [d, h]) = (simd.zip([c, g]), simd.zip([d, h]));
-    let ([a, b, c, d], [e, f, g, h]) = (
-        together_4(simd, [a, b, c, d]),
-        together_4(simd, [e, f, g, h]),
-    );
-    [a, b, c, d, e, f, g, h]
-}
-
-#[inline(always)]
 fn apart_8<S: Vector>(simd: S, [a, b, c, d, e, f, g, h]: [S::f64s; 8]) -> [S::f64s; 8] {
     let ([a, b, c, d], [e, f, g, h]) = (apart_4(simd, [a, b, c, d]), apart_4(simd, [e, f, g, h]));
     let ([a, e], [b, f]) = (simd.unzip([a, e]), simd.unzip([b, f]));
@@ -165,17 +183,6 @@ fn unweave_singly(rows: &[f64], columns: &mut [Column]) {
         *column = Column::ZERO;
         for (value, row) in column.0.iter_mut().zip(rows.chunks_exact(width)) {
             *value = row[j];
-        }
-    }
-}
-
-/// Number by number, likewise.
-#[inline(always)]
-fn weave_singly(columns: &[Column], rows: &mut [f64]) {
-    let width = columns.len();
-    for (j, column) in columns.iter().enumerate() {
-        for (value, row) in column.0.iter().zip(rows.chunks_exact_mut(width)) {
-            row[j] = *value;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The readings of one instant: the lanes of a register are the wheels.
 
-use crate::batch::formulas::forward::{LARGEST_ROVER, LARGEST_SPEED};
+use crate::batch::formulas::readings::{LARGEST_ROVER, LARGEST_SPEED};
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};

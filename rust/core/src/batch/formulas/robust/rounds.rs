@@ -1,14 +1,19 @@
 //! A register of rows in its rounds: weights by residuals, and the least squares with them.
 
 use super::{Block, LANES, MOST, Plan};
-use crate::batch::formulas::cone::dot;
+use crate::batch::formulas::readings::solve;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column};
 use crate::estimate::{MEDIANS, SETTLED};
 
-/// Pivot of the normal equations, as a share of their trace, that surely determines a direction.
-const DETERMINED: f64 = 1e-10;
+/// Puts pairs in order, one after the other. Names and not places, so that they stay in registers: through memory, this
+/// took a third of a round.
+macro_rules! order {
+    ($($low: ident $high: ident),*) => {
+        $(($low, $high) = ($low.min($high), $low.max($high));)*
+    };
+}
 
 /// A register of rows in its rounds.
 pub(super) struct Rounds<S: Vector> {
@@ -16,6 +21,7 @@ pub(super) struct Rounds<S: Vector> {
     /// About the centre of the pivots, the last one a speed.
     unknowns: [Lanes<S>; 3],
     weights: [Lanes<S>; MOST],
+    /// Squares of the noise at least, and of the scale of the last round [m²/s²].
     least: Lanes<S>,
     scale: Lanes<S>,
     pub active: Mask<S>,
@@ -44,7 +50,13 @@ fn scattered<S: Vector>(lanes: Lanes<S>, column: &mut Column, rows: &[usize]) {
 impl<S: Vector> Rounds<S> {
     /// Some rows, the first `count` of which are meant.
     #[inline(always)]
-    pub fn load(simd: S, plan: &Plan, rows: &Block, chosen: &[usize], count: usize) -> Self {
+    pub fn load(
+        simd: S,
+        plan: &Plan,
+        rows: &Block<'_, '_>,
+        chosen: &[usize],
+        count: usize,
+    ) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let mut order = [0.0; LANES];
         for (k, place) in order.iter_mut().enumerate() {
@@ -60,11 +72,11 @@ impl<S: Vector> Rounds<S> {
             active: order.below(Lanes::splat(simd, count as f64)),
             sure: zero.at_most(zero),
         };
-        for (unknown, column) in rounds.unknowns.iter_mut().zip(&rows.unknowns) {
+        for (unknown, column) in rounds.unknowns.iter_mut().zip(&rows.kept.unknowns) {
             *unknown = gathered(simd, column, chosen);
         }
         for i in 0..plan.wheels.len() {
-            for (seen, column) in rounds.seen[i].iter_mut().zip(&rows.seen[i]) {
+            for (seen, column) in rounds.seen[i].iter_mut().zip(&rows.kept.seen[i]) {
                 *seen = gathered(simd, column, chosen);
             }
             rounds.weights[i] = gathered(simd, &rows.weights[i], chosen);
@@ -73,8 +85,8 @@ impl<S: Vector> Rounds<S> {
     }
 
     #[inline(always)]
-    pub fn store(&self, plan: &Plan, rows: &mut Block, chosen: &[usize]) {
-        for (unknown, column) in self.unknowns.iter().zip(&mut rows.unknowns) {
+    pub fn store(&self, plan: &Plan, rows: &mut Block<'_, '_>, chosen: &[usize]) {
+        for (unknown, column) in self.unknowns.iter().zip(&mut rows.kept.unknowns) {
             scattered(*unknown, column, chosen);
         }
         for i in 0..plan.wheels.len() {
@@ -83,46 +95,57 @@ impl<S: Vector> Rounds<S> {
         scattered(self.scale, &mut rows.scale, chosen);
     }
 
-    /// One round, where it has not settled.
+    /// One round, where it has not settled. In squares of residuals and scales, with one root and few divisions: these
+    /// are what takes the time.
     #[inline(always)]
     pub fn round(&mut self, simd: S, plan: &Plan) {
         let splat = |number| Lanes::splat(simd, number);
         let (zero, one) = (splat(0.0), splat(1.0));
         let count = plan.wheels.len();
-        let squares = squares(simd, plan, &self.seen, &self.unknowns);
-        let mut sorted = squares;
-        for last in 1..count {
-            for at in (1..=last).rev() {
-                let (low, high) = (sorted[at - 1], sorted[at]);
-                (sorted[at - 1], sorted[at]) = (low.min(high), low.max(high));
-            }
+        // What is not there comes last.
+        let mut squares = [splat(f64::MAX); MOST];
+        for (i, wheel) in plan.wheels.iter().enumerate() {
+            squares[i] = wheel.rows.square(simd, self.seen[i], self.unknowns);
         }
-        let upper = sorted[count / 2].sqrt();
-        let median = if count % 2 == 1 {
-            upper
-        } else {
-            (sorted[count / 2 - 1].sqrt() + upper) * splat(0.5)
-        };
-        let noise = (median * splat(MEDIANS)).max(self.least);
+        let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = squares;
+        order!(a c, b d, e g, f h, a e, b f, c g, d h, a b, c d);
+        order!(e f, g h, c e, d f, b e, d g, b c, d e, f g);
+        let sorted = [a, b, c, d, e, f, g, h];
+        let mut median = sorted[count / 2];
+        if count.is_multiple_of(2) {
+            let lower = sorted[count / 2 - 1];
+            let twice = (lower * median).sqrt();
+            median = ((lower + median) + (twice + twice)) * splat(0.25);
+        }
+        let noise = (median * splat(MEDIANS * MEDIANS)).max(self.least);
         // The first one starts at the largest residual.
         let first = splat(f64::MAX).below(self.scale);
-        let largest = sorted[count - 1].sqrt().max(self.least);
-        self.scale = first.select(largest, self.scale);
-        self.scale = self.scale.min(noise.max(self.scale * splat(0.5)));
+        self.scale = first.select(sorted[count - 1].max(self.least), self.scale);
+        self.scale = self.scale.min(noise.max(self.scale * splat(0.25)));
         // Where nothing disagrees at all, nothing is weighed.
         let active = self.active & zero.below(self.scale);
-        let per_square = one.quotient(self.scale * self.scale);
+        let per_square = one.quotient(self.scale);
+        // One over each of the ratios, from one over their product.
+        let (mut ratios, mut before) = ([one; MOST], [one; MOST]);
+        let mut product = one;
+        for i in 0..count {
+            ratios[i] = squares[i].mul_add(per_square, one);
+            before[i] = product;
+            product = product * ratios[i];
+        }
+        let mut rest = one.quotient(product);
         let mut change = zero;
         let (mut normal, mut right) = ([zero; 6], [zero; 3]);
-        for (i, wheel) in plan.wheels.iter().enumerate() {
-            let ratio = squares[i].mul_add(per_square, one);
-            let next = active.select(one.quotient(ratio * ratio), self.weights[i]);
+        for (i, wheel) in plan.wheels.iter().enumerate().rev() {
+            let inverse = rest * before[i];
+            rest = rest * ratios[i];
+            let next = active.select(inverse * inverse, self.weights[i]);
             change = change.max((next - self.weights[i]).abs());
             self.weights[i] = next;
             for (sum, part) in normal.iter_mut().zip(wheel.normal) {
                 *sum = next.mul_add(splat(part), *sum);
             }
-            for (sum, part) in right.iter_mut().zip(wheel.moment(simd, self.seen[i])) {
+            for (sum, part) in right.iter_mut().zip(wheel.rows.moment(simd, self.seen[i])) {
                 *sum = next.mul_add(part, *sum);
             }
         }
@@ -133,44 +156,4 @@ impl<S: Vector> Rounds<S> {
         }
         self.active = active & self.sure & splat(SETTLED).below(change);
     }
-}
-
-/// Squared residuals.
-#[inline(always)]
-pub(super) fn squares<S: Vector>(
-    simd: S,
-    plan: &Plan,
-    seen: &[[Lanes<S>; 2]; MOST],
-    unknowns: &[Lanes<S>; 3],
-) -> [Lanes<S>; MOST] {
-    let mut squares = [Lanes::splat(simd, 0.0); MOST];
-    for (i, wheel) in plan.wheels.iter().enumerate() {
-        let along = dot(simd, &wheel.rows[0], *unknowns) - seen[i][0];
-        let across = dot(simd, &wheel.rows[1], *unknowns) - seen[i][1];
-        squares[i] = along.mul_add(along, across * across);
-    }
-    squares
-}
-
-/// The solution of normal equations `00 01 02 11 12 22`, and where they surely have one.
-#[inline(always)]
-fn solve<S: Vector>(
-    simd: S,
-    [a, b, c, d, e, f]: [Lanes<S>; 6],
-    [x, y, z]: [Lanes<S>; 3],
-) -> ([Lanes<S>; 3], Mask<S>) {
-    let one = Lanes::splat(simd, 1.0);
-    let least = (a + d + f) * Lanes::splat(simd, DETERMINED);
-    let first = one.quotient(a);
-    let (l10, l20) = (b * first, c * first);
-    let second = d - l10 * b;
-    let (per_second, m) = (one.quotient(second), e - l20 * b);
-    let l21 = m * per_second;
-    let third = f - l20 * c - l21 * m;
-    let y = y - l10 * x;
-    let z = (z - l20 * x - l21 * y).quotient(third);
-    let y = y * per_second - l21 * z;
-    let x = x * first - l10 * y - l20 * z;
-    let sure = least.below(a) & least.below(second) & least.below(third);
-    ([x, y, z], sure)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::batch::formulas::forward::LARGEST_ROVER;
+use crate::batch::formulas::readings::LARGEST_ROVER;
 use crate::batch::machine::level::Level;
 use crate::batch::machine::polynomials::LARGEST_ANGLE;
 use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
