@@ -109,7 +109,9 @@ impl Turned {
 /// With the velocity `v` of its centre, the rotation `w` of its carrier, its axle `a` and the normal `n` of the ground the
 /// touching point is at `-r (n - (a . n) a) / q`, `q^2 = 1 - (a . n)^2`, from the centre, and goes sideways with `s`:
 ///
-///     q s = a . (v - n (n . v) + r q (n x w))
+/// ```text
+/// q s = a . (v - n (n . v) + r q (n x w))
+/// ```
 ///
 /// Without the last term, or where the ground is upright to the wheel, that is a sine of the steering angle.
 struct Aim {
