@@ -184,7 +184,7 @@ def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
     if any(suspects):
         rest = [_outside(drive, lost) for drive, lost in zip(problem.drives, suspects, strict=True)]
         if rest := [drive for drive in rest if len(drive.rows)]:
-            values = solve(replace(problem, drives=rest)).values
+            values = solve(replace(problem, drives=rest), values).values
     reach = size(model.nominal)
     found = []
     for number, (drive, log) in enumerate(zip(problem.drives, records, strict=True)):
