@@ -73,6 +73,7 @@ def raising(poses, twists):
         ({"twist": (0, 0, np.inf)}, "state.twist must be finite, got (0.0, 0.0, inf)"),
         ({"steering": (0, 0, 0)}, "state.steering must have shape (..., 4), got shape (3,)"),
         ({"state": (9, 1, 0)}, "state.pose must lie on the costmap (x 0.0 to 3.9000000000000004 m"),
+        ({"state": (9, 1, 0), "goal": None}, "state.pose must lie on the costmap (x 0.0 to"),
         ({"frame": "odom"}, 'costmap must be in the frame of the state, "odom", got "map"'),
         ({"path": [(0, 0)]}, "path must have two points or more, got 1"),
         ({"path": [(0, 0), (np.nan, 1)]}, "path must be finite"),
@@ -157,10 +158,11 @@ def test_a_callback_must_not_step_its_planner():
         ),
     ],
 )  # fmt: skip
-def test_a_rover_that_cannot_move_stays_and_says_why(rover, limits, reason):
+@pytest.mark.parametrize("goal", [(5, 5), None])
+def test_a_rover_that_cannot_move_stays_and_says_why(rover, limits, reason, goal):
     plan = sw.Mppi(rover, sw.Limits(**limits), samples=20, horizon=5)
     steering = np.full(len(rover.steered_names), 0.25)
-    found = plan.step((1, 2, 3), steering=steering, goal=(5, 5))
+    found = plan.step((1, 2, 3), steering=steering, goal=goal)
     assert found.reason == reason
     assert not found.twist.any()
     assert not found.speeds.any()

@@ -186,13 +186,14 @@ impl Mppi {
             let got = situation.path.unwrap_or_default().len().to_string();
             return Err(Error::value("path", "have two points or more", got));
         }
-        // All motions would cost the same: the mean of the noise is no plan.
-        if situation.path.is_none() && situation.goal.is_none() && !situation.record {
-            let rule = "be given, or a path or an extra_cost: without one there is nowhere to go";
-            return Err(Error::value("goal", rule, "none".to_owned()));
-        }
         if let Some(map) = situation.costmap {
             map.check_holds(situation.pose)?;
+        }
+        // All motions would cost the same: the mean of the noise is no plan. Who cannot move stays wherever that is.
+        let aimless = situation.path.is_none() && situation.goal.is_none() && !situation.record;
+        if aimless && self.facts.stuck.is_none() {
+            let rule = "be given, or a path or an extra_cost: without one there is nowhere to go";
+            return Err(Error::value("goal", rule, "none".to_owned()));
         }
         self.rolls += 1;
         let steering = situation.steering.unwrap_or(&self.state.steering);
