@@ -288,3 +288,8 @@ def test_paths_against_the_truth_and_what_a_calibration_leaves():
     errors = np.random.default_rng(1).normal(size=(50, 3))
     draw(plot.residual_figure(errors, 0.1 * errors, title="windows"))
     draw(plot.residual_figure(np.empty((0, 3)), np.empty((0, 3))))
+
+
+def test_a_picture_of_nothing_is_named_as_it_was_called():
+    with pytest.raises(TypeError, match=r"^plot\(\) missing 1 required positional argument: 'result'"):
+        plot()

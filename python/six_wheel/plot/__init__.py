@@ -94,4 +94,5 @@ class _Pictures(ModuleType):
         return figure(result, **options)
 
 
+_Pictures.__call__.__qualname__ = "plot"  # as messages about its arguments call it
 sys.modules[__name__].__class__ = _Pictures
