@@ -92,6 +92,7 @@ def _calls():
 
 def test_every_call_that_takes_rows_of_any_shape_takes_threads():
     """What says ``shape (...`` of an argument works row by row."""
+    pytest.importorskip("scipy", reason="calibrate cannot be looked at without SciPy")
     taken = {}
     for name, call in _calls():
         arguments, found, _ = (inspect.getdoc(call) or "").partition("\nReturns\n")

@@ -111,7 +111,6 @@ WRONG = {
         lambda: sw.simulate(ARM, COURSE, ground=5),
         "ground must be a Terrain, got 5: give sw.Terrain(heights, spacing=...)",
     ),
-    "a path": (lambda: sw.load(5), "path must be a path, got 5"),
     "a map's path": (lambda: sw.Terrain.read(5), "path must be a path, got 5"),
 }
 
@@ -148,6 +147,12 @@ def test_another_kind_is_named(call, message):
 def test_numbers_one_by_one_belong_into_one_row(call, message):
     with pytest.raises(TypeError, match="^" + re.escape(message)):
         call()
+
+
+def test_a_file_is_asked_for_by_its_path():
+    pytest.importorskip("yaml")
+    with pytest.raises(TypeError, match="^path must be a path, got 5"):
+        sw.load(5)
 
 
 def test_a_calibration_asks_too():
