@@ -227,14 +227,6 @@ impl Kind for Rover {
     }
 }
 
-impl Kind for Suspension {
-    const KIND: &'static str = "a Suspension, such as a RockerBogie";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "one like sw.RockerBogie.perseverance()".into()
-    }
-}
-
 impl Kind for Terrain {
     const KIND: &'static str = "a Terrain";
 
@@ -246,50 +238,25 @@ impl Kind for Terrain {
     }
 }
 
-impl Kind for Noise {
-    const KIND: &'static str = "a Noise";
+/// Kinds, and what to hand over instead of a value of another one.
+macro_rules! kinds {
+    ($($class:ident, $kind:literal, $value:pat => $remedy:expr;)*) => {$(
+        impl Kind for $class {
+            const KIND: &'static str = $kind;
 
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        made("Noise", "speed", value)
-    }
+            fn remedy($value: &Bound<'_, PyAny>) -> String {
+                $remedy
+            }
+        }
+    )*};
 }
 
-impl Kind for Gyroscope {
-    const KIND: &'static str = "a Gyroscope";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        made("Gyroscope", "noise", value)
-    }
-}
-
-impl Kind for Limits {
-    const KIND: &'static str = "Limits";
-
-    fn remedy(value: &Bound<'_, PyAny>) -> String {
-        made("Limits", "speed", value)
-    }
-}
-
-impl Kind for Costmap {
-    const KIND: &'static str = "a Costmap";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "sw.Costmap(costs, spacing=...)".into()
-    }
-}
-
-impl Kind for Preintegrated {
-    const KIND: &'static str = "a Preintegrated";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        String::new()
-    }
-}
-
-impl Kind for Stand {
-    const KIND: &'static str = "a Stand";
-
-    fn remedy(_: &Bound<'_, PyAny>) -> String {
-        "what settle(...) has returned".into()
-    }
+kinds! {
+    Suspension, "a Suspension, such as a RockerBogie", _ => "one like sw.RockerBogie.perseverance()".into();
+    Noise, "a Noise", value => made("Noise", "speed", value);
+    Gyroscope, "a Gyroscope", value => made("Gyroscope", "noise", value);
+    Limits, "Limits", value => made("Limits", "speed", value);
+    Costmap, "a Costmap", _ => "sw.Costmap(costs, spacing=...)".into();
+    Preintegrated, "a Preintegrated", _ => String::new();
+    Stand, "a Stand", _ => "what settle(...) has returned".into();
 }
