@@ -6,7 +6,46 @@ use crate::batch::{self, Log};
 use crate::error::Error;
 use crate::estimate::{Method, Unseen};
 use crate::geometry::Twist;
-use crate::rover::Inputs;
+use crate::rover::{Inputs, Rover};
+
+/// What a batch finds.
+struct Found {
+    twists: Vec<[f64; 3]>,
+    ranks: Vec<i64>,
+    sigmas: Vec<f64>,
+    residual: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// All rows of a log at one level.
+fn fit_all(
+    rover: &Rover,
+    log: Log<'_>,
+    method: Method,
+    level: batch::Level,
+) -> (Result<(), Error>, Found) {
+    let count = log.speeds.len() / rover.wheels().len();
+    let mut found = Found {
+        twists: vec![[0.0; 3]; count],
+        ranks: vec![0; count],
+        sigmas: vec![0.0; count],
+        residual: vec![0.0; log.speeds.len()],
+        weights: vec![0.0; log.speeds.len()],
+    };
+    let fits = batch::Fits {
+        twists: &mut found.twists,
+        ranks: &mut found.ranks,
+        sigmas: &mut found.sigmas,
+        residual: &mut found.residual,
+        weights: &mut found.weights,
+    };
+    let workers = batch::Workers {
+        level,
+        ..batch::Workers::PLAIN
+    };
+    let done = batch::fit(rover, log, method, Unseen::Refuse, fits, workers);
+    (done, found)
+}
 
 #[test]
 fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
@@ -24,26 +63,7 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
             speeds: &speeds,
             steering_rates: None,
         };
-        let (mut twists, mut ranks, mut sigmas) =
-            (vec![[0.0; 3]; count], vec![0; count], vec![0.0; count]);
-        let [mut residual, mut weights] = [vec![0.0; count * wheels], vec![0.0; count * wheels]];
-        let done = batch::fit(
-            &rover,
-            log,
-            method,
-            Unseen::Refuse,
-            batch::Fits {
-                twists: &mut twists,
-                ranks: &mut ranks,
-                sigmas: &mut sigmas,
-                residual: &mut residual,
-                weights: &mut weights,
-            },
-            batch::Workers {
-                level: batch::Level::best(),
-                ..batch::Workers::PLAIN
-            },
-        );
+        let (done, fits) = fit_all(&rover, log, method, batch::Level::best());
         let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
         for k in 0..count {
             let measured = log.row(&rover, k);
@@ -61,15 +81,20 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
                     .iter()
                     .fold(1.0, |most: f64, v| most.max(v.abs()));
             let near = |a: f64, b: f64| (a - b).abs() <= size / expected.sigma_min.min(1.0);
-            let (a, b): ([f64; 3], [f64; 3]) = (twists[k], expected.twist.into());
+            let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
             assert!(
                 a.into_iter().zip(b).all(|(a, b)| near(a, b)),
                 "{a:?} {expected:?} {rover:?}"
             );
-            assert_eq!(ranks[k], expected.rank as i64);
-            assert!((sigmas[k] - expected.sigma_min).abs() <= 1e-13);
-            assert_eq!(weights[row.clone()], says);
-            assert!(residual[row].iter().zip(&slips).all(|(a, b)| near(*a, *b)));
+            assert_eq!(fits.ranks[k], expected.rank as i64);
+            assert!((fits.sigmas[k] - expected.sigma_min).abs() <= 1e-13);
+            assert_eq!(fits.weights[row.clone()], says);
+            assert!(
+                fits.residual[row]
+                    .iter()
+                    .zip(&slips)
+                    .all(|(a, b)| near(*a, *b))
+            );
         }
     }
     Ok(())
@@ -116,29 +141,8 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
             steering_rates: None,
         };
         for level in batch::Level::available() {
-            let (mut twists, mut ranks, mut sigmas) =
-                (vec![[0.0; 3]; count], vec![0; count], vec![0.0; count]);
-            let [mut residual, mut weights] =
-                [vec![0.0; count * wheels], vec![0.0; count * wheels]];
-            let workers = batch::Workers {
-                level,
-                ..batch::Workers::PLAIN
-            };
             let method = Method::Robust;
-            let done = batch::fit(
-                &rover,
-                log,
-                method,
-                Unseen::Refuse,
-                batch::Fits {
-                    twists: &mut twists,
-                    ranks: &mut ranks,
-                    sigmas: &mut sigmas,
-                    residual: &mut residual,
-                    weights: &mut weights,
-                },
-                workers,
-            );
+            let (done, fits) = fit_all(&rover, log, method, level);
             let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
             for k in 0..count {
                 let measured = log.row(&rover, k);
@@ -156,16 +160,16 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
                     .fold(1.0, |most: f64, v| most.max(v.abs()));
                 let weight = 1e-10 / expected.sigma_min.powi(2).min(1.0);
                 let near = |a: f64, b: f64| (a - b).abs() <= weight * largest;
-                let (a, b): ([f64; 3], [f64; 3]) = (twists[k], expected.twist.into());
+                let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
                 assert!(
                     a.into_iter().zip(b).all(|(a, b)| near(a, b)),
                     "{k} {level:?} {a:?} {expected:?} {rover:?}"
                 );
-                assert_eq!(ranks[k], expected.rank as i64);
-                assert!((sigmas[k] - expected.sigma_min).abs() <= weight);
-                let says = says.iter().zip(&weights[row.clone()]);
+                assert_eq!(fits.ranks[k], expected.rank as i64);
+                assert!((fits.sigmas[k] - expected.sigma_min).abs() <= weight);
+                let says = says.iter().zip(&fits.weights[row.clone()]);
                 assert!(says.into_iter().all(|(a, b)| (a - b).abs() <= weight));
-                let slips = slips.iter().zip(&residual[row]);
+                let slips = slips.iter().zip(&fits.residual[row]);
                 assert!(slips.into_iter().all(|(a, b)| near(*a, *b)));
                 fitted += 1;
             }
