@@ -274,7 +274,11 @@ fn carry<S: Vector>(
     jacobian: &StepJacobian,
 ) -> [Spread; 2] {
     let splat = |number| Lanes::splat(simd, number);
-    let by = jacobian.by_displacement.map(|row| row.map(splat));
+    let mut by = [[splat(0.0); 3]; 2];
+    let parts = jacobian.by_displacement.as_flattened().iter();
+    for (part, number) in by.as_flattened_mut().iter_mut().zip(parts) {
+        *part = splat(*number);
+    }
     let lever = jacobian.lever().map(splat);
     let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
     let mut columns = carried
