@@ -171,7 +171,7 @@ def draw_axles(axes: Axes, rover: Rover, steering: Floats, icr: Floats, size: fl
 
 
 def draw_velocity(axes: Axes, twist: Floats, size: float) -> list[Floats]:
-    """A straight arrow for the velocity of the body frame, a bent one for its yaw rate. Returns points of them."""
+    """A straight arrow for the velocity, a bent one for the yaw rate of the body; returns points of both."""
     vx, vy, omega = (float(value) for value in twist)
     speed = math.hypot(vx, vy)
     ways = []
@@ -213,7 +213,8 @@ def draw_labels(axes: Axes, rover: Rover, steering: Floats, speeds: Floats, line
             beyond = bool((place - half < corners[0]).any() or (place + half > corners[1]).any())
             away = place - point
             outward = float(away @ (point - centre)) / float(np.hypot(*(point - centre)) or 1.0)
-            covered = crossings + 30 * (crossings > 0) + 300 * (others + beyond) + 150 * wheels.all(axis=1).sum()
+            covered = 300 * (others + beyond) + 150 * wheels.all(axis=1).sum()
+            covered += crossings + 30 * (crossings > 0)
             return float(covered) + 4.0 * (2.0 * float(np.hypot(*away)) - outward) / inch
 
         # The nearest edge of the words stands beside the wheel, or a little farther out.
