@@ -365,6 +365,27 @@ proptest! {
     }
 }
 
+#[test]
+fn in_no_time_nothing_slides() -> Result<(), Error> {
+    let rover = vehicles()?.swap_remove(0);
+    let stamps: Vec<_> = (0..20).map(|k| f64::from(k) * 1e-315).collect();
+    let log = Log {
+        steering: vec![0.0; 80],
+        wheels: vec![1.0; 120],
+        yaws: vec![f64::NAN; 20],
+        stamps,
+    };
+    let mut found = Found::new(20, 6);
+    Odometry::new(rover, Settings::default())?.run(
+        log.of(0..20, 6, 4),
+        true,
+        found.of(0..20, 6),
+    )?;
+    assert!(found.residuals.iter().all(|slid| *slid == 0.0));
+    assert!(found.twists.as_flattened().iter().all(|part| *part == 0.0));
+    Ok(())
+}
+
 /// Columns of a log.
 #[derive(Default)]
 struct Log {

@@ -65,7 +65,7 @@ impl Odometry {
         let (plan, reference) = (self.plan.as_mut()?, &self.reference);
         let dt = sample.stamp - reference.stamp;
         let is_usual = reference.known
-            && dt > 0.0
+            && dt >= f64::MIN_POSITIVE // whose reciprocal is finite
             && dt.is_finite()
             && sample.yaw_rate.is_none()
             && sample.yaw.is_none_or(f64::is_finite);

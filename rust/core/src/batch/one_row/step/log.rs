@@ -374,7 +374,7 @@ fn step<S: Vector>(
     let zero = splat(0.0);
     let dt = block.dt.load(simd, k);
     let terms = settings.terms(InLanes(simd), dt);
-    let mut usual = zero.below(dt) & dt.at_most(splat(f64::MAX));
+    let mut usual = splat(f64::MIN_POSITIVE).at_most(dt) & dt.at_most(splat(f64::MAX));
     let joints = room.joints.len() / 2;
     let mut sums = [[zero; 3]; PARTS];
     let mut said = [zero; 3];
