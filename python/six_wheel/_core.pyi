@@ -911,13 +911,28 @@ class Terrain:
     @property
     def orientation(self) -> float: ...
     def height(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Floats | None = None,
+        threads: int | None = None,
     ) -> float | _Floats: ...
     def gradient(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Floats | None = None,
+        threads: int | None = None,
     ) -> _Floats: ...
     def normal(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Floats | None = None,
+        threads: int | None = None,
     ) -> _Floats: ...
     def contains(self, xy: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -1038,7 +1053,9 @@ class Suspension:
         view: Literal["body", "plan"] = "body",
         steering: ArrayLike | None = None,
         max_wheel_speed: float | None = None,
+        out: tuple[_Floats | None, ...] | None = None,
         threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> GroundCommand: ...
     def forward(
         self,
@@ -1050,6 +1067,7 @@ class Suspension:
         *,
         steering_rates: ArrayLike | None = None,
         weights: ArrayLike | None = None,
+        out: _Floats | tuple[_Floats | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> GroundMotion: ...
@@ -1066,6 +1084,7 @@ class Suspension:
         wheel_speeds: ArrayLike | None = None,
         lift_angle: float = 1.0,
         lift_speed: float = 0.01,
+        out: tuple[_Floats | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> Traction: ...
@@ -1076,6 +1095,7 @@ class Suspension:
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
+        out: tuple[_Floats | None, ...] | None = None,
         threads: int | None = None,
     ) -> WheelSlip: ...
     def settle(

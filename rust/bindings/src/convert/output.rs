@@ -160,6 +160,16 @@ impl<'py> Output<'py> {
         })
     }
 
+    /// Written to the caller's array only when it is finished.
+    pub fn beside(mut self) -> PyResult<Self> {
+        if self.beside.is_none() {
+            let beside = memory::zeros(self.array.py(), self.array.shape())?;
+            self.data = data(&beside);
+            self.beside = Some(beside);
+        }
+        Ok(self)
+    }
+
     /// Where to write, row after row.
     pub fn flat(&mut self) -> &mut [f64] {
         if self.count == 0 {
