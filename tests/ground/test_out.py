@@ -1,4 +1,4 @@
-"""`out=` of the calls on the ground: the numbers of fresh arrays, in the caller's; nothing by a call that fails."""
+"""`out=` of calls on the ground: the numbers of fresh arrays, in the caller's; nothing if a call fails."""
 
 from collections.abc import Callable
 from types import SimpleNamespace
