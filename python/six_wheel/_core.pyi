@@ -507,10 +507,22 @@ class Rover:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def icr(self, twist: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+    def icr(
+        self,
+        twist: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def commands(
-        self, twist: ArrayLike, *, previous: ArrayLike | None = None, threads: int | None = None
-    ) -> dict[str, float] | dict[str, _Floats]: ...
+        self,
+        twist: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, float] | dict[str, NDArray[_Real]]: ...
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
@@ -915,25 +927,28 @@ class Terrain:
         xy: ArrayLike,
         *,
         method: _Interpolation = "bilinear",
-        out: _Floats | None = None,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
-    ) -> float | _Floats: ...
+    ) -> float | NDArray[_Real]: ...
     def gradient(
         self,
         xy: ArrayLike,
         *,
         method: _Interpolation = "bilinear",
-        out: _Floats | None = None,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
-    ) -> _Floats: ...
+    ) -> NDArray[_Real]: ...
     def normal(
         self,
         xy: ArrayLike,
         *,
         method: _Interpolation = "bilinear",
-        out: _Floats | None = None,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
         threads: int | None = None,
-    ) -> _Floats: ...
+    ) -> NDArray[_Real]: ...
     def contains(self, xy: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -1053,7 +1068,7 @@ class Suspension:
         view: Literal["body", "plan"] = "body",
         steering: ArrayLike | None = None,
         max_wheel_speed: float | None = None,
-        out: tuple[_Floats | None, ...] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> GroundCommand: ...
@@ -1067,7 +1082,7 @@ class Suspension:
         *,
         steering_rates: ArrayLike | None = None,
         weights: ArrayLike | None = None,
-        out: _Floats | tuple[_Floats | None, ...] | None = None,
+        out: _Out | tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> GroundMotion: ...
@@ -1084,7 +1099,7 @@ class Suspension:
         wheel_speeds: ArrayLike | None = None,
         lift_angle: float = 1.0,
         lift_speed: float = 0.01,
-        out: tuple[_Floats | None, ...] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> Traction: ...
@@ -1095,7 +1110,7 @@ class Suspension:
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
-        out: tuple[_Floats | None, ...] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
     ) -> WheelSlip: ...
     def settle(
@@ -1306,8 +1321,14 @@ class FourAxle:
         tolerance: float = 0.001,
     ) -> FourAxle: ...
     def inverse(
-        self, twist: ArrayLike, *, previous: ArrayLike | None = None, threads: int | None = None
-    ) -> tuple[_Floats, _Floats]: ...
+        self,
+        twist: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Out, _Out] | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
         angles: ArrayLike,
@@ -1317,7 +1338,14 @@ class FourAxle:
         rear: _Brake = "locked",
     ) -> FourAxleMotion: ...
     def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
-    def concurrent_angles(self, icr: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+    def concurrent_angles(
+        self,
+        icr: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def lock(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
     def release(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
     def drive(self, state: FourAxleState, speed: float, duration: float) -> FourAxleStep: ...
@@ -1614,11 +1642,45 @@ def rollout(
 def kernels() -> list[_Kernel]: ...
 def default_threads() -> int: ...
 def set_default_threads(threads: int) -> None: ...
-def differentiate(poses: ArrayLike, dt: ArrayLike, *, threads: int | None = None) -> _Floats: ...
-def exp(twist: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
-def log(pose: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
-def compose(first: ArrayLike, second: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+def differentiate(
+    poses: ArrayLike,
+    dt: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def exp(
+    twist: ArrayLike,
+    dt: ArrayLike = 1.0,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def log(
+    pose: ArrayLike,
+    dt: ArrayLike = 1.0,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def compose(
+    first: ArrayLike,
+    second: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
 def unit_questions(rover: Rover) -> list[tuple[str, str, str]]: ...
 def check_kind(argument: str, value: object) -> None: ...
 def without_questions(call: Callable[[], _T]) -> _T: ...
-def wrap_angle(angle: ArrayLike) -> float | _Floats: ...
+def wrap_angle(
+    angle: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> float | NDArray[_Real]: ...

@@ -66,6 +66,10 @@ def test_out_is_written_and_returned(name: str) -> None:
         for key, out in zip(widths, outs, strict=True):
             assert getattr(result, key) is out
             np.testing.assert_array_equal(out, getattr(fresh, key))
+        single = tuple(out.astype(np.float32) for out in rooms(widths))
+        result = call(out=single[0] if alone else single)
+        for key, out in zip(widths, single, strict=True):
+            np.testing.assert_array_equal(out, np.asarray(getattr(fresh, key), np.float32))
         if not alone:
             first, *rest = rooms(widths)
             result = call(out=(first, *[None] * len(rest)))
@@ -88,7 +92,7 @@ def test_bad_outputs_are_refused_and_nothing_is_written(name: str) -> None:
             assert (out == 7.0).all()
 
     refused(outs[0][1:], says=rf"^{lone} must be a writeable float64 array of shape \(37")
-    refused(outs[0].astype(np.float32), says=rf"^{lone} must be .* got an array of dtype float32")
+    refused(outs[0].astype(np.float16), says=rf"^{lone} must be .* got an array of dtype float16")
     refused(outs[0].tolist(), says=rf"^{lone} must be")
     fixed = outs[0].view()
     fixed.flags.writeable = False

@@ -10,7 +10,7 @@ use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
+    Asked, Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
     scalar_or_array, shape_text, singles,
 };
 use crate::given;
@@ -85,7 +85,7 @@ impl Terrain {
         xy: &Bound<'py, PyAny>,
         method: &str,
         width: usize,
-        out: Option<&Bound<'py, PyAny>>,
+        asked: Asked<'_, 'py>,
         threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -96,7 +96,7 @@ impl Terrain {
         if width > 1 {
             shape.push(width);
         }
-        let mut output = Output::new(py, "out", out, &shape)?;
+        let mut output = Output::asked(py, asked, &shape)?;
         let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
         compute(py, points.len(), || {
             workers.rows(points.len(), [(target, width)], |row, [target]| {
@@ -109,8 +109,8 @@ impl Terrain {
             })
         })
         .map_err(|error| raise(error, &rows.leading))?;
-        let array = output.finish()?;
-        if shape.is_empty() && out.is_none() {
+        let array = output.finish_any()?;
+        if shape.is_empty() && asked.0.is_none() {
             return array.call_method0("item");
         }
         Ok(array.into_any())
@@ -298,6 +298,8 @@ impl Terrain {
     ///     sixteen nodes.
     /// out : ndarray, shape (...), optional
     ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -305,18 +307,27 @@ impl Terrain {
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn height<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 1, out, threads, |height, _, target| {
-            target[0] = height;
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            1,
+            (out, dtype),
+            threads,
+            |height, _, target| {
+                target[0] = height;
+            },
+        )
     }
 
     /// Derivatives of the height by x and y.
@@ -329,6 +340,8 @@ impl Terrain {
     ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
     /// out : ndarray, shape (..., 2), optional
     ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -336,18 +349,27 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn gradient<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 2, out, threads, |_, gradient, target| {
-            target.copy_from_slice(&gradient);
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            2,
+            (out, dtype),
+            threads,
+            |_, gradient, target| {
+                target.copy_from_slice(&gradient);
+            },
+        )
     }
 
     /// Unit normals of the ground, upwards.
@@ -360,6 +382,8 @@ impl Terrain {
     ///     As for `gradient`.
     /// out : ndarray, shape (..., 3), optional
     ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -367,18 +391,27 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", out=None, threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn normal<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 3, out, threads, |_, gradient, target| {
-            target.copy_from_slice(normal(gradient).as_slice());
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            3,
+            (out, dtype),
+            threads,
+            |_, gradient, target| {
+                target.copy_from_slice(normal(gradient).as_slice());
+            },
+        )
     }
 
     /// Whether points lie on the map, its rim included; heights there may still be unknown.

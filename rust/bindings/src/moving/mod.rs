@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 use crate::convert::{Output, memory};
 
 fn done(array: Output<'_>) -> PyResult<Py<PyAny>> {
-    Ok(array.finish()?.into_any().unbind())
+    Ok(array.finish_any()?.into_any().unbind())
 }
 
 /// The array of one call's numbers.

@@ -52,7 +52,7 @@ impl<'py, const N: usize> Out<'py, N> {
             true => "out".to_owned(),
             false => format!("out[{k}]"),
         };
-        let output = Output::new(py, &argument, self.arrays[k].as_ref(), shape)?;
+        let output = Output::of(py, &argument, self.arrays[k].as_ref(), None, shape)?;
         match fails && self.arrays[k].is_some() {
             true => output.beside(),
             false => Ok(output),
