@@ -1307,8 +1307,14 @@ class RockerBogie(Suspension):
     ) -> Feasible: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(
-        self, rho: ArrayLike, beta: ArrayLike, *, threads: int | None = None
-    ) -> float | _Floats: ...
+        self,
+        rho: ArrayLike,
+        beta: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> float | NDArray[_Real]: ...
     def steer(
         self,
         speed: ArrayLike,
