@@ -49,6 +49,16 @@ impl Led {
     }
 }
 
+/// Registers of three columns, of rows that begin `back` rows before.
+#[inline(always)]
+fn all<S: Vector>(simd: S, [x, y, z]: &[Led; 3], k: usize, back: usize) -> [Lanes<S>; 3] {
+    [
+        x.load(simd, k, back),
+        y.load(simd, k, back),
+        z.load(simd, k, back),
+    ]
+}
+
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows<'a> {
@@ -408,10 +418,12 @@ fn step<S: Vector>(
         parts,
         count,
         |part, g, group, place| {
-            let joint = (place < group.steered).then(|| {
-                let joint = g * GROUP + place;
-                [joint, joints + joint].map(|column| room.joints[column].load(simd, k))
-            });
+            let mut joint = None;
+            if place < group.steered {
+                let (middles, turns) = room.joints.split_at(joints);
+                let column = g * GROUP + place;
+                joint = Some([middles[column].load(simd, k), turns[column].load(simd, k)]);
+            }
             let counts = room.wheels[group.wheels[place]].load(simd, k);
             let wheel = (group, Everywhere(simd, place));
             let to = (&mut room.places[g * GROUP + place], 0);
@@ -423,7 +435,8 @@ fn step<S: Vector>(
         }
     );
     let displacement = total(sums, parts);
-    let twist = displacement.map(|part| part.quotient(dt));
+    let [x, y, yaw] = displacement;
+    let twist = [x.quotient(dt), y.quotient(dt), yaw.quotient(dt)];
     let huge = splat(HUGE);
     for (part, rate) in displacement.into_iter().zip(twist) {
         usual = usual & part.abs().below(huge) & rate.abs().at_most(splat(f64::MAX));
@@ -525,7 +538,7 @@ fn place<S: Vector>(simd: S, k: usize, room: &mut Room, block: &mut Block) {
         store(spread.displaced(by, &matrix).into(), columns, k);
     }
     for ends in &mut room.ends {
-        let half = [0, 1, 2].map(|part: usize| ends[part].load(simd, k, 0));
+        let half = all(simd, ends, k, 0);
         for (end, column) in ended(matrix, half).into_iter().zip(ends) {
             column.store(k, end);
         }
@@ -548,8 +561,7 @@ fn join<S: Vector>(simd: S, plan: &Plan, parts: usize, k: usize, room: &Room, bl
         steered,
         |part, g, group, place| {
             let ends = &room.ends[g * GROUP + place];
-            let [before, end] =
-                [1, 0].map(|back| [0, 1, 2].map(|part: usize| ends[part].load(simd, k, back)));
+            let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
             squares.add_square(met(lever, before, end));
         },
         {
@@ -658,9 +670,8 @@ impl Kernel for Write<'_, '_> {
 /// A register of covariances of the pose, without a negative variance in any direction.
 #[inline(always)]
 fn report<S: Vector>(simd: S, k: usize, block: &mut Block) {
-    let [settled, open] =
-        [&block.own, &block.open].map(|columns| Spread::from(load(simd, columns, k)));
-    let spread = rounded(InLanes(simd), settled.and(open));
+    let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
+    let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
     let zero = Lanes::splat(simd, 0.0);
     let mut negative = zero.below(zero);
     for minor in spread.minors() {

@@ -161,7 +161,8 @@ pub(super) fn listen<S: Vector, P: Pick<S>>(
     let turned = counts * pick.of(&group.per_count[0]);
     let mut rolled = turned * pick.of(&group.radius);
     let mut usual = rolled.abs().at_most(most_way) & turned.abs().at_most(splat(LARGEST_STEP[0]));
-    let mut shares = group.shares.each_ref().map(|row| pick.three(row));
+    let [along, across] = &group.shares;
+    let mut shares = [pick.three(along), pick.three(across)];
     let mut way = [rolled, splat(0.0)];
     if let Some([middle, turn]) = joint {
         usual = usual
@@ -201,14 +202,14 @@ pub(super) fn disagree<S: Vector, P: Pick<S>>(
 ) -> Mask<S> {
     let splat = |number| Lanes::splat(simd, number);
     let here = Register(simd, k);
-    let [rolling, side_slip] = group.rows.each_ref().map(|row| pick.three(row));
-    let along = dot(rolling, displacement) - here.of(&room.way[0]);
-    let across = dot(side_slip, displacement) - here.of(&room.way[1]);
+    let [rolling, side_slip] = &group.rows;
+    let along = dot(pick.three(rolling), displacement) - here.of(&room.way[0]);
+    let across = dot(pick.three(side_slip), displacement) - here.of(&room.way[1]);
     let square = along.mul_add(along, across * across);
     let slid = square.sqrt();
     let [mut own, mut sides] = [terms.reading_variance, splat(0.0)];
     if terms.slip_variances != [0.0; 2] {
-        let [px, py] = group.pivot.each_ref().map(|place| pick.of(place));
+        let [px, py] = [pick.of(&group.pivot[0]), pick.of(&group.pivot[1])];
         let x = displacement[0] - displacement[2] * py;
         let y = displacement[1] + displacement[2] * px;
         let distance = x.mul_add(x, y * y).sqrt();
@@ -219,7 +220,7 @@ pub(super) fn disagree<S: Vector, P: Pick<S>>(
     squares.add(here.three(&room.shares[0]), own);
     let rolled = here.of(&room.rolled);
     let turned = terms.steering_variance * pick.of(&group.steers) * (rolled * rolled);
-    let [has_rolling, has_side_slip] = group.has.each_ref().map(|has| pick.of(has));
+    let [has_rolling, has_side_slip] = [pick.of(&group.has[0]), pick.of(&group.has[1])];
     let variance = has_rolling.mul_add(own, has_side_slip * (sides + turned));
     store([slid], std::array::from_mut(&mut room.slid), k);
     store([variance], std::array::from_mut(&mut room.variance), k);
@@ -239,7 +240,8 @@ pub(super) fn lean<S: Vector, P: Pick<S>>(
 ) -> [Lanes<S>; 3] {
     let here = Register(simd, k);
     let error = here.of(&room.rolled) * pick.of(&group.steers) * terms.half_deviation;
-    here.three(&room.shares[1]).map(|share| share * error)
+    let [x, y, z] = here.three(&room.shares[1]);
+    [x * error, y * error, z * error]
 }
 
 /// An error of the displacement at the end of the step.
