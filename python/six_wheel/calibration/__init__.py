@@ -47,7 +47,6 @@ __getattr__, __dir__ = attach(
         "model": (),
         "noise": ("MeasuredNoise",),
         "observability": ("Observability",),
-        "parameters": (),
         "procedure": ("calibrate", "parameter_names"),
         "result": ("Calibration",),
         "values": ("Estimate", "RunErrors", "Windows"),

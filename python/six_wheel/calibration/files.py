@@ -11,7 +11,6 @@ import numpy as np
 
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import moving
-from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
@@ -23,6 +22,7 @@ from six_wheel.logs.opening import AnyLog, LogOptions, logs_in, read_log
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import replacing
 from six_wheel.odometry.dead_reckoning import dead_reckon
+from six_wheel.odometry.dimensions import FRAME
 from six_wheel.parameters.file import Parameters, parse_parameters
 from six_wheel.parameters.mending import text_for
 from six_wheel.poses import Floats, joined

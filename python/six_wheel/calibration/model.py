@@ -11,8 +11,8 @@ import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter, mounts, prior, size
 from six_wheel.logs import Log
+from six_wheel.odometry.dimensions import FRAME, WHEEL_QUANTITIES, Parameter, mounts, prior, size
 from six_wheel.poses import Floats, between, inverse, joined
 from six_wheel.rebuild import with_wheels
 

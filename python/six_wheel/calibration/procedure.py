@@ -28,7 +28,6 @@ from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
-from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.cluster import Journal
@@ -36,6 +35,7 @@ from six_wheel.errors import ArgumentTypeError
 from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
+from six_wheel.odometry.dimensions import Catalogue
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]

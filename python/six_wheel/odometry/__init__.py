@@ -37,6 +37,7 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
+        "dimensions": (),
         "mounts": (),
         "space": ("Track3",),
         "tables": (),
