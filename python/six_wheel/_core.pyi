@@ -641,6 +641,7 @@ class Odometry:
         lag: float = 0.0,
         history: int = 1024,
         gyroscope: Gyroscope | None = None,
+        dimensions: ArrayLike | None = None,
     ) -> Odometry: ...
     @property
     def gyroscope_bias(self) -> tuple[float, float] | None: ...

@@ -1,7 +1,8 @@
 """A rover's true dimensions from its logs: what fits them, how well it is known, what they cannot tell.
 
-`parameters` can be calibrated from `drives`; `model` says where these end, `fitting` solves, `observability`
-and `cross_validation` judge, `procedure` joins them to a `result`; `files` does it for logs on disk.
+What `six_wheel.odometry.dimensions` names is calibrated from `drives`; `model` says where these end,
+`fitting` solves, `observability` and `cross_validation` judge, `procedure` joins them to a `result`; `files`
+does it for logs on disk.
 """
 
 from typing import TYPE_CHECKING

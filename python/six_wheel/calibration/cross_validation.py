@@ -224,7 +224,7 @@ def errors_left_out(trial: Trial) -> Floats:
     linear = whole.linearised(solution.values, solution.scales)
     errors = np.empty(len(keys))
     for fold in np.unique(keys):
-        values = refit(linear.only((keys != fold).tolist()), solution)
+        values = refit(linear.only((keys != fold).tolist()), solution)[1].values
         left = [drive for drive, key in zip(whole.drives, keys, strict=True) if key == fold]
         errors[keys == fold] = _errors(whole.model, values, left)
     return errors

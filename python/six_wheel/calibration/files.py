@@ -30,6 +30,7 @@ from six_wheel.poses import Floats, joined
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
+FACTORS = ("encoder_scale", "steering_gain")
 MANY = 8  # logs from which on it is worth starting processes
 
 
@@ -214,8 +215,8 @@ def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, floa
     if result.measured_noise is None:
         return None
     kept = {} if parameters is None else parameters.noise
-    measured = {name: getattr(result.noise, name) for name in ("speed", "steering", "slip", "side_slip")}
-    return kept | measured
+    found = result.measured_noise.beside  # the dimensions that are written count by themselves
+    return kept | {name: getattr(found, name) for name in ("speed", "steering", "slip", "side_slip")}
 
 
 def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
@@ -229,10 +230,15 @@ def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, floa
 
 
 def _known(result: Calibration) -> dict[str, Any] | None:
-    """The key ``calibration``: how well the dimensions are known."""
+    """The key ``calibration``: how well the dimensions in the file are known, as `deviations` takes it."""
     if not result.parameters:
         return None
-    return {"parameters": list(result.names), "covariance": result.covariance.tolist()}
+    names = list(result.names)
+    by = np.diag([1.0 / one.value if one.name.startswith(FACTORS) else 1.0 for one in result.parameters])
+    if all(f"origin_{axis}" in names for axis in FRAME):
+        x, y, yaw = names.index("origin_x"), names.index("origin_y"), result["origin_yaw"].value
+        by[np.ix_((x, y), (x, y))] = [[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]]
+    return {"parameters": names, "covariance": (by @ result.widened @ by.T).tolist()}
 
 
 def half_width(one: Estimate) -> float:

@@ -2,7 +2,8 @@
 
 What is compared is where dead reckoning ends with where the rover was, on drives whose own session was left
 out of the fit: so what the dimensions are still off by is in it, and a rover that drives with this noise is
-as far off as it says. Slip grows with the root of the way, whatever the rate of the samples.
+as far off as it says. Slip grows with the root of the way, whatever the rate of the samples. Beside
+dimensions whose errors are counted by themselves, it holds the rest.
 """
 
 import math
@@ -10,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.special import chdtri, fdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
@@ -40,6 +41,8 @@ class MeasuredNoise:
     ----------
     noise : Noise
         To give to `Odometry`; `speed` and `steering` are 0, for slip holds all that ends err by.
+    beside : Noise
+        The same where `Odometry` is given `Calibration.dimensions` as well: without what these explain.
     slip, side_slip : Estimate
         Along and across the wheels [m per root m], by maximum likelihood, with intervals.
     sections : int
@@ -56,6 +59,7 @@ class MeasuredNoise:
     """
 
     noise: Noise
+    beside: Noise
     slip: Estimate
     side_slip: Estimate
     sections: int
@@ -75,18 +79,20 @@ class MeasuredNoise:
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Error of an end (3,), and its covariance (3, 3) by slip of 1 m per root m along and across."""
+    """Error of an end (3,), and its covariance (3, 3) by slip of 1 m per root m along and across, and by what
+    the dimensions may be off."""
 
     error: Floats
     along: Floats
     across: Floats
+    fixed: Floats
 
 
 def _bound() -> float:
     return float(chdtri(3, 1.0 - COVERED))
 
 
-def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
+def ends(rover: Rover, dimensions: Floats, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
     """Where dead reckoning of a log ends, against the truth, for each of so many pieces of it."""
     if log.truth is None:
         return []
@@ -105,18 +111,24 @@ def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> 
             log.stamps[part],
         )
         tracks = [
-            dead_reckon(rover, *readings, noise=noise, start=body[first], residuals=False)
-            for noise in (Noise(0.0, 0.0, slip=1.0), Noise(0.0, 0.0, side_slip=1.0))
+            dead_reckon(rover, *readings, noise=noise, start=body[first], residuals=False, dimensions=doubt)
+            for noise, doubt in (
+                (Noise(0.0, 0.0, slip=1.0), None),
+                (Noise(0.0, 0.0, side_slip=1.0), None),
+                (Noise(0.0, 0.0), dimensions),
+            )
         ]
-        along, across = (track.covariances[-1] for track in tracks)  # type: ignore[index]
+        along, across, fixed = (track.covariances[-1] for track in tracks)  # type: ignore[index]
         error = tracks[0].poses[-1] - body[last]
         error[2] = wrap_angle(error[2])
         if np.trace(along) > 0.0:  # it moved
-            found.append(End(error, along, across))
+            found.append(End(error, along, across, fixed))
     return found
 
 
-def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> MeasuredNoise | None:
+def measure(
+    groups: Sequence[Sequence[End]], sessions: int, confidence: float, basis: str
+) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
     Ends of one session go together: each tells three numbers of how large errors are, however many runs it
@@ -127,34 +139,36 @@ def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> M
     ----------
     groups : sequence of sequence of End
         Errors of what was left out together.
+    sessions : int
+        How many there were.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
     groups = [group for group in groups if group]
     if not groups:
         return None
-    errors, along, across = _stacked([end for group in groups for end in group])
-    sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
+    whole = _stacked([end for group in groups for end in group])
+    sides = np.trace(whole[2], axis1=1, axis2=2).max() > 1e-9 * np.trace(whole[1], axis1=1, axis2=2).max()
+    usual = _bound() / float(fdtri(3, 3 * min(sessions, len(groups)), COVERED))
+    noises = []
+    for share in (1.0, 0.0):  # what the dimensions explain counts by itself, and last as slip
 
-    def cost(logs: Floats) -> float:
-        logs = np.clip(logs, math.log(LEAST), math.log(MOST))
-        squares, sizes = _nees(logs, errors, along, across)
-        return 0.5 * float((squares + sizes).sum())
+        def cost(logs: Floats, share: float = share) -> float:
+            logs = np.clip(logs, math.log(LEAST), math.log(MOST))
+            squares, sizes = _nees(logs, whole, share)
+            return 0.5 * float((squares + sizes).sum())
 
-    begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
-    best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
-    logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-    found = [float(np.mean(_nees(logs, *_stacked(group))[0])) / 3.0 for group in groups]
-    predicted = 3.0 * float(fdtri(3, 3 * len(found), COVERED)) / _bound()
-    wide = logs + 0.5 * math.log(max(predicted * float(np.mean(found)), 1e-6))
-    along_wheels = _estimate("slip", logs, 0, cost, confidence)
+        begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
+        best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
+        logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
+        wide = logs + _widening(logs, [_stacked(group) for group in groups], share, usual)
+        slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
+        noises.append(Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0))
     across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
     if sides:
         across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
-    slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
-    noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
-    nees = _nees(wide, errors, along, across)[0]
-    return MeasuredNoise(noise, along_wheels, across_wheels, len(errors), basis, nees)
+    along_wheels, nees = _estimate("slip", logs, 0, cost, confidence), _nees(wide, whole, 0.0)[0]
+    return MeasuredNoise(noises[1], noises[0], along_wheels, across_wheels, len(nees), basis, nees)
 
 
 def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
@@ -172,17 +186,15 @@ def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: flo
     value = math.sqrt(squares / degrees)
     std = value / math.sqrt(2.0 * degrees)
     bias = math.sqrt(float(np.mean(np.square(biases))))
-    was = measured.noise
-    noise = Noise(
-        was.speed,
-        was.steering,
-        slip=was.slip,
-        side_slip=was.side_slip,
-        yaw_rate=_digits(math.hypot(value, bias)),
+    rate = _digits(math.hypot(value, bias))
+    noise, beside = (
+        Noise(0.0, 0.0, slip=was.slip, side_slip=was.side_slip, yaw_rate=rate)
+        for was in (measured.noise, measured.beside)
     )
     return replace(
         measured,
         noise=noise,
+        beside=beside,
         yaw_rate=Estimate("yaw_rate", "rad/s", 0.0, value, std, (interval[0], interval[1])),
         gyroscope=Gyroscope(_digits(value), bias_noise=_digits(bias)),
     )
@@ -204,14 +216,35 @@ def _resting(log: Log) -> Iterator[Floats]:
             yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
-def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:
-    errors, along, across = ([getattr(end, name) for end in found] for name in ("error", "along", "across"))
-    return np.array(errors), np.array(along), np.array(across)
+Stack = tuple[Floats, Floats, Floats, Floats]
 
 
-def _nees(logs: Floats, errors: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
-    """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
-    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + np.diag(TRUTH**2)
+def _stacked(found: Sequence[End]) -> Stack:
+    errors, along, across, fixed = (
+        np.array([getattr(end, name) for end in found]) for name in ("error", "along", "across", "fixed")
+    )
+    return errors, along, across, fixed
+
+
+def _widening(logs: Floats, groups: Sequence[Stack], share: float, wanted: float) -> float:
+    """By how much to move both logarithms of slip so that normalised errors squared come to what is wanted,
+    in the mean over groups."""
+
+    def excess(by: float) -> float:
+        return math.log(np.mean([_nees(logs + by, group, share)[0].mean() for group in groups]) / wanted)
+
+    low, high = math.log(LEAST), math.log(MOST)
+    if excess(low) <= 0.0:
+        return low  # the dimensions alone explain all
+    return float(brentq(excess, low, high)) if excess(high) < 0.0 else high
+
+
+def _nees(logs: Floats, ends: Stack, share: float) -> tuple[Floats, Floats]:
+    """Normalised errors squared, and logarithms of determinants, under logarithms of slip and a share of what
+    the dimensions explain."""
+    errors, along, across, fixed = ends
+    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across
+    spread += share * fixed + np.diag(TRUTH**2)
     solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
     return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
 

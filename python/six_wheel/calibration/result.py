@@ -25,6 +25,11 @@ class Calibration:
         One per number, in the order of `covariance`.
     covariance : ndarray, shape (p, p)
         Of the values; rows of what is not identified cover only what is.
+    widened : ndarray, shape (p, p)
+        The same, so that a normal distribution has as wide intervals of 95 % as Student's t with the degrees
+        of freedom that there were.
+    dimensions : ndarray, shape (k, wheels, 9)
+        What `rover` may be off by according to `widened`, for ``Odometry(rover, noise, dimensions=...)``.
     confidence : float
         Of the intervals.
     basis : str
@@ -55,6 +60,8 @@ class Calibration:
     nominal: Rover
     parameters: tuple[Estimate, ...]
     covariance: Floats
+    widened: Floats
+    dimensions: Floats
     confidence: float
     basis: str
     observability: Observability

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::dimensions::Deviations;
 use super::noise::Noise;
 use super::spread::Spread;
 use super::uncertainty::{StepJacobian, StepNoise};
@@ -61,6 +62,7 @@ pub(crate) struct Workspace {
     /// How far each wheel's contact slid [m].
     pub slid: Vec<f64>,
     pub noise: StepNoise,
+    deviations: Deviations,
     /// Whether a wheel slid further than the noise explains.
     pub slips: bool,
     /// The displacement before a gyroscope had its say, and what that say made of it.
@@ -117,7 +119,7 @@ impl Fused for Apart {
 }
 
 impl Workspace {
-    pub fn new(rover: &Rover, from_rates: bool) -> Self {
+    pub fn new(rover: &Rover, from_rates: bool, deviations: &Deviations) -> Self {
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
         let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
         Self {
@@ -134,7 +136,9 @@ impl Workspace {
                 ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
+                lasting: vec![Vector3::zeros(); deviations.len()],
             },
+            deviations: deviations.clone(),
             slips: false,
             by_wheels: Vector3::zeros(),
             fusion: Fusion::none(),
@@ -270,14 +274,29 @@ impl Workspace {
         Ok(())
     }
 
+    /// What the deviations of the dimensions make of the displacement of the last step, given its motion.
+    pub fn find_lasting(
+        &mut self,
+        rover: &Rover,
+        motion: Motion<'_>,
+        method: Method,
+    ) -> Result<(), Error> {
+        if self.deviations.is_empty() {
+            return Ok(());
+        }
+        let deviations = std::mem::take(&mut self.deviations);
+        let mut found = std::mem::take(&mut self.noise.lasting);
+        let asked = self.derivatives(rover, motion, method, |linearised, fusion| {
+            deviations.of_step(linearised, fusion, motion.dt, &mut found);
+        });
+        self.noise.lasting = found;
+        self.deviations = deviations;
+        asked
+    }
+
     /// How a gyroscope shared the last step.
     pub fn fusion(&self) -> &Fusion {
         &self.fusion
-    }
-
-    /// How far a wheel rolled over the last step [m].
-    pub fn rolled(&self, wheel: usize) -> f64 {
-        self.readings[wheel].rolled
     }
 
     /// The displacement that wheels and a gyroscope agree on, each by its noise.

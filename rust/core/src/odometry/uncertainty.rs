@@ -9,6 +9,8 @@
 //! settled' = F settled Fᵀ + L Q Lᵀ + Σ (F carried + L old) (F carried + L old)ᵀ
 //! carried' = L new
 //! ```
+//!
+//! What dimensions are off by enters every step: it has columns too, which are never settled (`lasting`).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -65,6 +67,8 @@ pub(crate) struct StepNoise {
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
     pub new: Vec<Vector3<f64>>,
+    /// Per deviation of the dimensions: what it makes of the displacement.
+    pub lasting: Vec<Vector3<f64>>,
 }
 
 impl StepNoise {
@@ -80,6 +84,7 @@ impl StepNoise {
         (self.own, self.ends) = (Spread::default(), Spread::default());
         self.old.fill(Vector3::zeros());
         self.new.fill(Vector3::zeros());
+        self.lasting.fill(Vector3::zeros());
     }
 
     /// Adds up the columns.
@@ -122,11 +127,19 @@ pub(crate) struct Bias {
     pub cross: Vector3<f64>,
 }
 
+/// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lasting {
+    pub pose: Vector3<f64>,
+    pub yaw_zero: f64,
+}
+
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
     pub settled: Spread,
     pub carried: Vec<[f64; 3]>,
+    pub lasting: Vec<Lasting>,
     /// Sum over the columns of their products with themselves.
     open: Spread,
     pub yaw_offset: Option<YawOffset>,
@@ -134,10 +147,11 @@ pub(crate) struct Uncertainty {
 }
 
 impl Uncertainty {
-    pub fn new(shared_readings: usize) -> Self {
+    pub fn new(shared_readings: usize, deviations: usize) -> Self {
         Self {
             settled: Spread::default(),
             carried: vec![[0.0; 3]; shared_readings],
+            lasting: vec![Lasting::default(); deviations],
             open: Spread::default(),
             yaw_offset: None,
             bias: None,
@@ -148,6 +162,7 @@ impl Uncertainty {
     pub fn copy_from(&mut self, other: &Self) {
         self.settled = other.settled;
         self.carried.copy_from_slice(&other.carried);
+        self.lasting.copy_from_slice(&other.lasting);
         self.open = other.open;
         self.yaw_offset = other.yaw_offset;
         self.bias = other.bias;
@@ -157,6 +172,7 @@ impl Uncertainty {
     pub fn set(&mut self, covariance: Matrix3<f64>) {
         self.settled = Spread::of(&covariance);
         self.close();
+        self.lasting.fill(Lasting::default());
         self.yaw_offset = None;
         if let Some(bias) = &mut self.bias {
             bias.cross = Vector3::zeros();
@@ -165,7 +181,7 @@ impl Uncertainty {
 
     /// No reading before is shared with a step to come.
     pub fn let_go(&mut self) {
-        self.settled = self.covariance();
+        self.settled.add_spread(&self.open);
         self.close();
         self.yaw_offset = None;
     }
@@ -179,6 +195,9 @@ impl Uncertainty {
     pub fn covariance(&self) -> Spread {
         let mut covariance = self.settled;
         covariance.add_spread(&self.open);
+        for lasting in &self.lasting {
+            covariance.add(&lasting.pose, 1.0);
+        }
         covariance
     }
 
@@ -194,6 +213,9 @@ impl Uncertainty {
 
     /// Goes along one step.
     pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
+        for (lasting, by) in self.lasting.iter_mut().zip(&noise.lasting) {
+            lasting.pose = step.carry(&lasting.pose) + step.map(by);
+        }
         let mut settled = self.settled.swung::<Apart>(step.lever());
         settled.add_spread(&noise.own.image(&step.by_displacement));
         let ends = noise.old.iter().zip(&noise.new);
@@ -275,12 +297,20 @@ impl Uncertainty {
             variance,
             cross,
         });
+        for lasting in &mut self.lasting {
+            lasting.yaw_zero = -lasting.pose.z;
+        }
     }
 
     /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
-        let along = self.covariance().with_z() + offset.cross;
-        let spread = along.z + offset.cross.z + offset.variance + variance;
+        let (mut cross, mut of_zero) = (offset.cross, offset.variance);
+        for lasting in &self.lasting {
+            cross += lasting.pose * lasting.yaw_zero;
+            of_zero += lasting.yaw_zero * lasting.yaw_zero;
+        }
+        let along = self.covariance().with_z() + cross;
+        let spread = along.z + cross.z + of_zero + variance;
         let gain = if spread > 0.0 {
             along / spread
         } else {
@@ -289,6 +319,9 @@ impl Uncertainty {
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
+        for lasting in &mut self.lasting {
+            lasting.pose -= gain * lasting.yaw_zero;
+        }
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
         self.settled = Spread::of(&settled);
         self.settled.add(&gain, variance + offset.variance);
@@ -335,6 +368,9 @@ impl Uncertainty {
         self.open = self.open.image(rest);
         for column in &mut self.carried {
             *column = (rest * Vector3::from(*column)).into();
+        }
+        for lasting in &mut self.lasting {
+            lasting.pose = rest * lasting.pose;
         }
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = rest * offset.cross;
