@@ -1,5 +1,7 @@
 """Noise that was measured: it is that of the drives, and says how far off they end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -143,7 +145,8 @@ def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
     wanted, found = (np.tensordot(each, each, (0, 0)) for each in (result.dimensions, said.dimensions))
     np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-18)
     noise = sw.Noise(**said.noise)
-    assert noise == result.measured_noise.beside
+    assert noise == result.known["noise"] == result.measured_noise.beside
+    assert said.odometry.get("wheel_noise") == result.known["wheel_noise"]
     assert noise.slip <= result.noise.slip  # which has what the dimensions are off by in it
     inside = 0
     for log in drives(40, NOISE, first=200):
@@ -151,6 +154,30 @@ def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
         error = track.poses[-1] - log.truth.poses[-1]
         inside += error @ np.linalg.solve(track.covariances[-1], error) < 7.815
     assert inside >= 33  # as above
+
+
+def slipping(count, left, right):
+    """Drives whose wheels slip by noise of their own [m per root m]."""
+    found = []
+    for number, log in enumerate(drives(count, sw.Noise(0.0, 0.0))):
+        rolled = np.abs(np.diff(log.wheel_angles, axis=0)) * 0.042
+        random = np.random.default_rng((7, number)).normal(size=rolled.shape)
+        slid = np.cumsum(random * np.sqrt(rolled) * (left, right), axis=0) / 0.042
+        found.append(replace(log, wheel_angles=log.wheel_angles + np.vstack(([[0.0, 0.0]], slid))))
+    return found
+
+
+def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
+    find = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
+    result = calibrate(PAIR, slipping(24, 0.02, 0.005), **find)
+    left, right = result.measured_noise.wheels
+    assert left.interval[0] / right.interval[1] < 4.0 < left.interval[1] / right.interval[0]
+    assert left.value > 2.0 * right.value
+    assert result.known["wheel_noise"] == {"left": left.value, "right": right.value}
+    sw.Odometry(result.rover, **result.known)
+    assert "| times that, of `left` |" in result.to_markdown()
+    assert calibrate(PAIR, slipping(24, 0.01, 0.01), **find).measured_noise.wheels == ()
+    assert calibrate(PAIR, slipping(1, 0.02, 0.005), **find).measured_noise.wheel_noise is None
 
 
 def test_factors_and_the_origin_are_written_as_they_are_read(tmp_path):

@@ -169,3 +169,25 @@ def test_what_is_no_covariance_of_dimensions_is_refused():
     for nothing in (np.zeros((0, 2, NUMBERS)), deviations(rover, [], np.empty((0, 0)))):
         track = sw.dead_reckon(rover, steering, totals, stamps, dimensions=nothing)
         np.testing.assert_array_equal(track.covariances, plain.covariances)
+
+
+def test_each_wheel_slips_by_its_own_noise():
+    rover = ROVERS["mecanum"]
+    slip = sw.Noise(0.0, 0.0, slip=0.01)
+    names = rover.wheel_names
+
+    def spread(**options):
+        return sw.dead_reckon(rover, *drive(rover), noise=slip, residuals=False, **options).covariances[-1]
+
+    alone = [spread(wheel_noise=row) for row in np.eye(len(names))]
+    np.testing.assert_allclose(np.sum(alone, axis=0), spread(), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(spread(wheel_noise=[2.0] * 4), 4.0 * spread(), rtol=1e-9, atol=1e-15)
+    np.testing.assert_array_equal(spread(wheel_noise={names[1]: 3.0}), spread(wheel_noise=[1, 3, 1, 1]))
+    for wrong, rule in (
+        ([1.0, 1.0], r"wheel_noise must have shape \(4,\)"),
+        ({"fifth": 1.0}, f"wheel_noise must name some of {', '.join(names)}"),
+        ([1.0, -1.0, 1.0, 1.0], "wheel_noise must be finite and not negative"),
+        ([1.0, np.nan, 1.0, 1.0], "wheel_noise must be finite and not negative"),
+    ):
+        with pytest.raises(ValueError, match=rule):
+            spread(wheel_noise=wrong)

@@ -205,6 +205,7 @@ def _beside(result: Calibration, parameters: Parameters | None) -> dict[str, dic
     return {
         "encoders": _encoders(result, parameters),
         "noise": _noise(result, parameters),
+        "odometry": _odometry(result, parameters),
         "truth": _truth(result, parameters),
         "calibration": _known(result),
     }
@@ -217,6 +218,14 @@ def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, floa
     kept = {} if parameters is None else parameters.noise
     found = result.measured_noise.beside  # the dimensions that are written count by themselves
     return kept | {name: getattr(found, name) for name in ("speed", "steering", "slip", "side_slip")}
+
+
+def _odometry(result: Calibration, parameters: Parameters | None) -> dict[str, Any] | None:
+    """The key ``odometry`` with how much each wheel slips, where the drives told that."""
+    kept = {} if parameters is None else parameters.odometry
+    others = {name: value for name, value in kept.items() if name != "wheel_noise"}
+    wheels = result.known["wheel_noise"]
+    return others | ({"wheel_noise": wheels} if wheels else {}) if result.measured_noise else None
 
 
 def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:

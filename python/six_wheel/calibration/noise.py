@@ -9,6 +9,8 @@ dimensions whose errors are counted by themselves, it holds the rest.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize
@@ -17,6 +19,7 @@ from scipy.special import chdtri, fdtri, ndtri
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.drives import RESTED, at_rest
 from six_wheel.calibration.values import Estimate
+from six_wheel.calibration.wheel_noise import told_apart
 from six_wheel.logs import Log
 from six_wheel.odometry import dead_reckon
 from six_wheel.poses import Floats, inverse, joined
@@ -42,7 +45,8 @@ class MeasuredNoise:
     noise : Noise
         To give to `Odometry`; `speed` and `steering` are 0, for slip holds all that ends err by.
     beside : Noise
-        The same where `Odometry` is given `Calibration.dimensions` as well: without what these explain.
+        The same where `Odometry` is given `Calibration.dimensions` and `wheel_noise` as well: without what
+        these explain.
     slip, side_slip : Estimate
         Along and across the wheels [m per root m], by maximum likelihood, with intervals.
     sections : int
@@ -54,6 +58,8 @@ class MeasuredNoise:
     yaw_rate : Estimate or None
         Of one reading of the gyroscope [rad/s], from where the rover stands; None where no log has one and
         stands for a second.
+    wheels : tuple of Estimate
+        How many times that each wheel slips by; none where the ends do not tell wheels apart.
     gyroscope : Gyroscope or None
         The same with the bias at rest, to give to `Odometry` beside `noise`, which counts the bias as noise.
     """
@@ -66,6 +72,7 @@ class MeasuredNoise:
     basis: str
     nees: Floats
     yaw_rate: Estimate | None = None
+    wheels: tuple[Estimate, ...] = ()
     gyroscope: Gyroscope | None = None
 
     @property
@@ -73,19 +80,40 @@ class MeasuredNoise:
         """Share of the ends within the 95 % bound."""
         return float(np.mean(self.nees <= _bound()))
 
+    @property
+    def wheel_noise(self) -> dict[str, float] | None:
+        """For `Odometry`, by the names of the wheels."""
+        return {one.name: one.value for one in self.wheels} or None
+
     def __repr__(self) -> str:
         return f"MeasuredNoise({self.noise!r}, {100 * self.covered:.0f} % of {self.basis} within their bound)"
 
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Error of an end (3,), and its covariance (3, 3) by slip of 1 m per root m along and across, and by what
-    the dimensions may be off."""
+    """Error of an end (3,), and its covariance by slip of 1 m per root m along and across each of the wheels
+    (wheels, 2, 3, 3), and by what the dimensions may be off (3, 3)."""
 
     error: Floats
-    along: Floats
-    across: Floats
+    wheels: Floats
     fixed: Floats
+
+
+# Errors, covariances by slip along and across, and by the rest.
+Weighed = tuple[Floats, Floats, Floats, Floats]
+
+
+class Stack(NamedTuple):
+    """Many ends: arrays of what `End` has."""
+
+    errors: Floats
+    wheels: Floats
+    fixed: Floats
+
+    def weighed(self, times: Floats, share: float = 0.0) -> Weighed:
+        """With so many times the slip for each wheel, and a share of what the dimensions explain."""
+        along, across = np.einsum("w,ewkij->keij", times * times, self.wheels)
+        return self.errors, along, across, share * self.fixed + np.diag(TRUTH**2)
 
 
 def _bound() -> float:
@@ -110,24 +138,30 @@ def ends(rover: Rover, dimensions: Floats, log: Log, sensor: Floats, offset: flo
             log.wheel_angles[part],
             log.stamps[part],
         )
-        tracks = [
-            dead_reckon(rover, *readings, noise=noise, start=body[first], residuals=False, dimensions=doubt)
-            for noise, doubt in (
-                (Noise(0.0, 0.0, slip=1.0), None),
-                (Noise(0.0, 0.0, side_slip=1.0), None),
-                (Noise(0.0, 0.0), dimensions),
-            )
+        end = partial(_end, rover, readings, body[first])
+        pose, fixed = end(Noise(0.0, 0.0), dimensions=dimensions)
+        kinds = Noise(0.0, 0.0, slip=1.0), Noise(0.0, 0.0, side_slip=1.0)
+        wheels = [
+            [end(noise, wheel_noise=alone)[1] for noise in kinds] for alone in np.eye(len(rover.wheels))
         ]
-        along, across, fixed = (track.covariances[-1] for track in tracks)  # type: ignore[index]
-        error = tracks[0].poses[-1] - body[last]
+        error = pose - body[last]
         error[2] = wrap_angle(error[2])
-        if np.trace(along) > 0.0:  # it moved
-            found.append(End(error, along, across, fixed))
+        if np.any(wheels):  # it moved
+            found.append(End(error, np.array(wheels), fixed))
     return found
 
 
+def _end(
+    rover: Rover, readings: tuple[Floats | None, Floats, Floats], start: Floats, noise: Noise, **options: Any
+) -> tuple[Floats, Floats]:
+    """Where a drive ends (3,), and the covariance of that (3, 3)."""
+    track = dead_reckon(rover, *readings, noise=noise, start=start, residuals=False, **options)
+    assert track.covariances is not None
+    return track.poses[-1], track.covariances[-1]
+
+
 def measure(
-    groups: Sequence[Sequence[End]], sessions: int, confidence: float, basis: str
+    groups: Sequence[Sequence[End]], names: Sequence[str], sessions: int, confidence: float, basis: str
 ) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
@@ -139,6 +173,8 @@ def measure(
     ----------
     groups : sequence of sequence of End
         Errors of what was left out together.
+    names : sequence of str
+        Of the wheels.
     sessions : int
         How many there were.
 
@@ -147,28 +183,62 @@ def measure(
     groups = [group for group in groups if group]
     if not groups:
         return None
-    whole = _stacked([end for group in groups for end in group])
-    sides = np.trace(whole[2], axis1=1, axis2=2).max() > 1e-9 * np.trace(whole[1], axis1=1, axis2=2).max()
-    usual = _bound() / float(fdtri(3, 3 * min(sessions, len(groups)), COVERED))
-    noises = []
-    for share in (1.0, 0.0):  # what the dimensions explain counts by itself, and last as slip
+    sessions = min(sessions, len(groups))
+    stacks, alike = [_stacked(group) for group in groups], np.ones(len(names))
+    whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
+    usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
+    logs, cost = _likeliest(whole.weighed(alike))
+    noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
+    nees = _nees(wide, whole.weighed(alike))[0]
+    estimates = [
+        _estimate(name, logs, place, cost, confidence)
+        if np.any(whole.wheels[:, :, place])
+        else Estimate(name, "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
+        for place, name in enumerate(("slip", "side_slip"))
+    ]
+    # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
+    common = np.einsum("k,ewkij->ewij", np.exp(2.0 * logs), whole.wheels)
+    rest = np.broadcast_to(np.diag(TRUTH**2), whole.fixed.shape)
+    told = told_apart(whole.errors, common, rest, sessions, confidence)
+    times = alike if told is None else np.array([_digits(one) for one in told[0]])
+    logs, _ = _likeliest(whole.weighed(times, 1.0))
+    beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)
+    wheels = []
+    for number, name in enumerate(names if told is not None else ()):
+        low, high = told[1][number].tolist()  # type: ignore[index]
+        std = (high - low) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
+        wheels.append(Estimate(name, "", 1.0, float(times[number]), std, (low, high)))
+    return MeasuredNoise(noise, beside, *estimates, len(nees), basis, nees, wheels=tuple(wheels))
 
-        def cost(logs: Floats, share: float = share) -> float:
-            logs = np.clip(logs, math.log(LEAST), math.log(MOST))
-            squares, sizes = _nees(logs, whole, share)
-            return 0.5 * float((squares + sizes).sum())
 
-        begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
-        best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
-        logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-        wide = logs + _widening(logs, [_stacked(group) for group in groups], share, usual)
-        slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
-        noises.append(Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0))
-    across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
-    if sides:
-        across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
-    along_wheels, nees = _estimate("slip", logs, 0, cost, confidence), _nees(wide, whole, 0.0)[0]
-    return MeasuredNoise(noises[1], noises[0], along_wheels, across_wheels, len(nees), basis, nees)
+def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:
+    """Logarithms of slip along and across that make errors most likely, and how unlikely others do."""
+
+    def cost(logs: Floats) -> float:
+        logs = np.clip(logs, math.log(LEAST), math.log(MOST))
+        squares, sizes = _nees(logs, ends)
+        return 0.5 * float((squares + sizes).sum())
+
+    begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
+    best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
+    return np.clip(best.x, math.log(LEAST), math.log(MOST)), cost
+
+
+def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Noise, Floats]:
+    """Noise with logarithms of slip moved alike so that normalised errors squared come to what is wanted, in
+    the mean over groups."""
+
+    def excess(by: float) -> float:
+        return math.log(np.mean([_nees(logs + by, group)[0].mean() for group in groups]) / wanted)
+
+    low, high = math.log(LEAST), math.log(MOST)
+    if excess(low) <= 0.0:
+        wide = logs + low  # the dimensions alone explain all
+    else:
+        wide = logs + (float(brentq(excess, low, high)) if excess(high) < 0.0 else high)
+    slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
+    sides = any(np.any(group[2]) for group in groups)
+    return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
 
 
 def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
@@ -216,35 +286,15 @@ def _resting(log: Log) -> Iterator[Floats]:
             yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
-Stack = tuple[Floats, Floats, Floats, Floats]
-
-
 def _stacked(found: Sequence[End]) -> Stack:
-    errors, along, across, fixed = (
-        np.array([getattr(end, name) for end in found]) for name in ("error", "along", "across", "fixed")
-    )
-    return errors, along, across, fixed
+    names = ("error", "wheels", "fixed")
+    return Stack(*(np.array([getattr(end, name) for end in found]) for name in names))
 
 
-def _widening(logs: Floats, groups: Sequence[Stack], share: float, wanted: float) -> float:
-    """By how much to move both logarithms of slip so that normalised errors squared come to what is wanted,
-    in the mean over groups."""
-
-    def excess(by: float) -> float:
-        return math.log(np.mean([_nees(logs + by, group, share)[0].mean() for group in groups]) / wanted)
-
-    low, high = math.log(LEAST), math.log(MOST)
-    if excess(low) <= 0.0:
-        return low  # the dimensions alone explain all
-    return float(brentq(excess, low, high)) if excess(high) < 0.0 else high
-
-
-def _nees(logs: Floats, ends: Stack, share: float) -> tuple[Floats, Floats]:
-    """Normalised errors squared, and logarithms of determinants, under logarithms of slip and a share of what
-    the dimensions explain."""
-    errors, along, across, fixed = ends
-    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across
-    spread += share * fixed + np.diag(TRUTH**2)
+def _nees(logs: Floats, ends: Weighed) -> tuple[Floats, Floats]:
+    """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
+    errors, along, across, rest = ends
+    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + rest
     solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
     return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
 

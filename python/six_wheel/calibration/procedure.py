@@ -300,7 +300,9 @@ def _noise(
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    measured = noise.measure(groups, len(set(sessions)), confidence, f"{count} {what}, {left}")
+    measured = noise.measure(
+        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}"
+    )
     return None if measured is None else noise.with_gyroscope(measured, records, confidence)
 
 

@@ -133,7 +133,7 @@ impl Odometry {
             state,
             residual: vec![0.0; wheels],
             health: Health::GOOD,
-            work: Workspace::new(&rover, from_rates, &settings.dimensions),
+            work: Workspace::new(&rover, &settings),
             plan: settings.plan(&rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],

@@ -56,6 +56,32 @@ pub fn encoders(
     }
 }
 
+/// A number for every wheel: all of them in their order, or some by name, the others 1.
+pub fn by_wheel(
+    argument: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    names: &[&str],
+) -> PyResult<Vec<f64>> {
+    let Some(value) = value else {
+        return Ok(Vec::new());
+    };
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        let numbers = Scalars::read(argument, value)?;
+        numbers.fit_exactly(argument, &[names.len()])?;
+        return Ok(numbers.flat().to_vec());
+    };
+    let mut all = vec![1.0; names.len()];
+    for pair in mapping.items()?.iter() {
+        let (name, given): (String, Bound<'_, PyAny>) = pair.extract()?;
+        let Some(place) = names.iter().position(|known| *known == name) else {
+            let rule = format!("name some of {}", names.join(", "));
+            return Err(refuse(argument, &rule, &format!("'{name}'")));
+        };
+        all[place] = number(argument, &given)?;
+    }
+    Ok(all)
+}
+
 /// What the dimensions may be off by: a table of all numbers of the wheels for each deviation.
 pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<Deviations> {
     let Some(value) = value else {

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::dimensions::Deviations;
 use super::noise::Noise;
+use super::settings::{Readings, Settings};
 use super::spread::Spread;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::batch::one_row::step::COLUMNS;
@@ -63,6 +64,8 @@ pub(crate) struct Workspace {
     pub slid: Vec<f64>,
     pub noise: StepNoise,
     deviations: Deviations,
+    /// How many times the noise's variance of slip each wheel has.
+    shares: Vec<f64>,
     /// Whether a wheel slid further than the noise explains.
     pub slips: bool,
     /// The displacement before a gyroscope had its say, and what that say made of it.
@@ -119,9 +122,14 @@ impl Fused for Apart {
 }
 
 impl Workspace {
-    pub fn new(rover: &Rover, from_rates: bool, deviations: &Deviations) -> Self {
+    pub fn new(rover: &Rover, settings: &Settings) -> Self {
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let from_rates = settings.readings == Readings::Speeds;
         let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
+        let mut shares = vec![1.0; wheels];
+        for (share, times) in shares.iter_mut().zip(&settings.wheel_noise) {
+            *share = times * times;
+        }
         Self {
             readings: vec![Reading::NONE; wheels],
             inverse: rover
@@ -136,9 +144,10 @@ impl Workspace {
                 ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
-                lasting: vec![Vector3::zeros(); deviations.len()],
+                lasting: vec![Vector3::zeros(); settings.dimensions.len()],
             },
-            deviations: deviations.clone(),
+            deviations: settings.dimensions.clone(),
+            shares,
             slips: false,
             by_wheels: Vector3::zeros(),
             fusion: Fusion::none(),
@@ -215,7 +224,7 @@ impl Workspace {
             &inverse,
             motion,
             rules,
-            &self.slid,
+            [&self.slid, &self.shares],
             &mut self.noise,
         );
         self.by_wheels = displacement;
@@ -336,7 +345,7 @@ fn errors(
     inverse: &Matrix3<f64>,
     motion: Motion<'_>,
     rules: &Rules,
-    slid: &[f64],
+    [slid, shares]: [&[f64]; 2],
     into: &mut StepNoise,
 ) -> bool {
     let (rover, noise, dt) = (linearised.rover, &rules.noise, motion.dt);
@@ -364,6 +373,7 @@ fn errors(
             displacement.at(wheel.x, wheel.y).norm()
         };
         let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+        let distance = shares[i] * distance;
         let along = noise.slip * noise.slip * distance;
         let across = noise.side_slip * noise.side_slip * distance;
         let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
