@@ -25,13 +25,20 @@ def moved(rover, table):
     return with_wheels(rover, changes)
 
 
-def end(rover, table, **options):
-    """Where the rover that is off by a table ends, if its readings are off by theirs."""
+def read(rover, readings):
+    """Readings of this kind along a wandering path."""
     steering, totals, stamps = drive(rover)
+    steps = np.diff(totals, axis=0, prepend=totals[:1])
+    return steering, {"angles": totals, "speeds": steps / 0.05, "increments": steps}[readings], stamps
+
+
+def end(rover, table, readings="angles"):
+    """Where the rover that is off by a table ends, if its readings are off by theirs."""
+    steering, totals, stamps = read(rover, readings)
     if steering is not None:
         steering = steering * (1.0 + table[[wheel.steered for wheel in rover.wheels], 8])
-    track = sw.dead_reckon(moved(rover, table), steering, totals * (1.0 + table[:, 7]), stamps, **options)
-    return track.poses[-1]
+    turned = totals * (1.0 + table[:, 7])
+    return sw.dead_reckon(moved(rover, table), steering, turned, stamps, readings=readings).poses[-1]
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
@@ -39,20 +46,18 @@ def end(rover, table, **options):
 def test_it_is_that_of_the_derivatives_of_the_end(rover, readings):
     """To a thousandth of the whole: how an arc's chord answers to a steering angle is left out."""
     tables = 1e-3 * np.random.default_rng(0).normal(size=(3, len(rover.wheels), NUMBERS))
-    by = [
-        (end(rover, 1e-2 * t, readings=readings) - end(rover, -1e-2 * t, readings=readings)) / 2e-2
-        for t in tables
-    ]
+    by = [(end(rover, 1e-2 * t, readings) - end(rover, -1e-2 * t, readings)) / 2e-2 for t in tables]
     options = {"noise": NONE, "readings": readings, "residuals": False}
-    track = sw.dead_reckon(rover, *drive(rover), dimensions=tables, **options)
+    track = sw.dead_reckon(rover, *read(rover, readings), dimensions=tables, **options)
     wanted = np.array(by).T @ np.array(by)
     np.testing.assert_allclose(track.covariances[-1], wanted, atol=1e-3 * np.trace(wanted))
     # And it adds to what the readings make of it.
     noisy = options | {"noise": READINGS}
-    both = sw.dead_reckon(rover, *drive(rover), dimensions=tables, **noisy).covariances[-1]
-    alone = sw.dead_reckon(rover, *drive(rover), **noisy).covariances[-1]
+    both = sw.dead_reckon(rover, *read(rover, readings), dimensions=tables, **noisy).covariances[-1]
+    alone = sw.dead_reckon(rover, *read(rover, readings), **noisy).covariances[-1]
     np.testing.assert_allclose(both, track.covariances[-1] + alone, atol=1e-12)
-    np.testing.assert_array_equal(track.poses[-1], end(rover, 0.0 * tables[0], readings=readings))
+    # By another way to the same sums, but for rounding.
+    np.testing.assert_allclose(track.poses[-1], end(rover, 0.0 * tables[0], readings), atol=1e-12)
 
 
 def test_the_twist_may_be_off_by_them():
@@ -94,22 +99,22 @@ def test_a_heading_that_is_known_is_not_off():
     table = np.zeros((1, 2, NUMBERS))
     table[0, :, 2] = (0.01, -0.01)  # the track
     odometry = sw.Odometry(rover, sw.Noise(0.0, 0.0, yaw=0.0), dimensions=table)
-    free = sw.Odometry(rover, NONE, dimensions=table)
+    free = sw.Odometry(rover, sw.Noise(0.0, 0.0, yaw=0.02), dimensions=table)
     for k in range(100):
         state = odometry.update(None, (0.05 * k, 0.1 * k), 0.1 * k, yaw=0.0125 * k)
         other = free.update(None, (0.05 * k, 0.1 * k), 0.1 * k)
     assert state.covariance[2, 2] < 1e-15
     assert other.covariance[2, 2] == pytest.approx((0.0125 * 99 * 0.02 / 0.4) ** 2)
-    # A zero that is learnt on the way is off by what the heading was off by there.
+    # A zero that is learnt on the way is off by what the heading was off by there: it tells next to nothing.
     for k in range(100, 102):
         other = free.update(None, (0.05 * k, 0.1 * k), 0.1 * k, yaw=0.0125 * k)
-    assert other.covariance[2, 2] == pytest.approx((0.0125 * 100 * 0.02 / 0.4) ** 2)
+    assert other.covariance[2, 2] == pytest.approx((0.0125 * 101 * 0.02 / 0.4) ** 2, rel=0.01)
 
 
 KNOWN = {
-    "differential": (("wheel_radius", "track_width"), (0.002, 0.01)),
-    "tricycle": (("wheel_radius", "wheelbase", "steering_offset[front]"), (0.002, 0.01, 0.01)),
-    "omni": (("wheel_radius", "arm_length"), (0.0005, 0.004)),
+    "differential": (("wheel_radius", "track_width"), (0.0005, 0.004)),
+    "tricycle": (("wheel_radius", "wheelbase", "steering_offset[front]"), (0.0005, 0.005, 0.002)),
+    "omni": (("wheel_radius", "arm_length"), (0.0003, 0.002)),
 }
 
 
@@ -118,7 +123,7 @@ def test_rovers_that_are_drawn_end_where_they_may(name):
     """NEES over simulated logs of rovers drawn from what is known of the nominal one: in its band with it."""
     rover, (names, sizes) = ROVERS[name], KNOWN[name]
     tables = deviations(rover, names, np.diag(np.square(sizes)))
-    noise, count = sw.Noise(0.0, 0.0, slip=0.003, side_slip=0.003), 60
+    noise, count = sw.Noise(0.0, 0.0, slip=0.001, side_slip=0.001), 60
     times = np.linspace(0.0, 30.0, 61)
     squares = {True: 0.0, False: 0.0}
     for seed in range(count):
@@ -149,9 +154,9 @@ def test_what_is_no_covariance_of_dimensions_is_refused():
     for wrong, rule in (
         (good[0], r"dimensions must have shape \(k, 2, 9\)"),
         (good[:, :1], r"dimensions must have shape \(k, 2, 9\)"),
-        (good + np.nan, "dimensions must be finite"),
-        (good + np.inf, "dimensions must be finite"),
-        (good + 1e70, "dimensions must be finite"),
+        (good + np.nan, r"dimensions.* must be finite"),
+        (good + np.inf, r"dimensions.* must be finite"),
+        (good + 1e70, r"dimensions.* must be finite"),
     ):
         with pytest.raises(ValueError, match=rule):
             sw.Odometry(rover, dimensions=wrong)

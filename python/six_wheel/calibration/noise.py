@@ -197,7 +197,7 @@ def measure(
         for place, name in enumerate(("slip", "side_slip"))
     ]
     # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
-    common = np.einsum("k,ewkij->ewij", np.exp(2.0 * logs), whole.wheels)
+    common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
     rest = np.broadcast_to(np.diag(TRUTH**2), whole.fixed.shape)
     told = told_apart(whole.errors, common, rest, sessions, confidence)
     times = alike if told is None else np.array([_digits(one) for one in told[0]])

@@ -14,7 +14,7 @@ from scipy.special import chdtri, ndtri
 
 from six_wheel.poses import Floats
 
-# Wheels are taken to differ where chance alone would seem to say so this seldom,
+# Wheels are taken to differ where chance alike would seem to say so this seldom,
 CHANCE = 0.05
 # and by no more than this factor either way.
 MOST_APART = 10.0
@@ -30,8 +30,8 @@ def told_apart(
     ----------
     errors : ndarray, shape (ends, 3)
         Of ends.
-    by_wheel : ndarray, shape (ends, wheels, 3, 3)
-        Their covariance by the common noise of every wheel.
+    by_wheel : ndarray, shape (ends, wheels, 2, 3, 3)
+        Their covariance by the common slip along and across every wheel.
     rest : ndarray, shape (ends, 3, 3)
         And by all else.
     sessions : int
@@ -41,7 +41,7 @@ def told_apart(
 
     Source: Wilks' theorem, with the magnitude adjustment of composite likelihoods (see `fitting`).
     """
-    moves = by_wheel.any(axis=(0, 2, 3))
+    moves = by_wheel.any(axis=(0, 2, 3, 4))
     by_wheel = by_wheel[:, moves]
     count = by_wheel.shape[1]
     if 3 * sessions <= count + 1 or count < 2:
@@ -49,23 +49,28 @@ def told_apart(
     share = sessions / len(errors)
 
     def cost(logs: Floats) -> float:
-        spread = np.einsum("w,ewij->eij", np.exp(2.0 * logs), by_wheel) + rest
+        shares = np.exp(2.0 * logs[:-1, None] + 2.0 * np.array([0.0, logs[-1]]))  # across as well as along
+        spread = np.einsum("wk,ewkij->eij", shares, by_wheel) + rest
         solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
         return 0.5 * share * float(((errors * solved).sum(axis=1) + np.linalg.slogdet(spread)[1]).sum())
 
     edge = math.log(MOST_APART)
     bounds = [(-edge, edge)]
-    alike = minimize(lambda one: cost(np.full(count, one[0])), [0.0], method="L-BFGS-B", bounds=bounds)
-    found = minimize(cost, np.full(count, alike.x[0]), method="L-BFGS-B", bounds=bounds * count)
+    alike = minimize(
+        lambda two: cost(np.append(np.full(count, two[0]), two[1])), [0.0, 0.0], bounds=bounds * 2
+    )
+    begin = np.append(np.full(count, alike.x[0]), alike.x[1])
+    found = minimize(cost, begin, method="L-BFGS-B", bounds=bounds * (count + 1))
     if 2.0 * (alike.fun - found.fun) < float(chdtri(count - 1, CHANCE)):
         return None
     curvature = _curvature(cost, found.x)
     sizes, directions = np.linalg.eigh(curvature)
     known = np.maximum(sizes, 1.0 / edge**2)  # no less than that they are within bounds
-    half = float(ndtri(0.5 + confidence / 2.0)) * np.sqrt(np.einsum("wk,k->w", directions**2, 1.0 / known))
-    logs = np.stack((found.x - half, found.x + half), axis=1)
+    logs = found.x[:-1]
+    half = float(ndtri(0.5 + confidence / 2.0)) * np.sqrt((directions**2 @ (1.0 / known))[:-1])
+    ends = np.stack((logs - half, logs + half), axis=1)
     values, intervals = np.ones(len(moves)), np.ones((len(moves), 2))
-    values[moves], intervals[moves] = np.exp(found.x), np.exp(np.clip(logs, -edge, edge))
+    values[moves], intervals[moves] = np.exp(logs), np.exp(np.clip(ends, -edge, edge))
     return values, intervals
 
 
