@@ -36,7 +36,7 @@ from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
 from six_wheel.logs.opening import example_run
 from six_wheel.plot.drawing import new_figure
-from six_wheel.plot.reckoning import draw_path
+from six_wheel.plot.reckoning import draw_key, draw_path
 from six_wheel.reckoning import Settings, reckon
 from six_wheel.report.calibration import before_and_after
 
@@ -148,6 +148,7 @@ def honesty() -> Figure:
         axes = figure.add_subplot(1, 3, number)
         draw_path(axes, reckon(rover, run, settings=Settings(noise)))
         axes.set_title(title, loc="left", fontsize=9, color=plot.drawing.SOFT)
+    draw_key(figure, axes)
     return figure
 
 

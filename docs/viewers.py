@@ -83,7 +83,10 @@ def draw(axes: Axes, panel: str, config: dict[str, Any], seen: dict[str, list[tu
     handles, labels = axes.get_legend_handles_labels()
     named = dict(zip(labels, handles, strict=True))
     if named:
-        axes.legend(named.values(), named.keys(), fontsize=6, loc="upper left", ncols=2)
+        axes.legend(
+            named.values(), named.keys(), fontsize=5, loc="lower right", bbox_to_anchor=(1.0, 1.0),
+            ncols=len(named), frameon=False, columnspacing=0.8, handlelength=1.0, borderaxespad=0.2,
+        )  # fmt: skip
     if kind == "3D":
         poses = [message.pose.pose.position for _, message in seen[topics.ODOMETRY]]
         axes.plot([at.x for at in poses], [at.y for at in poses])

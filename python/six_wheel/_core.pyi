@@ -507,10 +507,22 @@ class Rover:
         dtype: type[_Real] | None = None,
         threads: int | None = None,
     ) -> NDArray[_Real]: ...
-    def icr(self, twist: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+    def icr(
+        self,
+        twist: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def commands(
-        self, twist: ArrayLike, *, previous: ArrayLike | None = None, threads: int | None = None
-    ) -> dict[str, float] | dict[str, _Floats]: ...
+        self,
+        twist: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> dict[str, float] | dict[str, NDArray[_Real]]: ...
     def readings(self, joints: Mapping[str, ArrayLike]) -> tuple[_Floats, _Floats]: ...
     def urdf(self, name: str = "rover") -> str: ...
     @property
@@ -1288,8 +1300,14 @@ class FourAxle:
         tolerance: float = 0.001,
     ) -> FourAxle: ...
     def inverse(
-        self, twist: ArrayLike, *, previous: ArrayLike | None = None, threads: int | None = None
-    ) -> tuple[_Floats, _Floats]: ...
+        self,
+        twist: ArrayLike,
+        *,
+        previous: ArrayLike | None = None,
+        out: tuple[_Out, _Out] | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
         angles: ArrayLike,
@@ -1299,7 +1317,14 @@ class FourAxle:
         rear: _Brake = "locked",
     ) -> FourAxleMotion: ...
     def mobility(self, angles: ArrayLike) -> FourAxleMobility: ...
-    def concurrent_angles(self, icr: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+    def concurrent_angles(
+        self,
+        icr: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def lock(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
     def release(self, state: FourAxleState, pair: _Pair) -> FourAxleState: ...
     def drive(self, state: FourAxleState, speed: float, duration: float) -> FourAxleStep: ...
@@ -1596,11 +1621,45 @@ def rollout(
 def kernels() -> list[_Kernel]: ...
 def default_threads() -> int: ...
 def set_default_threads(threads: int) -> None: ...
-def differentiate(poses: ArrayLike, dt: ArrayLike, *, threads: int | None = None) -> _Floats: ...
-def exp(twist: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
-def log(pose: ArrayLike, dt: ArrayLike = 1.0, *, threads: int | None = None) -> _Floats: ...
-def compose(first: ArrayLike, second: ArrayLike, *, threads: int | None = None) -> _Floats: ...
+def differentiate(
+    poses: ArrayLike,
+    dt: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def exp(
+    twist: ArrayLike,
+    dt: ArrayLike = 1.0,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def log(
+    pose: ArrayLike,
+    dt: ArrayLike = 1.0,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
+def compose(
+    first: ArrayLike,
+    second: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> NDArray[_Real]: ...
 def unit_questions(rover: Rover) -> list[tuple[str, str, str]]: ...
 def check_kind(argument: str, value: object) -> None: ...
 def without_questions(call: Callable[[], _T]) -> _T: ...
-def wrap_angle(angle: ArrayLike) -> float | _Floats: ...
+def wrap_angle(
+    angle: ArrayLike,
+    *,
+    out: _Out | None = None,
+    dtype: type[_Real] | None = None,
+    threads: int | None = None,
+) -> float | NDArray[_Real]: ...

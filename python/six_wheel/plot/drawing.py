@@ -186,6 +186,13 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def fit_page(figure: Figure, axes: Axes) -> None:
+    """Make the page as wide and high as the only axes, in which lengths are alike, ask for: 8 in at most."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    longest = 8.0 / max(right - left, top - bottom)  # [in/m], and words need some room
+    figure.set_size_inches(max(4.0, longest * (right - left)), max(3.0, longest * (top - bottom)) + 0.9)
+
+
 def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
     """The quiet frame every picture here shares."""
     axes.grid(True, color=FAINT, linewidth=0.5, alpha=0.6, zorder=0)

@@ -17,6 +17,7 @@ from six_wheel.plot.drawing import (
     bounds,
     contacts,
     draw_rover,
+    fit_page,
     in_world,
     new_figure,
     tidy,
@@ -52,9 +53,7 @@ def path_figure(rover: Rover, poses: ArrayLike, steering: ArrayLike, *, title: s
     figure = new_figure(8.0, 7.0)
     axes = figure.add_subplot()
     length = draw_path(axes, rover, poses, steering)
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    longest = 8.0 / max(right - left, top - bottom)  # [in/m], and words need some room
-    figure.set_size_inches(max(4.0, longest * (right - left)), max(3.0, longest * (top - bottom)) + 0.9)
+    fit_page(figure, axes)
     write_title(axes, title, f"{length:.2f} m")
     return figure
 

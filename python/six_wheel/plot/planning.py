@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plot.drawing import INK, RECORDED, new_figure, write_title
+from six_wheel.plot.drawing import INK, RECORDED, fit_page, new_figure, write_title
 from six_wheel.plot.path import draw_path
 
 __all__ = ["draw_costmap", "plan_figure"]
@@ -80,5 +80,6 @@ def plan_figure(
     if path is not None:
         asked = np.asarray(path, dtype=np.float64)
         axes.plot(asked[:, 0], asked[:, 1], color=RECORDED, linewidth=2.5, alpha=0.8, zorder=1.5)
+    fit_page(figure, axes)
     write_title(axes, title, f"{length:.2f} m")
     return figure

@@ -38,6 +38,7 @@ def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
     grid = figure.add_gridspec(3 if known else 2, 2, width_ratios=(1.35, 1.0))
     path = figure.add_subplot(grid[:, 0])
     draw_path(path, result)
+    draw_key(figure, path)
     x, y, _ = result.pose
     write_title(
         path, title, f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
@@ -84,8 +85,15 @@ def draw_path(axes: Axes, result: Reckoned) -> None:
             *truth[-1, :2], "X", color=INK, markeredgecolor="white", markersize=9, zorder=7, label="true end"
         )
     axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(frameon=False, fontsize=8, labelcolor=INK)
     tidy(axes, "x [m]", "y [m]")
+
+
+def draw_key(figure: Figure, axes: Axes) -> None:
+    """What a path is drawn with, under all of the picture: ellipses may fill it."""
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=8,
+        labelcolor=INK,
+    )  # fmt: skip
 
 
 def _draw_error(axes: Axes, result: Reckoned) -> None:

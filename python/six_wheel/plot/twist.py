@@ -47,6 +47,7 @@ NAMES, UNITS = ("vx", "vy", "omega"), ("m/s", "m/s", "rad/s")
 ICR_REACH = 3.5  # rover sizes: a centre of rotation farther away than this is pointed at, not shown
 AXES_WIDTH = 7.2  # [in] of the drawing, about
 LETTER, LINE = 0.068, 0.165  # [in] of words in these pictures, about
+CLEAR = 0.08  # [in] from words to the middle of a line that does not touch them
 WAYS = np.array([(math.cos(way), math.sin(way)) for way in np.radians(np.arange(0.0, 360.0, 15.0))])
 HALO = [withStroke(linewidth=3, foreground="white")]  # keeps words readable on lines
 
@@ -169,15 +170,15 @@ def draw_axles(axes: Axes, rover: Rover, steering: Floats, icr: Floats, size: fl
     return lines
 
 
-def draw_velocity(axes: Axes, twist: Floats, size: float) -> None:
-    """A straight arrow for the velocity of the body frame, a bent one for its yaw rate."""
+def draw_velocity(axes: Axes, twist: Floats, size: float) -> list[Floats]:
+    """A straight arrow for the velocity, a bent one for the yaw rate of the body; returns points of both."""
     vx, vy, omega = (float(value) for value in twist)
     speed = math.hypot(vx, vy)
     ways = []
     if speed > 0.0:
-        ways.append(np.array(((0.0, 0.0), (-vy, vx))) * (0.62 * size / speed))
+        ways.append(np.linspace((0.0, 0.0), (-vy, vx), 100) * (0.62 * size / speed))
     if omega != 0.0:
-        sweep = math.copysign(1.0, omega) * np.linspace(-0.3, 1.1, 30) + FORWARD_UP + math.pi * (speed > 0.0)
+        sweep = math.copysign(1.0, omega) * np.linspace(-0.3, 1.1, 100) + FORWARD_UP + math.pi * (speed > 0.0)
         ways.append(0.22 * size * np.stack((np.cos(sweep), np.sin(sweep)), axis=-1))
     for way in ways:
         arrow = FancyArrowPatch(
@@ -185,6 +186,7 @@ def draw_velocity(axes: Axes, twist: Floats, size: float) -> None:
         )
         axes.add_patch(arrow)
     axes.plot(0, 0, "o", color="white", markeredgecolor=MOTION, markeredgewidth=1.5, markersize=5, zorder=6)
+    return ways
 
 
 def draw_labels(axes: Axes, rover: Rover, steering: Floats, speeds: Floats, lines: list[Floats]) -> None:
@@ -204,21 +206,22 @@ def draw_labels(axes: Axes, rover: Rover, steering: Floats, speeds: Floats, line
         half = inch * np.array((0.5 * LETTER * max(len(wheel.name), len(reading)), 0.5 * 2 * LINE))
 
         def cost(place: Floats, half: Floats = half, point: Floats = point) -> float:
-            apart = np.abs(crossed - place) < half
+            crossings = int((np.abs(crossed - place) < half + CLEAR * inch).all(axis=1).sum())
             others = sum(bool((np.abs(other[0] - place) < half + other[1]).all()) for other in taken)
             others += bool((np.abs(body - place) < half + body_half).all())
             wheels = np.abs(points - place) - half < 0.9 * radius
             beyond = bool((place - half < corners[0]).any() or (place + half > corners[1]).any())
             away = place - point
             outward = float(away @ (point - centre)) / float(np.hypot(*(point - centre)) or 1.0)
-            crossings = apart.all(axis=1).sum() + 300 * (others + beyond) + 150 * wheels.all(axis=1).sum()
-            return float(crossings) + 4.0 * (2.0 * float(np.hypot(*away)) - outward) / inch
+            covered = 300 * (others + beyond) + 150 * wheels.all(axis=1).sum()
+            covered += crossings + 30 * (crossings > 0)
+            return float(covered) + 4.0 * (2.0 * float(np.hypot(*away)) - outward) / inch
 
         # The nearest edge of the words stands beside the wheel, or a little farther out.
         edge = np.minimum(*(half / np.maximum(np.abs(WAYS), 1e-9)).T)
         places = [
             point + (far * wheel.radius + gap) * way
-            for far in (1.2, 1.7, 2.3)
+            for far in (1.2, 1.45, 1.7, 2.0, 2.3, 2.7)
             for way, gap in zip(WAYS, edge, strict=True)
         ]
         best = min(places, key=cost)
@@ -371,7 +374,7 @@ def show_figure(rover: Rover, twist: ArrayLike, *, title: str | None = None) -> 
         lines += draw_turning_circles(axes, contacts(rover, steering), asked, icr, size, shown)
         lines += draw_axles(axes, rover, steering, icr, size)
     draw_rover(axes, rover, (0.0, 0.0, FORWARD_UP), steering)
-    draw_velocity(axes, asked, size)
+    lines += draw_velocity(axes, asked, size)
     if shown:
         draw_icr(axes, icr, low, high)
     elif moving:

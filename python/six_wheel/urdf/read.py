@@ -94,12 +94,15 @@ def parse_urdf(
     found = find_wheels(tree, notes, wheel_radius)
     wheels = _in_rows(dict(zip(names_of(tree, found, notes), found, strict=True)))
     suspension = find_suspension(tree, wheels, notes)
-    rover = without_questions(lambda: _rover(wheels, suspension))
+    try:
+        rover, limits = without_questions(lambda: _rover(wheels, suspension)), _limits(wheels)
+    except ValueError as error:  # the core's own rules, of lengths and rates that no robot has
+        notes.fail(str(error), "correct the joints and wheels of the description")
     for _, says, likely in unit_questions(rover):
         notes.warn(says, likely)
     _say_of_slip(wheels, notes)
     warnings = tuple(sorted(notes.warnings, key=lambda finding: finding.line or 0))
-    return Robot(path, tree.name, tree.root, rover, wheels, suspension, _limits(wheels), tree.up, warnings)
+    return Robot(path, tree.name, tree.root, rover, wheels, suspension, limits, tree.up, warnings)
 
 
 def _text(path: Path, arguments: Mapping[str, str] | None, notes: Notes) -> str:

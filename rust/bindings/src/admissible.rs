@@ -9,8 +9,7 @@ use six_wheel_core::{Keep, Twist};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    AnyArray, Array, Output, Precision, Rows, compute, joined, memory, name, one_twist, raise,
-    scalar_or_array,
+    AnyArray, Output, Rows, compute, joined, memory, name, one_twist, raise, scalar_or_array,
 };
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
 use crate::given;
@@ -167,9 +166,8 @@ impl Rover {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
         let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
         let keep = keep.map_err(|error| raise(error, &[]))?;
-        let precision = Precision::read(py, dtype, out)?;
         let twists = Rows::read("twist", twist, 3)?;
-        let mut projected = Output::of(py, "out", out, precision, &twists.shape())?;
+        let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
         let workers = Workers {
             fresh: out.is_none(),
             ..any_workers(threads, None)?
@@ -188,6 +186,10 @@ impl Rover {
     /// ----------
     /// twist : array_like, shape (..., 3)
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// out : ndarray, shape (..., 2), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     ///
@@ -202,26 +204,28 @@ impl Rover {
     /// ValueError
     ///     If a value is not finite.
     #[pyo3(
-        signature = (twist, *more, threads=None),
-        text_signature = "($self, twist, *, threads=None)"
+        signature = (twist, *more, out=None, dtype=None, threads=None),
+        text_signature = "($self, twist, *, out=None, dtype=None, threads=None)"
     )]
     fn icr<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-    ) -> PyResult<Array<'py>> {
+    ) -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         twists.check_finite("twist")?;
-        let mut centres = Output::fresh(py, &joined(&twists.leading, 2))?;
+        let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
         let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
         compute(py, rows.len(), || {
             batch::fill(target, workers, |k| Twist::from(rows[k]).icr())
         })
         .map_err(|error| raise(error, &twists.leading))?;
-        centres.finish()
+        centres.finish_any()
     }
 }

@@ -11,7 +11,7 @@ use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
 use crate::batch::any_workers;
-use crate::convert::{AnyArray, Array, Output, Rows, compute, number, raise, refuse};
+use crate::convert::{AnyArray, Output, Rows, compute, number, raise, refuse};
 use crate::given;
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
@@ -95,6 +95,10 @@ impl FourAxle {
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., 4), optional
     ///     Present axle angles [rad].
+    /// out : (ndarray, ndarray), shapes (..., 4) and (..., 4), optional
+    ///     Where to write angles and speeds.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -107,12 +111,14 @@ impl FourAxle {
     /// ------
     /// InfeasibleMotionError, ValueError
     ///     As `Rover.inverse`.
-    #[pyo3(signature = (twist, *, previous=None, threads=None))]
+    #[pyo3(signature = (twist, *, previous=None, out=None, dtype=None, threads=None))]
     fn inverse<'py>(
         &self,
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(
@@ -123,8 +129,8 @@ impl FourAxle {
             None,
             None,
             None,
-            None,
-            None,
+            out,
+            dtype,
             threads,
             None,
         )
@@ -230,6 +236,10 @@ impl FourAxle {
     /// icr : array_like, shape (..., 2)
     ///     The point in body axes [m]; (0, 0) to spin in place, (0, inf) for straight ahead, (inf, 0) for a
     ///     crab sideways. Other crabs have a direction, not a point: `inverse`.
+    /// out : ndarray, shape (..., 4), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -244,17 +254,22 @@ impl FourAxle {
     ///     If an axle would leave its range.
     /// ValueError
     ///     If a coordinate is NaN, or both are infinite.
-    #[pyo3(signature = (icr, *, threads=None))]
+    #[pyo3(signature = (icr, *, out=None, dtype=None, threads=None))]
     fn concurrent_angles<'py>(
         &self,
         py: Python<'py>,
         icr: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-    ) -> PyResult<Array<'py>> {
+    ) -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;
         let shape: Vec<usize> = points.leading.iter().copied().chain([4]).collect();
-        let mut angles = Output::fresh(py, &shape)?;
+        let mut angles = Output::asked(py, (out, dtype), &shape)?;
+        if out.is_some() {
+            angles = angles.beside()?; // an axle may leave its range at the last row
+        }
         let (places, targets) = (points.pairs(), [(angles.flat(), 4)]);
         compute(py, places.len(), || {
             workers.rows(places.len(), targets, |row, [target]| {
@@ -264,7 +279,7 @@ impl FourAxle {
             })
         })
         .map_err(|error| raise(error, &points.leading))?;
-        angles.finish()
+        angles.finish_any()
     }
 
     /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.

@@ -10,7 +10,7 @@ use six_wheel_core::planner::{self, Present};
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;
 use crate::convert::{
-    AnyArray, Array, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
+    AnyArray, Asked, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
     memory, named, number, raise, refuse, shape_text, together,
 };
 use crate::given;
@@ -307,6 +307,10 @@ fn poses_along<'py>(
 ///     Rows ``[x, y, yaw]`` [m, m, rad].
 /// dt : float or array_like, shape (n,)
 ///     Duration of the steps [s].
+/// out : ndarray, shape (n, 3), optional
+///     Where to write the result.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
@@ -320,13 +324,15 @@ fn poses_along<'py>(
 /// ValueError
 ///     If there is no pose, a value is not finite or a duration is not positive.
 #[pyfunction]
-#[pyo3(signature = (poses, dt, *, threads=None))]
+#[pyo3(signature = (poses, dt, *, out=None, dtype=None, threads=None))]
 pub fn differentiate<'py>(
     py: Python<'py>,
     poses: &Bound<'py, PyAny>,
     dt: &Bound<'py, PyAny>,
+    out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-) -> PyResult<Array<'py>> {
+) -> PyResult<AnyArray<'py>> {
     let workers = any_workers(threads, None)?;
     let poses = Rows::read("poses", poses, 3)?;
     let &[count] = poses.leading.as_slice() else {
@@ -338,13 +344,13 @@ pub fn differentiate<'py>(
     };
     let mut dt = Scalars::read("dt", dt)?;
     dt.fit("dt", steps)?;
-    let mut twists = Output::fresh(py, &[steps, 3])?;
+    let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
     let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
     compute(py, count, || {
         batch::differentiate(rows, steps, target, workers)
     })
     .map_err(|error| raise(error, &[count]))?;
-    twists.finish()
+    twists.finish_any()
 }
 
 /// Where holding a twist takes the body frame: the exponential map of SE(2).
@@ -355,6 +361,10 @@ pub fn differentiate<'py>(
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
 /// dt : float or array_like, shape (...), default 1.0
 ///     For how long [s].
+/// out : ndarray, shape (..., 3), optional
+///     Where to write the result.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
@@ -363,14 +373,26 @@ pub fn differentiate<'py>(
 /// ndarray, shape (..., 3)
 ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
 #[pyfunction]
-#[pyo3(signature = (twist, dt=None, *, threads=None), text_signature = "(twist, dt=1.0, *, threads=None)")]
+#[pyo3(
+    signature = (twist, dt=None, *, out=None, dtype=None, threads=None),
+    text_signature = "(twist, dt=1.0, *, out=None, dtype=None, threads=None)"
+)]
 pub fn exp<'py>(
     py: Python<'py>,
     twist: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
+    out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-) -> PyResult<Array<'py>> {
-    over_time(py, ("twist", twist), dt, threads, batch::Map::Exp)
+) -> PyResult<AnyArray<'py>> {
+    over_time(
+        py,
+        ("twist", twist),
+        dt,
+        (out, dtype),
+        threads,
+        batch::Map::Exp,
+    )
 }
 
 /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
@@ -381,6 +403,10 @@ pub fn exp<'py>(
 ///     The end ``[x, y, yaw]`` seen from the start [m, m, rad].
 /// dt : float or array_like, shape (...), default 1.0
 ///     In how long [s].
+/// out : ndarray, shape (..., 3), optional
+///     Where to write the result.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
@@ -389,14 +415,26 @@ pub fn exp<'py>(
 /// ndarray, shape (..., 3)
 ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
 #[pyfunction]
-#[pyo3(signature = (pose, dt=None, *, threads=None), text_signature = "(pose, dt=1.0, *, threads=None)")]
+#[pyo3(
+    signature = (pose, dt=None, *, out=None, dtype=None, threads=None),
+    text_signature = "(pose, dt=1.0, *, out=None, dtype=None, threads=None)"
+)]
 pub fn log<'py>(
     py: Python<'py>,
     pose: &Bound<'py, PyAny>,
     dt: Option<&Bound<'py, PyAny>>,
+    out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-) -> PyResult<Array<'py>> {
-    over_time(py, ("pose", pose), dt, threads, batch::Map::Log)
+) -> PyResult<AnyArray<'py>> {
+    over_time(
+        py,
+        ("pose", pose),
+        dt,
+        (out, dtype),
+        threads,
+        batch::Map::Log,
+    )
 }
 
 /// Applies a map of three numbers and a duration to every row.
@@ -404,9 +442,10 @@ fn over_time<'py>(
     py: Python<'py>,
     (argument, value): (&'static str, &Bound<'py, PyAny>),
     dt: Option<&Bound<'py, PyAny>>,
+    asked: Asked<'_, 'py>,
     threads: Option<i64>,
     map: batch::Map,
-) -> PyResult<Array<'py>> {
+) -> PyResult<AnyArray<'py>> {
     let workers = any_workers(threads, None)?;
     let mut rows = Rows::read(argument, value, 3)?;
     let one = PyFloat::new(py, 1.0).into_any();
@@ -418,13 +457,13 @@ fn over_time<'py>(
     }
     .map_err(|error| raise(error, &rows.leading))?;
     rows.check_finite(argument)?;
-    let mut result = Output::fresh(py, &rows.shape())?;
+    let mut result = Output::asked(py, asked, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
     compute(py, triples.len(), || {
         batch::map(map, triples, &[], steps, target, workers)
     })
     .map_err(|error| raise(error, &rows.leading))?;
-    result.finish()
+    result.finish_any()
 }
 
 /// One pose after another: `second` is seen from the end of `first`; yaws add up.
@@ -433,6 +472,10 @@ fn over_time<'py>(
 /// ----------
 /// first, second : array_like, shape (..., 3)
 ///     ``[x, y, yaw]`` [m, m, rad].
+/// out : ndarray, shape (..., 3), optional
+///     Where to write the result.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
@@ -441,20 +484,22 @@ fn over_time<'py>(
 /// ndarray, shape (..., 3)
 ///     The end of `second` seen from the start of `first`.
 #[pyfunction]
-#[pyo3(signature = (first, second, *, threads=None))]
+#[pyo3(signature = (first, second, *, out=None, dtype=None, threads=None))]
 pub fn compose<'py>(
     py: Python<'py>,
     first: &Bound<'py, PyAny>,
     second: &Bound<'py, PyAny>,
+    out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-) -> PyResult<Array<'py>> {
+) -> PyResult<AnyArray<'py>> {
     let workers = any_workers(threads, None)?;
     let mut first = Rows::read("first", first, 3)?;
     first.check_finite("first")?;
     let mut second = Rows::read("second", second, 3)?;
     second.check_finite("second")?;
     together([named("first", &mut first), named("second", &mut second)])?;
-    let mut result = Output::fresh(py, &first.shape())?;
+    let mut result = Output::asked(py, (out, dtype), &first.shape())?;
     let (from, then, target) = (first.triples(), second.triples(), result.triples());
     compute(py, from.len(), || {
         batch::map(
@@ -467,32 +512,47 @@ pub fn compose<'py>(
         )
     })
     .map_err(|error| raise(error, &first.leading))?;
-    result.finish()
+    result.finish_any()
 }
 
 /// Angles brought into [-pi, pi] by whole turns; unchanged if they are there already.
 ///
 /// Parameters
 /// ----------
-/// angle : float or array_like
+/// angle : float or array_like, shape (...)
 ///     Angles [rad].
+/// out : ndarray, shape (...), optional
+///     Where to write the result.
+/// dtype : dtype, optional
+///     float32 for a result of single precision, default float64.
+/// threads : int, optional
+///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
 ///
 /// Returns
 /// -------
-/// float or ndarray
+/// float or ndarray, shape (...)
 ///     The same angles, wrapped [rad].
 #[pyfunction]
-pub fn wrap_angle<'py>(py: Python<'py>, angle: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+#[pyo3(signature = (angle, *, out=None, dtype=None, threads=None))]
+pub fn wrap_angle<'py>(
+    py: Python<'py>,
+    angle: &Bound<'py, PyAny>,
+    out: Option<&Bound<'py, PyAny>>,
+    dtype: Option<&Bound<'py, PyAny>>,
+    #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let workers = any_workers(threads, None)?;
     let angles = Scalars::read("angle", angle)?;
     angles.check_finite("angle")?;
-    if angles.shape.is_empty() {
-        return Ok(core::wrap_angle(angles.flat()[0])
-            .into_pyobject(py)?
-            .into_any());
+    if angles.shape.is_empty() && out.is_none() && dtype.is_none() {
+        let wrapped = core::wrap_angle(angles.flat()[0]);
+        return Ok(wrapped.into_pyobject(py)?.into_any());
     }
-    let mut result = Output::fresh(py, &angles.shape)?;
-    for (angle, target) in angles.flat().iter().zip(result.flat()) {
-        *target = core::wrap_angle(*angle);
-    }
-    Ok(result.finish()?.into_any())
+    let mut result = Output::asked(py, (out, dtype), &angles.shape)?;
+    let (rows, targets) = (angles.flat(), result.flat().as_chunks_mut().0);
+    compute(py, rows.len(), || {
+        batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])])
+    })
+    .map_err(|error| raise(error, &angles.shape))?;
+    Ok(result.finish_any()?.into_any())
 }

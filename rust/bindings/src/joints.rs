@@ -170,6 +170,8 @@ impl Rover {
     ///     ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
     /// previous : array_like, shape (..., steered wheels), optional
     ///     Present steering angles [rad], in the order of `steered_names`.
+    /// dtype : dtype, optional
+    ///     float32 for arrays of single precision, default float64.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -184,8 +186,8 @@ impl Rover {
     /// InfeasibleMotionError, ValueError
     ///     As `inverse`.
     #[pyo3(
-        signature = (twist, *more, previous=None, threads=None),
-        text_signature = "($self, twist, *, previous=None, threads=None)"
+        signature = (twist, *more, previous=None, dtype=None, threads=None),
+        text_signature = "($self, twist, *, previous=None, dtype=None, threads=None)"
     )]
     fn commands<'py>(
         &self,
@@ -193,11 +195,12 @@ impl Rover {
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
         previous: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
         let (steering, speeds) = self.inverse(
-            py, twist, more, previous, None, None, None, None, None, threads, None,
+            py, twist, more, previous, None, None, None, None, dtype, threads, None,
         )?;
         self.named_values(py, steering.as_any(), speeds.as_any())
     }

@@ -297,10 +297,9 @@ impl Rover {
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
         #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<AnyArray<'py>> {
-        let precision = Precision::read(py, dtype, out)?;
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
-        let mut twists = Output::of(py, "out", out, precision, &joined(leading, 3))?;
+        let mut twists = Output::asked(py, (out, dtype), &joined(leading, 3))?;
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers {

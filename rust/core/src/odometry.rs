@@ -184,10 +184,11 @@ impl Odometry {
     pub fn upper_halves(&self) -> [[f64; 6]; 2] {
         let dt = self.history.last_duration();
         let pose = self.state.uncertainty.reported();
-        let twist = if dt == 0.0 {
+        // Infinite where there was no step, or one too short to say how fast anything was.
+        let rate = 1.0 / (dt * dt);
+        let twist = if rate == f64::INFINITY {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
         } else {
-            let rate = 1.0 / (dt * dt);
             let mut total = self.work.noise.total();
             for lasting in &self.work.noise.lasting {
                 total.add(lasting, 1.0);

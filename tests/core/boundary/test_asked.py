@@ -16,9 +16,11 @@ ROWS = 50_001  # more than one thread is started for, and no multiple of a block
 TWISTS = np.random.default_rng(0).uniform((0.5, 0.0, -0.3), (1.0, 0.0, 0.3), (ROWS, 3))
 STEERING, SPEEDS = ROVER.inverse(TWISTS)
 ASIDE = np.array((0.0, 0.1, 1.0))
+POINTS = TWISTS[:, 1:]
+AXLES = sw.FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
 CONTROLS = TWISTS[:50_000].reshape(500, 100, 3)
 
-# Every call that takes rows, with what says how.
+# Every call that takes rows and gives arrays as they are, with what says how.
 BATCHES = {
     "inverse": lambda **how: ROVER.inverse(TWISTS, **how),
     "forward": lambda **how: ROVER.forward(STEERING, SPEEDS, **how),
@@ -26,12 +28,18 @@ BATCHES = {
     "integrate": lambda **how: sw.integrate(CONTROLS, 0.1, **how),
     "rollout": lambda **how: sw.rollout(CONTROLS, 0.1, **how),
     "rollout_cost": lambda **how: ROVER.rollout_cost(CONTROLS, 0.1, **how),
+    "icr": lambda **how: ROVER.icr(TWISTS, **how),
+    "exp": lambda **how: sw.exp(TWISTS, 0.1, **how),
+    "log": lambda **how: sw.log(TWISTS, 0.1, **how),
+    "compose": lambda **how: sw.compose(TWISTS, TWISTS[::-1], **how),
+    "differentiate": lambda **how: sw.differentiate(TWISTS, 0.1, **how),
+    "wrap_angle": lambda **how: sw.wrap_angle(9 * TWISTS, **how),
+    "four axles": lambda **how: AXLES.inverse(TWISTS, **how),
+    "concurrent_angles": lambda **how: AXLES.concurrent_angles(2 + POINTS, **how),
 }
-POINTS = TWISTS[:, 1:]
 GROUND = sw.Terrain(np.random.default_rng(1).uniform(0, 0.1, (9, 9)), 0.1, (-0.4, -0.4))
 ARM = sw.RockerBogie.rocky7()
 ANGLES = (0.1 * TWISTS[:, 0], 0.1 * TWISTS[:, 1:])  # rho, beta
-AXLES = sw.FourAxle(hinges=(0.4, 0.3), axle_length=0.2, wheel_radius=0.1)
 OTHERS = {
     "commands": lambda **how: tuple(ROVER.commands(TWISTS, **how).values()),
     "height": lambda **how: GROUND.height(POINTS, **how),
@@ -44,15 +52,8 @@ OTHERS = {
     "steer": lambda **how: _of(
         ARM.steer(TWISTS[:, 0], 0.1, *ANGLES, **how), ("steering", "wheel_speeds", "turning_radius", "scrub")
     ),
-    "four axles": lambda **how: AXLES.inverse(TWISTS, **how),
-    "concurrent_angles": lambda **how: AXLES.concurrent_angles(2 + POINTS, **how),
     "admissible": lambda **how: ROVER.admissible(TWISTS, **how),
     "project strictly": lambda **how: ROVER.project(TWISTS, "yaw_rate", out=np.empty_like(TWISTS), **how),
-    "icr": lambda **how: ROVER.icr(TWISTS, **how),
-    "exp": lambda **how: sw.exp(TWISTS, 0.1, **how),
-    "log": lambda **how: sw.log(TWISTS, 0.1, **how),
-    "compose": lambda **how: sw.compose(TWISTS, TWISTS[::-1], **how),
-    "differentiate": lambda **how: sw.differentiate(TWISTS, 0.1, **how),
     "fit": lambda **how: _of(ROVER.fit(STEERING, SPEEDS, **how), ("twist", "residual", "weights", "rank")),
     "robust": lambda **how: _of(
         ROVER.fit(STEERING, SPEEDS, method="robust", **how), ("twist", "residual", "weights")
@@ -142,6 +143,13 @@ def test_one_array_of_each_precision():
 def test_bad_precisions(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_an_axle_that_leaves_its_range_at_the_last_row_leaves_the_others_unwritten():
+    tight, out = sw.FourAxle((0.4, 0.3), 0.2, 0.1, steering_limit=0.3), np.full((3, 4), 7.0)
+    with pytest.raises(sw.InfeasibleMotionError, match=r"icr\[2\]"):
+        tight.concurrent_angles([(0.0, 5.0), (0.0, 6.0), (0.0, 0.1)], out=out)
+    assert (out == 7.0).all()
 
 
 def test_a_failed_call_writes_nothing_in_single_precision_either():

@@ -128,6 +128,7 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
         axis.pane.set_visible(False)
         axis.line.set_color("none" if not name else FAINT)
         axis.set_label_text(name, color=SOFT, fontsize=8)
+        axis.labelpad = 12  # off the ticks, whose words lie along the axis here
         axis.set_tick_params(colors=SOFT, labelsize=8)
     axes.grid(False)
 

@@ -24,7 +24,7 @@ use six_wheel_core::{Error, ErrorKind};
 pub use array::{read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
 pub use input::{Blocks, Rows};
-pub use output::{Output, Precision, scalar_or_array};
+pub use output::{Asked, Output, Precision, scalar_or_array};
 pub use scalars::Scalars;
 
 import_exception!(six_wheel.errors, ArgumentTypeError);

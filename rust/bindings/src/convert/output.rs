@@ -46,6 +46,9 @@ impl Precision {
     }
 }
 
+/// `out=` and `dtype=` of a call.
+pub type Asked<'a, 'py> = (Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>);
+
 /// A result on its way out: the caller's array, or a fresh one.
 pub struct Output<'py> {
     /// What is returned.
@@ -68,6 +71,12 @@ impl<'py> Output<'py> {
             beside: None,
             _held: None,
         })
+    }
+
+    /// A result where `out=` says, or of the precision that `dtype=` says.
+    pub fn asked(py: Python<'py>, (out, dtype): Asked<'_, 'py>, shape: &[usize]) -> PyResult<Self> {
+        let precision = Precision::read(py, dtype, out)?;
+        Self::of(py, "out", out, precision, shape)
     }
 
     /// A result of either precision: the caller's `out`, which has its own, or a fresh array of what `dtype` says.
@@ -158,6 +167,16 @@ impl<'py> Output<'py> {
             beside,
             _held: Some(held),
         })
+    }
+
+    /// Written to the caller's array only when it is finished.
+    pub fn beside(mut self) -> PyResult<Self> {
+        if self.beside.is_none() {
+            let beside = memory::zeros(self.array.py(), self.array.shape())?;
+            self.data = data(&beside);
+            self.beside = Some(beside);
+        }
+        Ok(self)
     }
 
     /// Where to write, row after row.

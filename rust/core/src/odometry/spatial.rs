@@ -166,10 +166,11 @@ impl Odometry3 {
     /// Covariance of the twist over the last step; variances are infinite where no step has been made since the first
     /// sample or a pose from outside.
     pub fn twist_covariance(&self) -> [[f64; 6]; 6] {
-        if self.last_dt == 0.0 {
+        let rate = 1.0 / (self.last_dt * self.last_dt);
+        if rate == f64::INFINITY {
             return Matrix6::from_diagonal_element(f64::INFINITY).into();
         }
-        let total = self.noise.total() / (self.last_dt * self.last_dt);
+        let total = self.noise.total() * rate;
         ((total + total.transpose()) * 0.5).into()
     }
 
