@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,12 +31,11 @@ class Reckoned:
     nees: float
 
 
-def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, dimensions: Floats | None = None) -> Reckoned:
+def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, **known: Any) -> Reckoned:
     """A run, its first pose given."""
     truth = log.truth
     assert truth is not None
-    how = {"start": truth.poses[0], "residuals": False, "dimensions": dimensions}
-    track = sw.dead_reckon(rover, log, noise=noise, **how)
+    track = sw.dead_reckon(rover, log, noise=noise, start=truth.poses[0], residuals=False, **known)
     assert track.covariances is not None
     error = between(truth.poses[-1], track.poses[-1])
     heading = truth.poses[-1, 2]
@@ -48,16 +48,19 @@ def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, dimensions: Floats | No
     )
 
 
-def left_out(rovers: list[sw.Rover], logs: list[Log]) -> Iterator[tuple[list[int], Calibration]]:
+def left_out(
+    rovers: list[sw.Rover], logs: list[Log], names: list[str] | None
+) -> Iterator[tuple[list[int], Calibration]]:
     """The runs of every session with what the others say."""
+    how = {} if names is None else {"parameters": names, "cross_validation": False}
     for session in dict.fromkeys(log.session for log in logs):
         others = [number for number, log in enumerate(logs) if log.session != session]
-        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others])
+        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others], **how)
         own = [number for number, log in enumerate(logs) if log.session == session]
         yield own, result
 
 
-def judged(folder: Path) -> tuple[str, str]:
+def judged(folder: Path, names: list[str] | None = None) -> tuple[str, str]:
     """The rows of one robot in both tables."""
     paths = sorted(folder.rglob("*_run-*.csv"))
     rovers, logs = [optiodom.read_rover(path) for path in paths], [optiodom.read(path) for path in paths]
@@ -65,12 +68,10 @@ def judged(folder: Path) -> tuple[str, str]:
     found: dict[int, Reckoned] = {}
     beside: dict[int, Reckoned] = {}
     chosen = dict[str, None]()
-    for own, result in left_out(rovers, logs):
+    for own, result in left_out(rovers, logs, names):
         chosen[", ".join(result.chosen)] = None
-        assert result.measured_noise is not None
-        apart = result.measured_noise.beside, result.dimensions
         found |= {number: reckoned(result.rover, logs[number], result.noise) for number in own}
-        beside |= {number: reckoned(result.rover, logs[number], *apart) for number in own}
+        beside |= {number: reckoned(result.rover, logs[number], **result.known) for number in own}
     after = [found[number] for number in range(len(logs))]
     before, errors = (np.array([one.error for one in runs]) for runs in (guess, after))
     worse = int(np.sum(errors > before))
@@ -92,9 +93,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
     parser.add_argument("robots", nargs="*")
+    parser.add_argument("--parameters", type=lambda text: text.split(","), help="a set, instead of choosing")
     arguments = parser.parse_args()
     folders = [each for each in sorted(arguments.data.iterdir()) if each.is_dir()]
-    rows = [judged(each) for each in folders if not arguments.robots or each.name in arguments.robots]
+    names = arguments.parameters
+    rows = [judged(each, names) for each in folders if not arguments.robots or each.name in arguments.robots]
     print("| robot | runs | chosen | nominal [m] | left out [m] | runs worse |")
     print("|---|---|---|---|---|---|", *(row for row, _ in rows), sep="\n")
     head = "default noise, nominal", "measured, left out", "and dimensions"

@@ -1,7 +1,5 @@
 """Noise that was measured: it is that of the drives, and says how far off they end."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -157,28 +155,42 @@ def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
     assert inside >= 33  # as above
 
 
+WIDE = sw.Rover.differential(
+    2.0, 0.1
+)  # whose ways are not much longer than it is wide: ends tell its wheels apart
+
+
 def slipping(count, left, right):
     """Drives whose wheels slip by noise of their own [m per root m]."""
     found = []
-    for number, log in enumerate(drives(count, sw.Noise(0.0, 0.0))):
-        rolled = np.abs(np.diff(log.wheel_angles, axis=0)) * 0.042
-        random = np.random.default_rng((7, number)).normal(size=rolled.shape)
-        slid = np.cumsum(random * np.sqrt(rolled) * (left, right), axis=0) / 0.042
-        found.append(replace(log, wheel_angles=log.wheel_angles + np.vstack(([[0.0, 0.0]], slid))))
+    for seed in range(count):
+        random = np.random.default_rng((7, seed))
+        twists = np.stack(
+            (0.1 + 0 * TIMES, 0 * TIMES, 0.1 * np.sin(TIMES / 3.0 + random.uniform(0, 6))), axis=-1
+        )
+        log = sw.simulate(WIDE, (TIMES, twists), noise=sw.Noise(0.0, 0.0), rate=10.0)
+        rolled = np.abs(np.diff(log.wheel_angles, axis=0)) * 0.1
+        slid = np.cumsum(random.normal(size=rolled.shape) * np.sqrt(rolled) * (left, right), axis=0) / 0.1
+        readings = log.wheel_angles + np.vstack(([[0.0, 0.0]], slid))
+        found.append(sw.Log(log.stamps, None, readings, log.truth, name=f"run {seed}"))
     return found
 
 
 def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
     find = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
-    result = calibrate(PAIR, slipping(24, 0.004, 0.001), **find)
+    result = calibrate(WIDE, slipping(24, 0.02, 0.005), **find)
     left, right = result.measured_noise.wheels
-    assert left.interval[0] / right.interval[1] < 4.0 < left.interval[1] / right.interval[0]
-    assert left.value > 2.0 * right.value
+    slip = result.measured_noise.slip.value
+    assert slip * left.interval[0] < 0.02 < slip * left.interval[1]
+    assert left.interval[0] > right.interval[1]
+    assert 2.0 < left.value / right.value < 8.0
     assert result.known["wheel_noise"] == {"left": left.value, "right": right.value}
     sw.Odometry(result.rover, **result.known)
     assert "| times that, of `left` |" in result.to_markdown()
-    assert calibrate(PAIR, slipping(24, 0.002, 0.002), **find).measured_noise.wheels == ()
-    assert calibrate(PAIR, slipping(1, 0.004, 0.001), **find).measured_noise.wheel_noise is None
+    alike = calibrate(WIDE, slipping(24, 0.01, 0.01), **find)
+    assert alike.measured_noise.wheels == ()
+    assert "do not tell the slip of one wheel" in alike.to_markdown()
+    assert calibrate(WIDE, slipping(1, 0.02, 0.005), **find).measured_noise.wheel_noise is None
 
 
 def test_factors_and_the_origin_are_written_as_they_are_read(tmp_path):

@@ -198,8 +198,7 @@ def measure(
     ]
     # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
     common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
-    rest = np.broadcast_to(np.diag(TRUTH**2), whole.fixed.shape)
-    told = told_apart(whole.errors, common, rest, sessions, confidence)
+    told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
     times = alike if told is None else np.array([_digits(one) for one in told[0]])
     logs, _ = _likeliest(whole.weighed(times, 1.0))
     beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)

@@ -174,6 +174,8 @@ class Calibration:
                 lines.append(
                     f"| times that, of `{wheel.name}` | {wheel.value:.3g} | {low:.3g} to {high:.3g} |"
                 )
+            if not measured.wheels:
+                lines += ["", "These ends do not tell the slip of one wheel from that of another."]
             if (rate := measured.yaw_rate) is not None:
                 low, high = rate.interval
                 said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s ({low:.3g} to {high:.3g})"
