@@ -129,10 +129,11 @@ def listed(rows=ROWS):
     add(
         "Rover.sensitivity", "six-wheel", rover.sensitivity, steering[:few], speeds[:few], rows=few, goal=10.0
     )
-    add("exp", "", sw.exp, inside, 0.1, goal=0.5)
-    add("log", "", sw.log, inside, 0.1, goal=0.5)
-    add("compose", "", sw.compose, inside, inside, goal=0.5)
-    add("differentiate", "", sw.differentiate, inside, 0.1, goal=0.5)
+    add("exp", "", sw.exp, inside, 0.1, out=twists, goal=0.5)
+    add("log", "", sw.log, inside, 0.1, out=twists, goal=0.5)
+    add("compose", "", sw.compose, inside, inside, out=twists, goal=0.5)
+    add("differentiate", "", sw.differentiate, inside, 0.1, out=twists[1:], goal=0.5)
+    add("wrap_angle", "", sw.wrap_angle, stamps, out=np.empty(rows))
     add("integrate", "one dt", sw.integrate, inside, 0.02)
     add("integrate", "a dt per step", sw.integrate, inside, np.full(rows, 0.02))
     steps = max(rows // 64, 1)

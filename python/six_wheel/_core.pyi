@@ -925,14 +925,32 @@ class Terrain:
     @property
     def orientation(self) -> float: ...
     def height(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
-    ) -> float | _Floats: ...
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> float | NDArray[_Real]: ...
     def gradient(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
-    ) -> _Floats: ...
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def normal(
-        self, xy: ArrayLike, *, method: _Interpolation = "bilinear", threads: int | None = None
-    ) -> _Floats: ...
+        self,
+        xy: ArrayLike,
+        *,
+        method: _Interpolation = "bilinear",
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> NDArray[_Real]: ...
     def contains(self, xy: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -1052,7 +1070,9 @@ class Suspension:
         view: Literal["body", "plan"] = "body",
         steering: ArrayLike | None = None,
         max_wheel_speed: float | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
+        kernel: _Kernel | None = None,
     ) -> GroundCommand: ...
     def forward(
         self,
@@ -1064,6 +1084,7 @@ class Suspension:
         *,
         steering_rates: ArrayLike | None = None,
         weights: ArrayLike | None = None,
+        out: _Out | tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> GroundMotion: ...
@@ -1080,6 +1101,7 @@ class Suspension:
         wheel_speeds: ArrayLike | None = None,
         lift_angle: float = 1.0,
         lift_speed: float = 0.01,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
     ) -> Traction: ...
@@ -1090,6 +1112,7 @@ class Suspension:
         twist: ArrayLike,
         joint_rates: ArrayLike,
         *,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
     ) -> WheelSlip: ...
     def settle(

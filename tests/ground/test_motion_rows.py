@@ -1,6 +1,7 @@
 """Motion on the ground with every kernel: the answers of the plain way, row by row, whatever a row holds."""
 
 import math
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -139,6 +140,45 @@ def test_forward_is_the_plain_way(name: str, kernel: str) -> None:
             alike(found, plain, MOTION)
 
 
+def leave_out_what_no_wheel_can(arm: sw.Suspension, stand: Any, commands: np.ndarray, kernel: str) -> None:
+    """Wheels beside their axis, or with stops, roll at no angle here and there: both ways refuse the same."""
+    while True:
+        said = []
+        for which in ("plain", kernel):
+            try:
+                arm.inverse(stand, commands, kernel=which)
+            except sw.InfeasibleMotionError as error:
+                said.append(re.sub(r"got .*", "", str(error)))
+        if not said:
+            return
+        assert said[0] == said[-1]
+        assert len(said) == 2
+        found = re.search(r"\[(\d+)\]", said[0])
+        assert found is not None
+        commands[int(found[1])] = 0
+
+
+@pytest.mark.parametrize("name", VEHICLES)
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_inverse_is_the_plain_way(name: str, kernel: str) -> None:
+    """Driving, turning, at rest; of the body and seen from above; with angles to keep, and a limit."""
+    arm, rng = VEHICLES[name], np.random.default_rng(1)
+    steered = widths(arm)[2]
+    for stand in (told(arm, 2), settled(arm, 3)):
+        commands = rng.uniform(-0.2, 0.2, (COUNT, 2))
+        commands[::20], commands[3::20, 0], commands[7::20, 1] = 0, 0, 0
+        leave_out_what_no_wheel_can(arm, stand, commands, kernel)
+        angles = rng.uniform(-0.5, 0.5, (COUNT, steered))
+        angles[::3] = stand.steering[::3]
+        for view in ("body", "plan"):
+            for more in ({}, {"steering": angles}, {"max_wheel_speed": 0.5}):
+                plain, found = (
+                    arm.inverse(stand, commands, view=view, kernel=which, **more)
+                    for which in ("plain", kernel)
+                )
+                alike(found, plain, COMMAND)
+
+
 @pytest.mark.parametrize("name", VEHICLES)
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_traction_is_the_plain_way(name: str, kernel: str) -> None:
@@ -158,6 +198,37 @@ def test_traction_is_the_plain_way(name: str, kernel: str) -> None:
         alike(found, plain, TRACTION)
 
 
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_contacts_stay_on_their_side_of_the_rim(kernel: str) -> None:
+    """Wheels that lean far may touch with the far side: a little steering changes little there."""
+    arm, rng = VEHICLES["perseverance"], np.random.default_rng(8)
+    x = np.arange(30.0)
+    slope = sw.Terrain(0.2 * x + 0.1 * x[:, None], 1.0)
+    poses = rng.uniform([10, 10, -math.pi], [20, 20, math.pi], (COUNT, 3))
+    settled = arm.settle(slope, poses, rng.uniform(-0.4, 0.4, (COUNT, 4)))
+    stand = SimpleNamespace(**{name: np.array(getattr(settled, name)) for name in vars(told(arm, 1, 0))})
+    stand.contact_angles += math.pi * (rng.random((COUNT, 6)) < 0.5)
+    command, angles = (0.1, 0.05), stand.steering
+    here, near = (arm.inverse(stand, command, steering=a, kernel=kernel) for a in (angles, angles + 1e-9))
+    np.testing.assert_allclose(near.speeds, here.speeds, rtol=0, atol=1e-7)
+    back, aside = (arm.forward(stand, a, here.speeds, kernel=kernel) for a in (angles, angles + 1e-9))
+    np.testing.assert_allclose(aside.twist, back.twist, rtol=0, atol=1e-7)
+
+
+def test_axles_that_steer_both_their_wheels_are_shared() -> None:
+    """Without a map as on level ground: for what both wheels do together."""
+    arm, rng = VEHICLES["axles"], np.random.default_rng(9)
+    commands = rng.uniform(-0.2, 0.2, (COUNT, 2))
+    level = arm.settle(sw.Terrain(np.zeros((9, 9)), 1.0, (-4, -4)), np.zeros(3))
+    still = np.zeros((COUNT, len(arm.free_joints)))
+    for kernel in sw.kernels():
+        given = (commands[:, 0], None, np.zeros((COUNT, 3)), still, still)
+        blind = arm.traction(*given, yaw_rate=commands[:, 1], kernel=kernel)
+        seen = arm.inverse(level, commands, kernel=kernel)
+        np.testing.assert_allclose(blind.steering, seen.steering, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(blind.speeds, seen.speeds, rtol=0, atol=1e-11)
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_a_batch_is_its_rows(kernel: str) -> None:
     """In any cut, with any number of threads, and in other forms: to the bit."""
@@ -165,7 +236,7 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     stand = told(arm, 4, 20_003)
     rng = np.random.default_rng(5)
     commands = rng.uniform(-0.2, 0.2, (20_003, 2))
-    whole = arm.inverse(stand, commands, steering=stand.steering)
+    whole = arm.inverse(stand, commands, kernel=kernel)
     moved = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
     driven = arm.traction(*drive, kernel=kernel)
@@ -175,7 +246,7 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     )
     known = arm.forward(stand, stand.steering, gappy, rates, kernel=kernel)
     for threads in (2, 3):
-        again = arm.inverse(stand, commands, steering=stand.steering, threads=threads)
+        again = arm.inverse(stand, commands, kernel=kernel, threads=threads)
         alike(again, whole, COMMAND, 0)
         again = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel, threads=threads)
         alike(again, moved, MOTION, 0)
@@ -183,7 +254,7 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     for first in (1, 20_000):
         part = SimpleNamespace(**{key: value[first:] for key, value in vars(stand).items()})
         alike(
-            arm.inverse(part, commands[first:], steering=part.steering),
+            arm.inverse(part, commands[first:], kernel=kernel),
             SimpleNamespace(**{key: getattr(whole, key)[first:] for key in COMMAND}),
             COMMAND,
             0,

@@ -1,15 +1,17 @@
 """Settled rovers beside MuJoCo: the chain as bodies, thin frictionless wheels, a height field."""
 
 import math
+import os
 
 import numpy as np
 import pytest
 
 import six_wheel as sw
 
-from .grounds import hills, numbers_of
+from .grounds import hills, numbers_of, random_poses
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+SOAK = int(os.environ.get("SOAK", "1"))
 FINE = 4  # samples per cell: MuJoCo's triangles then follow the bilinear surface to 1e-4 m
 
 
@@ -79,19 +81,62 @@ def model(rover, heights, spacing, pose, numbers):
     return made, data
 
 
+def finer(ground, size):
+    """The same surface on lines four times as close, on which triangles are nearly bilinear."""
+    fine = np.minimum(0.1 / FINE * np.arange(round(FINE * size / 0.1) + 1), size - 1e-12)
+    return ground.height(np.stack(np.meshgrid(fine, fine), -1))
+
+
+def at_rest(rover, heights, pose, numbers, steps=3000):
+    """Where MuJoCo comes to rest, and how fast it still is."""
+    made, data = model(rover, heights, 0.1 / FINE, pose, numbers)
+    mujoco.mj_step(made, data, steps)
+    names = ("z", "roll", "pitch", "left_rocker", "left_bogie", "right_bogie")
+    return np.array([data.joint(name).qpos[0] for name in names]), np.abs(data.qvel).max()
+
+
 def test_a_physics_engine_comes_to_rest_in_the_same_place():
-    rover, coarse = sw.RockerBogie.perseverance(), hills(12.0)
-    ground = sw.Terrain(coarse, 0.1)
-    # The same surface on lines four times as close, on which triangles are nearly bilinear.
-    fine = 0.1 / FINE * np.arange(FINE * (len(coarse) - 1) + 1)
-    xy = np.stack(np.meshgrid(np.minimum(fine, 12.0 - 1e-12), np.minimum(fine, 12.0 - 1e-12)), -1)
-    heights = ground.height(xy)
+    rover, size = sw.RockerBogie.perseverance(), 12.0
+    ground = sw.Terrain(hills(size), 0.1)
+    heights = finer(ground, size)
     for pose in [(6.0, 6.0, 0.4), (5.0, 7.0, 2.0), (7.2, 4.6, -1.1)]:
         numbers = numbers_of(rover.settle(ground, pose))
-        made, data = model(rover, heights, 0.1 / FINE, pose, numbers)
-        for _ in range(3000):
-            mujoco.mj_step(made, data)
-        names = ("z", "roll", "pitch", "left_rocker", "left_bogie", "right_bogie")
-        there = np.array([data.joint(name).qpos[0] for name in names])
+        there, _ = at_rest(rover, heights, pose, numbers)
         # Springs, wheels a millimetre wide, triangles: 5e-5 m and rad were seen.
         np.testing.assert_allclose(there, numbers, rtol=0, atol=2e-4)
+
+
+def allowed(ground, contacts, normals):
+    """What the model of MuJoCo differs by at most [m, rad], with levers of half a metre.
+
+    Springs as on hills; wheels half a millimetre to either side on slopes; triangles, which leave a cell's
+    bilinear surface by a quarter of its twist.
+    """
+    column, row = np.floor(contacts[:, :2] / 0.1).astype(int).T
+    high = ground.heights
+    twist = high[row, column] + high[row + 1, column + 1] - high[row + 1, column] - high[row, column + 1]
+    slope = np.hypot(normals[:, 0], normals[:, 1]) / normals[:, 2]
+    return 2e-4 + 2 * (0.0005 * slope + np.abs(twist) / FINE**2 / 4).max()
+
+
+@pytest.mark.parametrize("cover", [0.0, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("name", ["perseverance", "curiosity"])
+def test_so_it_does_among_rocks(name, cover):
+    """Wherever every wheel carries a share of the weight: `SOAK=n` for n times as many poses."""
+    rover, size = getattr(sw.RockerBogie, name)(), 12.0
+    worst, tried = 0.0, 0
+    for seed in range(SOAK):
+        ground = sw.Terrain.yard(size, 0.1, cover=cover, seed=seed)
+        heights = finer(ground, size)
+        poses = random_poses(4, size, 4.0, seed)
+        stand = rover.settle(ground, poses)
+        # As the masses of the model are: the chassis, and balls where the joints are.
+        loads = rover.stability(stand, mass=1.0).loads
+        for k in np.nonzero((loads > 0.02).all(-1))[0][:2]:
+            numbers = numbers_of(rover.settle(ground, poses[k]))
+            there, _ = at_rest(rover, heights, poses[k], numbers)
+            error = np.abs(there - numbers).max() / allowed(ground, stand.contacts[k], stand.normals[k])
+            worst, tried = max(worst, error), tried + 1
+    print(f"{name}, cover {cover:.0%}: {tried} poses, at most {worst:.2f} of what triangles and springs make")
+    assert tried >= SOAK
+    assert worst <= 1

@@ -190,12 +190,12 @@ def measure(
     logs, cost = _likeliest(whole.weighed(alike))
     noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
     nees = _nees(wide, whole.weighed(alike))[0]
-    estimates = [
+    along_wheels, across_wheels = (
         _estimate(name, logs, place, cost, confidence)
         if np.any(whole.wheels[:, :, place])
         else Estimate(name, "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
         for place, name in enumerate(("slip", "side_slip"))
-    ]
+    )
     # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
     common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
     told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
@@ -207,7 +207,9 @@ def measure(
         low, high = told[1][number].tolist()  # type: ignore[index]
         std = (high - low) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
         wheels.append(Estimate(name, "", 1.0, float(times[number]), std, (low, high)))
-    return MeasuredNoise(noise, beside, *estimates, len(nees), basis, nees, wheels=tuple(wheels))
+    return MeasuredNoise(
+        noise, beside, along_wheels, across_wheels, len(nees), basis, nees, wheels=tuple(wheels)
+    )
 
 
 def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:

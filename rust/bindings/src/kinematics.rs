@@ -4,7 +4,7 @@ mod quick;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::batch::{self, Beside, Log, Table, Workers};
+use six_wheel_core::batch::{self, Beside, Log, Source, Table, Workers};
 use six_wheel_core::{Twist, Unseen, units};
 
 use crate::batch::any_workers;
@@ -16,6 +16,33 @@ use crate::given;
 use crate::rover::Rover;
 
 pub use quick::install;
+
+/// Twists of points of the body, read as those of its origin.
+struct About<'a> {
+    twists: Table<'a>,
+    /// One per twist, or one for all.
+    centres: &'a [[f64; 2]],
+}
+
+impl Source for About<'_> {
+    fn read(&self, first: usize, target: &mut [f64]) {
+        match self.twists {
+            Table::Flat(twists) => target.copy_from_slice(&twists[first..first + target.len()]),
+            Table::Read(source) => source.read(first, target),
+        }
+        let twists = target.as_chunks_mut::<3>().0;
+        let about =
+            |twist: &mut [f64; 3], centre| *twist = Twist::from(*twist).about(centre).into();
+        match self.centres {
+            [centre] => twists.iter_mut().for_each(|twist| about(twist, *centre)),
+            centres => {
+                for (twist, centre) in twists.iter_mut().zip(&centres[first / 3..]) {
+                    about(twist, *centre);
+                }
+            }
+        }
+    }
+}
 
 /// What a log holds, as read from Python, over common leading axes.
 pub struct Tables<'py> {
@@ -203,17 +230,20 @@ impl Rover {
         let mut rolling = optional("previous_speeds", previous_speeds, self.count())?;
         let all = [
             Some(named("twist", &mut twists)),
-            given("centre", &mut centres),
+            // One for all rows stays one.
+            given("centre", &mut centres).filter(|(_, centres)| !centres.leading().is_empty()),
             given("previous", &mut previous),
             given("steering_rates", &mut rates),
             given("previous_speeds", &mut rolling),
         ];
         let leading = together(all.into_iter().flatten())?;
-        if let Some(centres) = centres {
+        if let Some(centres) = &centres {
             centres.check_finite("centre")?;
-            let about = |k, row| Twist::from(row).about(centres.pairs()[k]).into();
-            twists = Blocks::Flat(twists.flat("twist")?.mapped(about)?);
         }
+        let about = centres.as_ref().map(|centres| About {
+            twists: twists.table(),
+            centres: centres.pairs(),
+        });
         let outputs = pair(out)?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {
@@ -232,7 +262,11 @@ impl Rover {
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
-        let (rows, count) = (twists.table(), twists.count());
+        let rows = match &about {
+            Some(about) => Table::Read(about),
+            None => twists.table(),
+        };
+        let count = twists.count();
         let beside = Beside {
             previous: previous.as_ref().map(Blocks::table),
             previous_speeds: rolling.as_ref().map(Blocks::table),

@@ -10,7 +10,7 @@ use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
+    Asked, Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
     scalar_or_array, shape_text, singles,
 };
 use crate::given;
@@ -77,6 +77,7 @@ fn pair(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
 }
 
 impl Terrain {
+    #[allow(clippy::too_many_arguments)] // each is a thing of its own
     /// Asks for the ground at every row, and writes what `width` numbers it gives; NaN where nothing is known.
     fn ask<'py>(
         &self,
@@ -84,6 +85,7 @@ impl Terrain {
         xy: &Bound<'py, PyAny>,
         method: &str,
         width: usize,
+        asked: Asked<'_, 'py>,
         threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -94,7 +96,7 @@ impl Terrain {
         if width > 1 {
             shape.push(width);
         }
-        let mut output = Output::fresh(py, &shape)?;
+        let mut output = Output::asked(py, asked, &shape)?;
         let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
         compute(py, points.len(), || {
             workers.rows(points.len(), [(target, width)], |row, [target]| {
@@ -107,8 +109,8 @@ impl Terrain {
             })
         })
         .map_err(|error| raise(error, &rows.leading))?;
-        let array = output.finish()?;
-        if shape.is_empty() {
+        let array = output.finish_any()?;
+        if shape.is_empty() && asked.0.is_none() {
             return array.call_method0("item");
         }
         Ok(array.into_any())
@@ -294,6 +296,10 @@ impl Terrain {
     /// method : {'bilinear', 'bicubic'}
     ///     From the four corners of the cell, which is the surface that wheels stand on; or smoothly from
     ///     sixteen nodes.
+    /// out : ndarray, shape (...), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -301,17 +307,27 @@ impl Terrain {
     /// -------
     /// float or ndarray, shape (...)
     ///     Heights [m]; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn height<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 1, threads, |height, _, target| {
-            target[0] = height;
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            1,
+            (out, dtype),
+            threads,
+            |height, _, target| {
+                target[0] = height;
+            },
+        )
     }
 
     /// Derivatives of the height by x and y.
@@ -322,6 +338,10 @@ impl Terrain {
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
     ///     As for `height`. On a crease of the bilinear surface, those of the cell that comes after it.
+    /// out : ndarray, shape (..., 2), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -329,17 +349,27 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 2)
     ///     Slopes along x and y of the world; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn gradient<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 2, threads, |_, gradient, target| {
-            target.copy_from_slice(&gradient);
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            2,
+            (out, dtype),
+            threads,
+            |_, gradient, target| {
+                target.copy_from_slice(&gradient);
+            },
+        )
     }
 
     /// Unit normals of the ground, upwards.
@@ -350,6 +380,10 @@ impl Terrain {
     ///     Points [m].
     /// method : {'bilinear', 'bicubic'}
     ///     As for `gradient`.
+    /// out : ndarray, shape (..., 3), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -357,17 +391,27 @@ impl Terrain {
     /// -------
     /// ndarray, shape (..., 3)
     ///     Normals in world axes; NaN off the map and where a height that enters is unknown.
-    #[pyo3(signature = (xy, *, method="bilinear", threads=None))]
+    #[pyo3(signature = (xy, *, method="bilinear", out=None, dtype=None, threads=None))]
     fn normal<'py>(
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = given::method)] method: &str,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, xy, method, 3, threads, |_, gradient, target| {
-            target.copy_from_slice(normal(gradient).as_slice());
-        })
+        self.ask(
+            py,
+            xy,
+            method,
+            3,
+            (out, dtype),
+            threads,
+            |_, gradient, target| {
+                target.copy_from_slice(normal(gradient).as_slice());
+            },
+        )
     }
 
     /// Whether points lie on the map, its rim included; heights there may still be unknown.

@@ -4,6 +4,7 @@
 //! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
 //! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
 
+mod arithmetic;
 pub mod dimensions;
 pub mod encoder;
 pub mod gyroscope;
@@ -33,16 +34,18 @@ use crate::batch::one_row::step::Plan;
 use crate::error::{Error, number, numbers};
 use crate::geometry::{Pose, Twist, Walk};
 use crate::rover::{Inputs, Rover};
+pub(crate) use arithmetic::{Arithmetic, Instruction};
 use history::History;
+pub(crate) use quick::Terms;
 pub(crate) use spread::Spread;
 pub(crate) use state::State;
 use state::{advance, check_covariance, check_pose, meet_yaw};
-pub(crate) use step::{Fused, ROUNDING, SUSPICIOUS, step_jacobian};
 use step::{Motion, Workspace, shared_readings};
+pub(crate) use step::{ROUNDING, SMALL_TURN, SUSPICIOUS, bend, small_bend, step_jacobian};
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
 use uncertainty::Uncertainty;
-pub(crate) use uncertainty::{StepJacobian, StepNoise};
+pub(crate) use uncertainty::{StepJacobian, StepNoise, rounded};
 
 /// What was read at one instant.
 #[derive(Clone, Copy, Debug)]

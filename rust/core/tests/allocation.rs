@@ -200,7 +200,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
             };
             let wanted = [[0.1, 0.01]];
             inverse_rows(
-                &chain, &footings, &command, &wanted, None, commands, workers,
+                &chain, &prepared, &footings, &command, &wanted, None, commands, workers,
             )
         });
         let moved = taken(|| {

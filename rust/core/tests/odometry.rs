@@ -2,7 +2,9 @@
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
-use six_wheel_core::odometry::{Encoder, Health, Noise, Odometry, Readings, Sample, Settings};
+use six_wheel_core::odometry::{
+    Encoder, Health, Noise, Odometry, Readings, Recording, Sample, Settings, TrackRows,
+};
 use six_wheel_core::{Error, Inputs, Keep, Pose, Rover, SteeringRange, Twist};
 
 fn rovers() -> impl Strategy<Value = Rover> {
@@ -272,6 +274,167 @@ proptest! {
             plain.correct(Pose::default(), back, unit)?;
             let (found, expected) = (registers.covariance(), plain.covariance());
             prop_assert!(close(found.as_flattened(), expected.as_flattened(), 1e-13));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// By registers of samples or one by one: the same bits, whatever lies in between, and the same way on from there.
+    #[test]
+    fn a_log_is_its_samples_one_after_the_other(
+        which in 0..5_usize,
+        slip in prop::sample::select(vec![0.0, 0.02]),
+        speed in prop::sample::select(vec![0.0, 0.01]),
+        period in prop::option::of(0.01..0.2_f64),
+        threshold in prop::option::of(0.001..0.5_f64),
+        max_gap in prop::option::of(0.2..0.5_f64),
+        max_speed in prop::option::of(1.0..8.0_f64),
+        smoothing in prop::sample::select(vec![0.0, 0.3]),
+        resolution in prop::option::of(100.0..1000.0_f64),
+        rows in prop::collection::vec((prop::collection::vec(-0.2..0.2_f64, 22), 0.01..0.5_f64), 1..200),
+        odd in prop::collection::vec((0..200_usize, 0..6_u32), 0..5),
+        cut in 0..200_usize,
+        start in prop::array::uniform3(-5.0..5.0_f64),
+    ) {
+        let rover = vehicles()?.swap_remove(which);
+        let (joints, count) = (rover.steered().len(), rover.wheels().len());
+        let encoder = Encoder { resolution, ..Encoder::default() };
+        let settings = Settings {
+            noise: Noise { speed, slip, period, yaw: 0.05, ..Noise::READINGS },
+            slip_threshold: threshold,
+            steering_encoders: vec![encoder],
+            max_gap,
+            max_speed,
+            smoothing,
+            ..Settings::default()
+        };
+        let mut log = Log { yaws: vec![f64::NAN; rows.len()], ..Log::default() };
+        let (mut angles, mut turned, mut stamp) = (vec![0.0; joints], vec![0.0; count], 0.0);
+        let per_count = encoder.angle_per_count();
+        for (changes, dt) in &rows {
+            for (reading, change) in angles.iter_mut().chain(&mut turned).zip(changes) {
+                *reading += change;
+            }
+            stamp += dt;
+            log.steering.extend(angles.iter().map(|angle| angle / per_count));
+            log.wheels.extend(&turned);
+            log.stamps.push(stamp);
+        }
+        for &(row, kind) in odd.iter().filter(|(row, _)| *row < rows.len()) {
+            match kind {
+                0 => log.wheels[row * count] = f64::NAN,
+                1 => log.yaws[row] = 0.3,
+                2 => log.stamps[row] -= 1.0,
+                3 => log.wheels[row * count] += 30.0,
+                4 if joints > 0 => log.steering[row * joints] += 2.0 / per_count,
+                _ => log.wheels[row * count] += 0.7,
+            }
+        }
+        let mut whole = Odometry::new(rover, settings)?;
+        let unit = Matrix3::from_diagonal_element(0.01).into();
+        whole.set_pose(start.into(), unit)?;
+        let mut singly = whole.clone();
+        let cut = cut.min(rows.len());
+        let mut found = Found::new(rows.len(), count);
+        whole.run(log.of(0..cut, count, joints), false, found.of(0..cut, count))?;
+        whole.run(log.of(cut..rows.len(), count, joints), false, found.of(cut..rows.len(), count))?;
+        for k in 0..rows.len() {
+            let steering = &log.steering[k * joints..(k + 1) * joints];
+            let wheels = &log.wheels[k * count..(k + 1) * count];
+            let yaw = Some(log.yaws[k]).filter(|yaw| !yaw.is_nan());
+            let health = singly.absorb(Sample { yaw, ..sample(steering, wheels, log.stamps[k]) })?;
+            prop_assert_eq!(found.health[k], health.0, "row {}", k);
+            prop_assert_eq!(found.poses[k], <[f64; 3]>::from(singly.pose()), "row {}", k);
+            prop_assert_eq!(found.twists[k], <[f64; 3]>::from(singly.twist()), "row {}", k);
+            let covariance = singly.covariance();
+            prop_assert_eq!(&found.covariances[k][..], covariance.as_flattened(), "row {}", k);
+            if !health.is_left_out() {
+                prop_assert_eq!(&found.residuals[k * count..(k + 1) * count], singly.residual());
+            }
+        }
+        for odometry in [&mut whole, &mut singly] {
+            odometry.update(sample(&vec![0.0; joints], &vec![0.1; count], stamp + 1.0)).ok();
+        }
+        prop_assert_eq!(whole.pose(), singly.pose());
+        prop_assert_eq!(whole.velocity(), singly.velocity());
+        prop_assert_eq!(whole.covariance(), singly.covariance());
+        prop_assert_eq!(whole.twist_covariance(), singly.twist_covariance());
+        prop_assert_eq!(whole.residual(), singly.residual());
+    }
+}
+
+#[test]
+fn in_no_time_nothing_slides() -> Result<(), Error> {
+    let rover = vehicles()?.swap_remove(0);
+    let stamps: Vec<_> = (0..20).map(|k| f64::from(k) * 1e-315).collect();
+    let log = Log {
+        steering: vec![0.0; 80],
+        wheels: vec![1.0; 120],
+        yaws: vec![f64::NAN; 20],
+        stamps,
+    };
+    let mut found = Found::new(20, 6);
+    Odometry::new(rover, Settings::default())?.run(
+        log.of(0..20, 6, 4),
+        true,
+        found.of(0..20, 6),
+    )?;
+    assert!(found.residuals.iter().all(|slid| *slid == 0.0));
+    assert!(found.twists.as_flattened().iter().all(|part| *part == 0.0));
+    Ok(())
+}
+
+/// Columns of a log.
+#[derive(Default)]
+struct Log {
+    steering: Vec<f64>,
+    wheels: Vec<f64>,
+    stamps: Vec<f64>,
+    yaws: Vec<f64>,
+}
+
+impl Log {
+    fn of(&self, rows: std::ops::Range<usize>, wheels: usize, joints: usize) -> Recording<'_> {
+        Recording {
+            steering: &self.steering[rows.start * joints..rows.end * joints],
+            wheels: &self.wheels[rows.start * wheels..rows.end * wheels],
+            stamps: &self.stamps[rows.clone()],
+            yaws: Some(&self.yaws[rows]),
+            yaw_rates: None,
+        }
+    }
+}
+
+/// What came of it.
+struct Found {
+    poses: Vec<[f64; 3]>,
+    twists: Vec<[f64; 3]>,
+    covariances: Vec<[f64; 9]>,
+    residuals: Vec<f64>,
+    health: Vec<u32>,
+}
+
+impl Found {
+    fn new(rows: usize, wheels: usize) -> Self {
+        Self {
+            poses: vec![[0.0; 3]; rows],
+            twists: vec![[0.0; 3]; rows],
+            covariances: vec![[0.0; 9]; rows],
+            residuals: vec![0.0; rows * wheels],
+            health: vec![0; rows],
+        }
+    }
+
+    fn of(&mut self, rows: std::ops::Range<usize>, wheels: usize) -> TrackRows<'_> {
+        TrackRows {
+            residuals: Some(&mut self.residuals[rows.start * wheels..rows.end * wheels]),
+            covariances: Some(&mut self.covariances[rows.clone()]),
+            poses: &mut self.poses[rows.clone()],
+            twists: &mut self.twists[rows.clone()],
+            health: &mut self.health[rows],
+            weights: None,
         }
     }
 }

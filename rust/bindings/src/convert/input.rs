@@ -141,19 +141,6 @@ impl<'py> Rows<'py> {
         self.flat().as_chunks().0
     }
 
-    /// Other triples in place of these.
-    pub fn mapped(self, map: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> PyResult<Self> {
-        let rows = self.triples().iter().enumerate();
-        let mut mapped = memory::room(self.flat().len())?;
-        for (k, row) in rows {
-            mapped.extend(map(k, *row));
-        }
-        Ok(Self {
-            data: Data::Owned(mapped),
-            ..self
-        })
-    }
-
     /// Number of rows.
     pub fn count(&self) -> usize {
         self.leading.iter().product()

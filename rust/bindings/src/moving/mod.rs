@@ -1,6 +1,7 @@
 //! Motion of a suspension on the ground it stands on: `inverse`, `forward`, `slip`, and `traction` without a map.
 
 mod motion;
+mod out;
 mod quick;
 mod slip;
 mod stand;
@@ -11,15 +12,17 @@ pub use quick::install;
 pub use slip::{BodySlip, WheelSlip, body_slip};
 pub use traction::Traction;
 
+use numpy::Element;
 use pyo3::prelude::*;
 
-use crate::convert::{Output, joined};
-
-/// A fresh array of rows, filled by the caller.
-fn fresh<'py>(py: Python<'py>, leading: &[usize], width: usize) -> PyResult<Output<'py>> {
-    Output::fresh(py, &joined(leading, width))
-}
+use crate::convert::{Output, memory};
 
 fn done(array: Output<'_>) -> PyResult<Py<PyAny>> {
-    Ok(array.finish()?.into_any().unbind())
+    Ok(array.finish_any()?.into_any().unbind())
+}
+
+/// The array of one call's numbers.
+fn array<T: Element + Copy>(py: Python<'_>, values: &[T]) -> PyResult<Py<PyAny>> {
+    let array = memory::array(py, values, &[values.len()])?;
+    Ok(array.into_any().unbind())
 }

@@ -2,59 +2,124 @@
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::PyIterator;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyFloat, PyIterator, PyTuple};
 use six_wheel_core::moving::{
     Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows,
 };
+use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
+use super::out::Out;
 use super::stand::Stands;
-use super::{done, fresh};
+use super::{array, done};
 use crate::batch::any_workers;
-use crate::convert::{
-    Rows, compute, joined, memory, number, raise, refuse, scalar_or_array, shape_text,
-};
+use crate::convert::{Output, Rows, compute, joined, number, raise, refuse, shape_text};
 use crate::given;
 use crate::suspension::Suspension;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct GroundCommand {
-    /// Steering angles, shape (..., steered wheels) [rad].
-    steering: Py<PyAny>,
-    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    speeds: Py<PyAny>,
-    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    twist: Py<PyAny>,
-    /// Rates of the free angles, shape (..., joints) [rad/s].
-    joint_rates: Py<PyAny>,
-    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
-    scale: Py<PyAny>,
+#[pyclass(frozen, module = "six_wheel")]
+pub struct GroundCommand(Told);
+
+enum Told {
+    /// The arrays of a batch.
+    Rows {
+        steering: Py<PyAny>,
+        speeds: Py<PyAny>,
+        twist: Py<PyAny>,
+        joint_rates: Py<PyAny>,
+        scale: Py<PyAny>,
+    },
+    /// One call's numbers: a control loop need not pay for arrays that it does not look at.
+    One(Box<One>),
+}
+
+/// The numbers of one row.
+pub struct One {
+    pub wheels: usize,
+    pub joints: usize,
+    pub steered: usize,
+    pub steering: [f64; MAX_WHEELS],
+    pub speeds: [f64; MAX_WHEELS],
+    pub twist: [[f64; 6]; 1],
+    pub joint_rates: [f64; MAX_FREE],
+    pub scale: f64,
+}
+
+impl GroundCommand {
+    /// That of one call.
+    pub fn one(one: One) -> Self {
+        Self(Told::One(Box::new(one)))
+    }
 }
 
 #[pymethods]
 impl GroundCommand {
+    /// Steering angles, shape (..., steered wheels) [rad].
+    #[getter]
+    fn steering(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { steering, .. } => Ok(steering.clone_ref(py)),
+            Told::One(one) => array(py, &one.steering[..one.steered]),
+        }
+    }
+
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    #[getter]
+    fn speeds(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { speeds, .. } => Ok(speeds.clone_ref(py)),
+            Told::One(one) => array(py, &one.speeds[..one.wheels]),
+        }
+    }
+
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    #[getter]
+    fn twist(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { twist, .. } => Ok(twist.clone_ref(py)),
+            Told::One(one) => array(py, one.twist.as_flattened()),
+        }
+    }
+
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    #[getter]
+    fn joint_rates(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { joint_rates, .. } => Ok(joint_rates.clone_ref(py)),
+            Told::One(one) => array(py, &one.joint_rates[..one.joints]),
+        }
+    }
+
+    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
+    #[getter]
+    fn scale(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Told::Rows { scale, .. } => Ok(scale.clone_ref(py)),
+            Told::One(one) => Ok(PyFloat::new(py, one.scale).into_any().unbind()),
+        }
+    }
+
     fn __len__(&self) -> usize {
         2
     }
 
     fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<PyAny>> {
         match index {
-            0 | -2 => Ok(self.steering.clone_ref(py)),
-            1 | -1 => Ok(self.speeds.clone_ref(py)),
+            0 | -2 => self.steering(py),
+            1 | -1 => self.speeds(py),
             _ => Err(PyIndexError::new_err("a command holds steering and speeds")),
         }
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
-        PyTuple::new(py, [&self.steering, &self.speeds])?.try_iter()
+        PyTuple::new(py, [self.steering(py)?, self.speeds(py)?])?.try_iter()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!(
             "GroundCommand(steering={}, speeds={})",
-            self.steering.bind(py).repr()?,
-            self.speeds.bind(py).repr()?
+            self.steering(py)?.bind(py).repr()?,
+            self.speeds(py)?.bind(py).repr()?
         ))
     }
 }
@@ -115,8 +180,13 @@ impl Suspension {
     ///     Angles to keep [rad], instead of those that roll.
     /// max_wheel_speed : float, optional
     ///     All speeds are scaled down together so that no wheel exceeds it [rad/s].
+    /// out : tuple of ndarray, optional
+    ///     Where to write steering, speeds, twist, joint rates and scale, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
+    /// kernel : str, optional
+    ///     Instructions, one of `kernels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -131,7 +201,7 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
-    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, threads=None))]
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn inverse<'py>(
         &self,
@@ -141,7 +211,9 @@ impl Suspension {
         #[pyo3(from_py_with = given::view)] view: &str,
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -177,36 +249,49 @@ impl Suspension {
                 return Err(refuse("max_wheel_speed", "be positive", &got));
             }
         }
-        let workers = any_workers(threads, None)?;
+        let workers = any_workers(threads, kernel)?;
+        let out = Out::<5>::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
+        let result = |k, width: Option<usize>| out.result(py, k, &with(&leading, width), true);
         let mut outputs = [
-            fresh(py, &leading, steered)?,
-            fresh(py, &leading, wheels)?,
-            fresh(py, &leading, 6)?,
-            fresh(py, &leading, joints)?,
+            result(0, Some(steered))?,
+            result(1, Some(wheels))?,
+            result(2, Some(6))?,
+            result(3, Some(joints))?,
+            result(4, None)?,
         ];
-        let mut scales = memory::filled(0.0, count)?;
         let footings = stands.footings();
-        let [angles, speeds, twists, rates] = outputs.each_mut().map(|output| output.flat());
+        let [angles, speeds, twists, rates, scales] =
+            outputs.each_mut().map(|output| output.flat());
         let asked = Commands {
             steering: angles,
             speeds,
             twists: twists.as_chunks_mut().0,
             joint_rates: rates,
-            scales: &mut scales,
+            scales,
         };
         let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
         compute(py, count, || {
-            inverse_rows(chain, &footings, &how, wanted, kept, asked, workers)
+            inverse_rows(
+                chain,
+                &self.motion,
+                &footings,
+                &how,
+                wanted,
+                kept,
+                asked,
+                workers,
+            )
         })
         .map_err(|error| raise(error, &leading))?;
-        let [angles, speeds, twists, rates] = outputs;
-        Ok(GroundCommand {
+        let single = leading.is_empty() && !out.is_given();
+        let [angles, speeds, twists, rates, scales] = outputs;
+        Ok(GroundCommand(Told::Rows {
             steering: done(angles)?,
             speeds: done(speeds)?,
             twist: done(twists)?,
             joint_rates: done(rates)?,
-            scale: scalar_or_array(py, scales, &leading)?,
-        })
+            scale: scalar_if(py, single, scales)?,
+        }))
     }
 
     /// The motion that the wheels tell, on the ground a rover stands on.
@@ -233,6 +318,9 @@ impl Suspension {
     ///     Rates of the steering angles [rad/s], default 0.
     /// weights : array_like, shape (wheels,) or (wheels, 2), optional
     ///     Weight of every wheel, for instance its load, or of its rolling and its side slip apart; default 1.
+    /// out : ndarray or tuple of ndarray, optional
+    ///     Where to write the twist, or twist, joint rates and residual, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// kernel : str, optional
@@ -249,7 +337,7 @@ impl Suspension {
     ///     If a number is not finite, a weight negative or a shape does not fit.
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
-    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, threads=None, kernel=None))]
+    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
@@ -261,6 +349,7 @@ impl Suspension {
         angular_velocity: Option<&Bound<'py, PyAny>>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         weights: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
         #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundMotion> {
@@ -305,10 +394,11 @@ impl Suspension {
             .transpose()?;
         let count = speeds.count();
         let workers = any_workers(threads, kernel)?;
+        let out = Out::<3>::read(out, ["twist", "joint_rates", "residual"])?;
         let mut outputs = [
-            fresh(py, &leading, 6)?,
-            fresh(py, &leading, joints)?,
-            fresh(py, &joined(&leading, wheels), 3)?,
+            out.result(py, 0, &joined(&leading, 6), false)?,
+            out.result(py, 1, &joined(&leading, joints), false)?,
+            out.result(py, 2, &joined(&joined(&leading, wheels), 3), false)?,
         ];
         let footings = stands.footings();
         let readings = ReadingRows {
@@ -335,6 +425,18 @@ impl Suspension {
             residual: done(residuals)?,
         })
     }
+}
+
+/// A number of a single call, and an array where there is one to write to, or many.
+fn scalar_if(py: Python<'_>, single: bool, mut output: Output<'_>) -> PyResult<Py<PyAny>> {
+    match output.flat() {
+        &mut [number] if single => Ok(PyFloat::new(py, number).into_any().unbind()),
+        _ => done(output),
+    }
+}
+
+fn with(leading: &[usize], width: Option<usize>) -> Vec<usize> {
+    leading.iter().copied().chain(width).collect()
 }
 
 impl Suspension {

@@ -1,17 +1,22 @@
-//! The quick way of `Suspension.traction`: one instant of a control loop.
+//! The quick ways of `Suspension.traction` and `Suspension.inverse`: one instant of a control loop.
 
 use pyo3::prelude::*;
-use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
-use six_wheel_core::suspension::MAX_WHEELS;
+use six_wheel_core::moving::{
+    Command, Commands, Drives, Driving, Footings, Lift, Turns, View, inverse_rows, traction_rows,
+};
+use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
+use super::motion::{self, GroundCommand};
 use super::traction::{One, Traction};
 use crate::batch::any_workers;
 use crate::fast::{self, Method, Numbers, Object, Quick, float, three};
+use crate::ground::Stand;
 use crate::suspension::Suspension;
 
-/// Puts the quick way before the method of the class.
+/// Puts the quick ways before the methods of the class.
 pub fn install(py: Python<'_>) -> PyResult<()> {
-    fast::install::<6, OneInstant>(py)
+    fast::install::<6, OneInstant>(py)?;
+    fast::install::<2, OneCommand>(py)
 }
 
 struct OneInstant;
@@ -96,5 +101,76 @@ impl Quick<6> for OneInstant {
         traction_rows(chain, &suspension.motion, &driving, drives, workers).ok()?;
         let traction = Bound::new(py, Traction::one(one)).ok()?;
         Some(traction.into_any())
+    }
+}
+
+struct OneCommand;
+
+impl Quick<2> for OneCommand {
+    type Class = Suspension;
+
+    fn method() -> &'static Method<2> {
+        static METHOD: Method<2> = Method::new(c"inverse", [c"stand", c"command"], 2);
+        &METHOD
+    }
+
+    #[inline(always)]
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Suspension>,
+        [stand, command]: [Option<Object<'_, 'py>>; 2],
+    ) -> Option<Bound<'py, PyAny>> {
+        let (py, suspension) = (this.py(), this.get());
+        let stand = stand?.cast::<Stand>().ok()?.get();
+        if stand.suspension.as_ptr() != this.as_ptr() || !stand.leading.is_empty() {
+            return None;
+        }
+        let mut room = Numbers::new();
+        // SAFETY: nothing is written before it has been read.
+        let &[speed, yaw_rate] = unsafe { room.read(command?, 2)? }.first_chunk()?;
+        if !(speed.is_finite() && yaw_rate.is_finite()) {
+            return None;
+        }
+        let chain = &suspension.chain;
+        let mut one = motion::One {
+            wheels: chain.wheels().len(),
+            joints: chain.joints().len(),
+            steered: chain.steering().len(),
+            steering: [0.0; MAX_WHEELS],
+            speeds: [0.0; MAX_WHEELS],
+            twist: [[0.0; 6]],
+            joint_rates: [0.0; MAX_FREE],
+            scale: 1.0,
+        };
+        let how = Command {
+            view: View::Body,
+            offset: suspension.motion.offset,
+            wheel_speed: f64::INFINITY,
+        };
+        let footings = Footings::Settled {
+            stands: &stand.stands,
+            poses: &stand.poses,
+            steering: &stand.steering,
+        };
+        let commands = Commands {
+            steering: &mut one.steering[..one.steered],
+            speeds: &mut one.speeds[..one.wheels],
+            twists: &mut one.twist,
+            joint_rates: &mut one.joint_rates[..one.joints],
+            scales: std::slice::from_mut(&mut one.scale),
+        };
+        let workers = any_workers(None, None).ok()?;
+        inverse_rows(
+            chain,
+            &suspension.motion,
+            &footings,
+            &how,
+            &[[speed, yaw_rate]],
+            None,
+            commands,
+            workers,
+        )
+        .ok()?;
+        let command = Bound::new(py, GroundCommand::one(one)).ok()?;
+        Some(command.into_any())
     }
 }

@@ -3,10 +3,11 @@
 use pyo3::prelude::*;
 use six_wheel_core::moving::{SlipTest, Slips, slip_rows};
 
+use super::done;
+use super::out::Out;
 use super::stand::Stands;
-use super::{done, fresh};
 use crate::batch::any_workers;
-use crate::convert::{Rows, compute, raise, refuse};
+use crate::convert::{Output, Rows, compute, joined, raise, refuse};
 use crate::given;
 use crate::suspension::Suspension;
 
@@ -42,6 +43,9 @@ impl Suspension {
     ///     ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, from elsewhere [m/s, rad/s].
     /// joint_rates : array_like, shape (..., joints)
     ///     Rates of the free angles [rad/s].
+    /// out : tuple of ndarray, optional
+    ///     Where to write ratio and angle, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -54,7 +58,8 @@ impl Suspension {
     /// ------
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
-    #[pyo3(signature = (stand, speeds, twist, joint_rates, *, threads=None))]
+    #[pyo3(signature = (stand, speeds, twist, joint_rates, *, out=None, threads=None))]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn slip<'py>(
         &self,
         py: Python<'py>,
@@ -62,6 +67,7 @@ impl Suspension {
         speeds: &Bound<'py, PyAny>,
         twist: &Bound<'py, PyAny>,
         joint_rates: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
@@ -78,7 +84,9 @@ impl Suspension {
         let speeds = read("speeds", speeds, wheels)?;
         let twists = read("twist", twist, 6)?;
         let rates = read("joint_rates", joint_rates, joints)?;
-        let (mut ratios, mut angles) = (fresh(py, &leading, wheels)?, fresh(py, &leading, wheels)?);
+        let out = Out::<2>::read(out, ["ratio", "angle"])?;
+        let result = |k| out.result(py, k, &joined(&leading, wheels), false);
+        let (mut ratios, mut angles) = (result(0)?, result(1)?);
         let footings = stands.footings();
         let slips = Slips {
             ratios: ratios.flat(),
@@ -139,7 +147,7 @@ impl BodySlip {
         let wanted = Rows::read("wanted", wanted, slip.len()?)?;
         wanted.check_leading("wanted", &[])?;
         wanted.check_finite("wanted")?;
-        let mut command = fresh(py, &[], slip.len()?)?;
+        let mut command = Output::fresh(py, &[slip.len()?])?;
         let share = if self.slipping { 1.0 } else { 0.0 };
         for (k, command) in command.flat().iter_mut().enumerate() {
             *command = wanted.flat()[k] - share * slips.flat()[k];
@@ -205,7 +213,7 @@ pub fn body_slip(
     let navigated = read("navigated", navigated, &[])?;
     let kinematic = read("kinematic", kinematic, &[])?;
     let covariance = read("covariance", covariance, &[length])?;
-    let mut slip = fresh(py, &[], length)?;
+    let mut slip = Output::fresh(py, &[length])?;
     for (k, slip) in slip.flat().iter_mut().enumerate() {
         *slip = navigated.flat()[k] - kinematic.flat()[k];
     }

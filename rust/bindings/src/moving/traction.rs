@@ -5,9 +5,10 @@ use pyo3::types::PyFloat;
 use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_core::suspension::MAX_WHEELS;
 
-use super::{done, fresh};
+use super::out::Out;
+use super::{array, done};
 use crate::batch::any_workers;
-use crate::convert::{Rows, Scalars, compute, memory, raise, refuse, scalar_or_array};
+use crate::convert::{Rows, Scalars, compute, joined, memory, raise, refuse, scalar_or_array};
 use crate::given;
 use crate::suspension::Suspension;
 
@@ -44,12 +45,6 @@ impl Traction {
     pub fn one(one: One) -> Self {
         Self(Told::One(Box::new(one)))
     }
-}
-
-fn array<T: numpy::Element + Copy>(py: Python<'_>, values: &[T]) -> PyResult<Py<PyAny>> {
-    Ok(memory::array(py, values, &[values.len()])?
-        .into_any()
-        .unbind())
 }
 
 #[pymethods]
@@ -140,6 +135,9 @@ impl Suspension {
     /// lift_angle, lift_speed : float, default 1.0 and 0.01
     ///     A wheel that moves across its link faster than `lift_speed` [m/s], and than a slope of `lift_angle` [rad]
     ///     would push it at the commanded speed, is flagged in `lifted`: a wheelie, or a fall.
+    /// out : tuple of ndarray, optional
+    ///     Where to write speeds, steering and contact angles, in this order; what is left out, or None, is fresh. Nothing is written by
+    ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// kernel : str, optional
@@ -159,7 +157,7 @@ impl Suspension {
     ///
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
     #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
-                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, threads=None, kernel=None))]
+                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn traction<'py>(
         &self,
@@ -174,6 +172,7 @@ impl Suspension {
         wheel_speeds: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::lift_angle)] lift_angle: f64,
         #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
         #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Traction> {
@@ -231,11 +230,9 @@ impl Suspension {
             speed: lift_speed,
         };
         let workers = any_workers(threads, kernel)?;
-        let mut outputs = [
-            fresh(py, &leading, wheels)?,
-            fresh(py, &leading, steered)?,
-            fresh(py, &leading, wheels)?,
-        ];
+        let out = Out::<3>::read(out, ["speeds", "steering", "contact_angles"])?;
+        let result = |k, width| out.result(py, k, &joined(&leading, width), true);
+        let mut outputs = [result(0, wheels)?, result(1, steered)?, result(2, wheels)?];
         let mut lifted = memory::filled(false, count * wheels)?;
         let mut vertical = memory::filled(0.0, count)?;
         let driving = Driving {

@@ -82,6 +82,14 @@ pub struct Contact {
     pub touching: bool,
 }
 
+/// Which side of a rim touches, seen from the plane on which it does: the near one, but where a wheel that leans far lies on
+/// the edge of something steeper than it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Near,
+    Far,
+}
+
 /// A wheel, the plane it stands on, and its carrier's velocities.
 pub(super) struct Tread {
     pub frame: WheelFrame,
@@ -91,14 +99,27 @@ pub(super) struct Tread {
 }
 
 impl Tread {
-    /// A wheel turned against the ground: its contact moves along the plane.
-    pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64) -> Self {
-        let angle = (-frame.forward.dot(&normal)).atan2(frame.up.dot(&normal));
+    /// A wheel turned against the ground: its contact moves along the plane, on the side of the rim that touches it.
+    pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64, side: Side) -> Self {
+        let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
+        let angle = match side {
+            Side::Near => (-ahead).atan2(up),
+            Side::Far => ahead.atan2(-up),
+        };
         Self {
             frame,
             normal,
             radius,
             angle,
+        }
+    }
+
+    /// Which side touches.
+    pub fn side(&self) -> Side {
+        if self.spoke().dot(&self.normal) > 0.0 {
+            Side::Far
+        } else {
+            Side::Near
         }
     }
 
@@ -131,6 +152,10 @@ impl Contacts {
     /// does not reach.
     pub fn new(chain: &Chain, footing: &Footing<'_>, steering: Option<&[f64]>) -> Option<Self> {
         let placed = in_body(chain, footing.joints, steering.unwrap_or(footing.steering))?;
+        let stands = match steering {
+            Some(_) => Some(in_body(chain, footing.joints, footing.steering)?),
+            None => None,
+        };
         let body_from_world = footing.rotation().inverse();
         let blank = Contact {
             normal: [0.0; COLUMNS],
@@ -148,16 +173,17 @@ impl Contacts {
         };
         for (k, mount) in chain.wheels().iter().enumerate() {
             let normal = body_from_world * Vector3::from(footing.normals[k]);
-            let (frame, radius) = (placed.wheel(k), mount.radius);
-            let tread = if steering.is_some() {
-                Tread::on_plane(frame, normal, radius)
-            } else {
-                Tread {
-                    frame,
-                    normal,
-                    radius,
-                    angle: footing.angles[k],
-                }
+            let radius = mount.radius;
+            let own = |frame| Tread {
+                frame,
+                normal,
+                radius,
+                angle: footing.angles[k],
+            };
+            let frame = placed.wheel(k);
+            let tread = match &stands {
+                Some(stands) => Tread::on_plane(frame, normal, radius, own(stands.wheel(k)).side()),
+                None => own(frame),
             };
             contacts.wheels[k] = Contact::new(&placed, k, &tread, footing.touching[k]);
         }

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
 
-use super::contact::{Footing, Row, carried, in_body};
+use super::contact::{Footing, Row, Side, Tread, carried, in_body};
 use crate::error::{Error, ErrorKind, number};
 use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
 use crate::suspension::{Chain, MAX_WHEELS, Placed};
@@ -18,6 +18,33 @@ const STEPS: u32 = 48;
 
 /// Halvings and turns inside a bracket: twice what an interval of doubles takes.
 const HALVINGS: usize = 128;
+
+/// Angles of the steering joints at which the centres of wheels go where these point, in the plan of the body, forwards or
+/// backwards: the same rule without a ground. A joint whose wheels rest keeps what it has.
+pub(super) fn steer_in_plan(
+    chain: &Chain,
+    straight: &Placed<'_>,
+    rates: &Row,
+    angles: &mut [f64; MAX_WHEELS],
+) -> Result<(), Error> {
+    let mut aims = [const { None }; MAX_WHEELS];
+    for (wheel, aim) in aims.iter_mut().enumerate().take(chain.wheels().len()) {
+        *aim = Aim::in_plan(straight, wheel, rates);
+    }
+    for (joint, angle) in angles.iter_mut().enumerate().take(chain.steering().len()) {
+        let together = Together {
+            aims: &aims,
+            joint,
+            touching: false,
+        };
+        if together.ways() == [0.0; 2] {
+            *angle = together.within(chain, *angle)?;
+        } else {
+            *angle = together.turned(chain, 0.0)?;
+        }
+    }
+    Ok(())
+}
 
 /// Turns every steered wheel to where its touching point goes, forwards or backwards, whichever is nearer to where
 /// it points; one that rests stays. Wheels of one joint do so on average.
@@ -42,28 +69,15 @@ pub(super) fn steer(
             joint,
             touching,
         };
-        let Some(wheel) = aims.iter().flatten().find(of).map(|aim| aim.wheel) else {
-            continue;
-        };
-        let never = || {
-            let name = &chain.wheels()[wheel].name;
-            let rule = format!("let {name} roll at some angle");
-            Error::value("command", rule, "one at which it slips at any")
-                .of_kind(ErrorKind::Infeasible)
-        };
-        let asked = present + together.aimed().ok_or_else(never)?;
-        *angle = within(chain, joint, wheel, asked)?;
-        // Half a turn from there is the same but for wheels beside their axis.
-        if *angle != asked && together.beside() {
-            let again = together.root(*angle - present).ok_or_else(never)?;
-            *angle = within(chain, joint, wheel, present + again)?;
+        if together.all().next().is_some() {
+            *angle = together.turned(chain, present)?;
         }
     }
     Ok(())
 }
 
 /// The angle, or half a turn from it, inside the range of a steering joint.
-pub(super) fn within(chain: &Chain, joint: usize, wheel: usize, angle: f64) -> Result<f64, Error> {
+fn within(chain: &Chain, joint: usize, wheel: usize, angle: f64) -> Result<f64, Error> {
     let range: SteeringRange = chain.steering()[joint];
     let fits = |angle: &f64| {
         *angle >= range.lower - ANGLE_TOLERANCE && *angle <= range.upper + ANGLE_TOLERANCE
@@ -113,7 +127,8 @@ impl Turned {
 /// q s = a . (v - n (n . v) + r q (n x w))
 /// ```
 ///
-/// Without the last term, or where the ground is upright to the wheel, that is a sine of the steering angle.
+/// Without the last term, or where the ground is upright to the wheel, that is a sine of the steering angle. The last term has
+/// the other sign where the far side of the rim touches.
 struct Aim {
     wheel: usize,
     joint: usize,
@@ -125,7 +140,7 @@ struct Aim {
     /// Of the centre at angle 0 [m/s], and of the carrier [rad/s].
     velocity: Vector3<f64>,
     turn: Vector3<f64>,
-    /// `r n x w` [m/s].
+    /// `r n x w`, or minus that [m/s].
     rim: Vector3<f64>,
 }
 
@@ -141,6 +156,16 @@ impl Aim {
         let frame = placed.wheel(wheel);
         let normal = footing.rotation().inverse() * Vector3::from(footing.normals[wheel]);
         let (velocity, turn) = carried(placed, wheel, rates);
+        let tread = Tread {
+            frame,
+            normal,
+            radius: chain.wheels()[wheel].radius,
+            angle: footing.angles[wheel],
+        };
+        let radius = match tread.side() {
+            Side::Near => tread.radius,
+            Side::Far => -tread.radius,
+        };
         Some(Self {
             wheel,
             joint,
@@ -150,7 +175,26 @@ impl Aim {
             normal,
             velocity,
             turn,
-            rim: normal.cross(&turn) * chain.wheels()[wheel].radius,
+            rim: normal.cross(&turn) * radius,
+        })
+    }
+
+    /// The same without a ground, for rates of the body in plan: how its centre goes along its axle.
+    fn in_plan(straight: &Placed<'_>, wheel: usize, rates: &Row) -> Option<Self> {
+        let (joint, axis, pivot) = straight.steering_axes(wheel).next()?;
+        let frame = straight.wheel(wheel);
+        let turn = Vector3::z() * rates[5];
+        let level = Vector3::new(frame.centre.x, frame.centre.y, 0.0);
+        Some(Self {
+            wheel,
+            joint,
+            touches: false,
+            axle: Turned::new(axis, frame.axle),
+            centre: Turned::new(axis, frame.centre - pivot),
+            normal: Vector3::zeros(),
+            velocity: Vector3::new(rates[0], rates[1], 0.0) + turn.cross(&level),
+            turn,
+            rim: Vector3::zeros(),
         })
     }
 
@@ -215,12 +259,40 @@ impl Together<'_> {
         })
     }
 
-    /// The angle at which nothing goes sideways, nearest to where the touching points go.
-    fn aimed(&self) -> Option<f64> {
-        let [aside, back] = self.all().fold([0.0; 2], |[aside, back], aim| {
+    /// Where the touching points go, all together: see [`Aim::ways`].
+    fn ways(&self) -> [f64; 2] {
+        self.all().fold([0.0; 2], |[aside, back], aim| {
             let [one, other] = aim.ways();
             [aside + one, back + other]
-        });
+        })
+    }
+
+    /// The angle inside the range of the joint at which nothing goes sideways, from the one that it has.
+    fn turned(&self, chain: &Chain, present: f64) -> Result<f64, Error> {
+        let never = || {
+            let name = self.all().next().map(|aim| &chain.wheels()[aim.wheel].name);
+            let rule = format!("let {} roll at some angle", name.map_or("", |name| name));
+            Error::value("command", rule, "one at which it slips at any")
+                .of_kind(ErrorKind::Infeasible)
+        };
+        let asked = present + self.aimed().ok_or_else(never)?;
+        let angle = self.within(chain, asked)?;
+        // Half a turn from there is the same but for wheels beside their axis.
+        if angle == asked || !self.beside() {
+            return Ok(angle);
+        }
+        let again = self.root(angle - present).ok_or_else(never)?;
+        self.within(chain, present + again)
+    }
+
+    fn within(&self, chain: &Chain, angle: f64) -> Result<f64, Error> {
+        let wheel = self.all().next().map_or(0, |aim| aim.wheel);
+        within(chain, self.joint, wheel, angle)
+    }
+
+    /// The angle at which nothing goes sideways, nearest to where the touching points go.
+    fn aimed(&self) -> Option<f64> {
+        let [aside, back] = self.ways();
         if aside == 0.0 && back == 0.0 {
             return Some(0.0);
         }
@@ -351,7 +423,7 @@ mod tests {
         let (mut seed, mut beside) = (1, 0);
         for chain in chains()? {
             let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
-            for _ in 0..4000 {
+            for number in 0..4000 {
                 let angles: [f64; MAX_FREE] = std::array::from_fn(|_| 0.3 * noise(&mut seed));
                 let steering: [f64; MAX_WHEELS] = std::array::from_fn(|_| 0.5 * noise(&mut seed));
                 let normals: [[f64; 3]; MAX_WHEELS] = std::array::from_fn(|_| {
@@ -362,7 +434,8 @@ mod tests {
                     attitude: std::array::from_fn(|_| 0.3 * noise(&mut seed)),
                     joints: &angles[..joints],
                     steering: &steering[..chain.steering().len()],
-                    angles: &[0.0; MAX_WHEELS],
+                    // Near sides and far ones.
+                    angles: &[f64::from(number % 2) * PI; MAX_WHEELS],
                     normals: &normals[..wheels],
                     touching: [true; MAX_WHEELS],
                     stopped: [false; MAX_FREE],

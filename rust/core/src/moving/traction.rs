@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Row, carried, in_body};
-use super::steer::within;
+use super::steer::steer_in_plan;
 use crate::error::Error;
 use crate::suspension::{Chain, MAX_WHEELS};
 
@@ -118,25 +118,6 @@ pub fn traction(
     let Some(straight) = in_body(chain, rates.joints, &[]) else {
         return Ok(driven);
     };
-    for wheel in 0..count {
-        let Some((joint, _, _)) = straight.steering_axes(wheel).next() else {
-            continue;
-        };
-        let frame = straight.wheel(wheel);
-        let velocity = in_plan(frame.centre, rates, sideways);
-        let (ahead, aside) = (velocity.dot(&frame.forward), velocity.dot(&frame.axle));
-        let angle = if ahead == 0.0 && aside == 0.0 {
-            rates.steering.get(joint).copied().unwrap_or(0.0)
-        } else if ahead < 0.0 {
-            (-aside).atan2(-ahead)
-        } else {
-            aside.atan2(ahead)
-        };
-        driven.steering[joint] = within(chain, joint, wheel, angle)?;
-    }
-    let Some(placed) = in_body(chain, rates.joints, &driven.steering[..joints]) else {
-        return Ok(driven);
-    };
     let mut known: Row = [0.0; COLUMNS];
     known[..6].copy_from_slice(&[
         rates.speed,
@@ -149,6 +130,14 @@ pub fn traction(
     for (rate, joint) in known[6..].iter_mut().zip(rates.joint_rates) {
         *rate = *joint;
     }
+    driven.steering = [0.0; MAX_WHEELS];
+    for (angle, present) in driven.steering.iter_mut().zip(rates.steering) {
+        *angle = *present;
+    }
+    steer_in_plan(chain, &straight, &known, &mut driven.steering)?;
+    let Some(placed) = in_body(chain, rates.joints, &driven.steering[..joints]) else {
+        return Ok(driven);
+    };
     let centres: [Centre; MAX_WHEELS] = std::array::from_fn(|wheel| {
         let wheel = wheel.min(count - 1);
         let frame = placed.wheel(wheel);

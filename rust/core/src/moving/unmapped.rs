@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{COLUMNS, Contact, Contacts, Row, Tread, carried, in_body, slope};
+use super::contact::{COLUMNS, Contact, Contacts, Row, Side, Tread, carried, in_body, slope};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
 /// Rounds in which plane and contacts on it are found; each leaves less than a hundredth of what was missing.
@@ -77,7 +77,7 @@ impl Contacts {
         };
         let mut together = [0.0; COLUMNS];
         for (wheel, mount) in chain.wheels().iter().enumerate() {
-            let mut tread = Tread::on_plane(placed.wheel(wheel), normal, mount.radius);
+            let mut tread = Tread::on_plane(placed.wheel(wheel), normal, mount.radius, Side::Near);
             if let Some(motion) = known.motion {
                 let (way, turn) = carried(&placed, wheel, motion);
                 let rolled = mount.radius * (known.turned[wheel] + turn.dot(&tread.frame.axle));
@@ -171,7 +171,7 @@ fn plane(chain: &Chain, placed: &Placed<'_>) -> Option<Vector3<f64>> {
         let normal = Vector3::new(-slopes[0], -slopes[1], 1.0).normalize();
         for (wheel, point) in points[..count].iter_mut().enumerate() {
             let frame = placed.wheel(wheel);
-            let tread = Tread::on_plane(frame, normal, chain.wheels()[wheel].radius);
+            let tread = Tread::on_plane(frame, normal, chain.wheels()[wheel].radius, Side::Near);
             *point = frame.centre + tread.spoke();
         }
         let next = through(&points[..count])?;

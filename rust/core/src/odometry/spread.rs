@@ -3,26 +3,28 @@
 //! nalgebra knows no such type, and its general products, which are made for any size, took half the time of a
 //! step. Here symmetry is in the type, and every product is a handful of sums.
 
+use std::ops::{Add, Mul, Sub};
+
 use nalgebra::{Matrix3, Vector3};
 
-use super::step::Fused;
+use super::arithmetic::Arithmetic;
 use crate::jacobi::Jacobi;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spread {
-    xx: f64,
-    xy: f64,
-    xz: f64,
-    yy: f64,
-    yz: f64,
-    zz: f64,
+pub(crate) struct Spread<T = f64> {
+    xx: T,
+    xy: T,
+    xz: T,
+    yy: T,
+    yz: T,
+    zz: T,
 }
 
-impl From<[f64; 6]> for Spread {
+impl<T> From<[T; 6]> for Spread<T> {
     /// The upper half, row by row.
     #[inline(always)]
-    fn from([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Self {
+    fn from([xx, xy, xz, yy, yz, zz]: [T; 6]) -> Self {
         Self {
             xx,
             xy,
@@ -34,9 +36,9 @@ impl From<[f64; 6]> for Spread {
     }
 }
 
-impl From<Spread> for [f64; 6] {
+impl<T> From<Spread<T>> for [T; 6] {
     #[inline(always)]
-    fn from(spread: Spread) -> Self {
+    fn from(spread: Spread<T>) -> Self {
         let Spread {
             xx,
             xy,
@@ -80,20 +82,10 @@ impl Spread {
         Vector3::new(self.xz, self.yz, self.zz)
     }
 
-    pub fn trace(&self) -> f64 {
-        self.xx + self.yy + self.zz
-    }
-
     /// Whether rounding may have left a direction with a negative variance.
     #[inline(always)]
     pub fn may_be_negative(&self) -> bool {
-        let minors = [
-            self.xx * self.yy - self.xy * self.xy,
-            self.xx * self.zz - self.xz * self.xz,
-            self.yy * self.zz - self.yz * self.yz,
-        ];
-        let signs = [self.xx, self.yy, self.zz].into_iter().chain(minors);
-        signs.into_iter().any(|value| value < 0.0)
+        self.minors().into_iter().any(|value| value < 0.0)
     }
 
     /// The same with variances of 0 where they are negative.
@@ -109,7 +101,7 @@ impl Spread {
 
     pub fn is_below(&self, bound: f64) -> bool {
         // No covariance is larger than the larger of its variances.
-        self.xx < bound && self.yy < bound && self.zz < bound
+        self.diagonal().iter().all(|variance| *variance < bound)
     }
 
     /// Adds `share v vᵀ`.
@@ -122,32 +114,6 @@ impl Spread {
         self.yy += y * v.y;
         self.yz += y * v.z;
         self.zz += z * v.z;
-    }
-
-    /// Adds another one.
-    #[inline(always)]
-    pub fn add_spread(&mut self, other: &Self) {
-        self.xx += other.xx;
-        self.xy += other.xy;
-        self.xz += other.xz;
-        self.yy += other.yy;
-        self.yz += other.yz;
-        self.zz += other.zz;
-    }
-
-    /// Twice as much.
-    #[inline(always)]
-    pub fn doubled(mut self) -> Self {
-        let same = self;
-        self.add_spread(&same);
-        self
-    }
-
-    /// Adds the same variance to every component.
-    pub fn add_to_diagonal(&mut self, variance: f64) {
-        self.xx += variance;
-        self.yy += variance;
-        self.zz += variance;
     }
 
     /// `a S aᵀ`.
@@ -172,13 +138,63 @@ impl Spread {
             zz: with(&third, 2),
         }
     }
+}
 
-    /// `a S aᵀ` of a matrix that leaves the third component as it is.
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
+    /// The sum of two.
     #[inline(always)]
-    pub fn displaced<F: Fused>(&self, a: &Matrix3<f64>) -> Self {
-        let dot = |p: f64, q: f64, r: f64, k: usize| {
-            F::fused(r, a[(k, 2)], F::fused(q, a[(k, 1)], p * a[(k, 0)]))
-        };
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            xx: self.xx + other.xx,
+            xy: self.xy + other.xy,
+            xz: self.xz + other.xz,
+            yy: self.yy + other.yy,
+            yz: self.yz + other.yz,
+            zz: self.zz + other.zz,
+        }
+    }
+
+    /// Adds another one.
+    #[inline(always)]
+    pub fn add_spread(&mut self, other: &Self) {
+        *self = self.and(*other);
+    }
+
+    pub fn trace(&self) -> T {
+        self.xx + self.yy + self.zz
+    }
+
+    /// Adds the same variance to every component.
+    #[inline(always)]
+    pub fn add_to_diagonal(&mut self, variance: T) {
+        self.xx = self.xx + variance;
+        self.yy = self.yy + variance;
+        self.zz = self.zz + variance;
+    }
+
+    /// Variances, and the minors of every two components: a negative one is a direction with a negative variance.
+    #[inline(always)]
+    pub fn minors(&self) -> [T; 6] {
+        [
+            self.xx,
+            self.yy,
+            self.zz,
+            self.xx * self.yy - self.xy * self.xy,
+            self.xx * self.zz - self.xz * self.xz,
+            self.yy * self.zz - self.yz * self.yz,
+        ]
+    }
+
+    /// Variances.
+    #[inline(always)]
+    pub fn diagonal(&self) -> [T; 3] {
+        [self.xx, self.yy, self.zz]
+    }
+
+    /// `a S aᵀ` of a matrix whose third row is 0, 0, 1.
+    #[inline(always)]
+    pub fn displaced<F: Arithmetic<Number = T>>(&self, by: F, a: &[[T; 3]; 2]) -> Self {
+        let dot = |p, q, r, k: usize| by.fused(r, a[k][2], by.fused(q, a[k][1], p * a[k][0]));
         let (xz, yz) = (
             dot(self.xz, self.yz, self.zz, 0),
             dot(self.xz, self.yz, self.zz, 1),
@@ -203,13 +219,13 @@ impl Spread {
 
     /// As the third component swings the other two by this lever.
     #[inline(always)]
-    pub fn swung<F: Fused>(&self, [x, y]: [f64; 2]) -> Self {
-        let (xz, yz) = (F::fused(x, self.zz, self.xz), F::fused(y, self.zz, self.yz));
+    pub fn swung<F: Arithmetic<Number = T>>(&self, by: F, [x, y]: [T; 2]) -> Self {
+        let (xz, yz) = (by.fused(x, self.zz, self.xz), by.fused(y, self.zz, self.yz));
         Self {
-            xx: F::fused(x, self.xz + xz, self.xx),
-            xy: F::fused(x, yz, F::fused(y, self.xz, self.xy)),
+            xx: by.fused(x, self.xz + xz, self.xx),
+            xy: by.fused(x, yz, by.fused(y, self.xz, self.xy)),
             xz,
-            yy: F::fused(y, self.yz + yz, self.yy),
+            yy: by.fused(y, self.yz + yz, self.yy),
             yz,
             zz: self.zz,
         }
@@ -218,7 +234,7 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
-    use super::super::step::Apart;
+    use super::super::arithmetic::Apart;
     use super::*;
 
     #[test]
@@ -232,12 +248,11 @@ mod tests {
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
         assert!(
-            (spread.swung::<Apart>(lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14
+            (spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14
         );
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
-        assert!(
-            (spread.displaced::<Apart>(&a).matrix() - spread.image(&a).matrix()).amax() < 1e-14
-        );
+        let displaced = spread.displaced(Apart, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
+        assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);
         assert_eq!(Spread::of(&spread.matrix()), spread);
     }
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::step::{Apart, Motion, Rules, Workspace, step_jacobian};
+use super::arithmetic::Apart;
+use super::step::{Motion, Rules, Workspace, bend, step_jacobian};
 use super::uncertainty::{StepNoise, Uncertainty};
 use crate::error::{Error, HUGE, finite, numbers};
 use crate::geometry::{Pose, Twist, Walk, wrap_angle};
@@ -116,7 +117,8 @@ pub(super) fn follow(
     [smoothing, walk]: [f64; 2],
 ) {
     let (sin, cos) = state.walk.heading.value().sin_cos();
-    let jacobian = step_jacobian::<Apart>(displacement, [sin, cos]);
+    let bend = bend(Apart, displacement.omega / 2.0);
+    let jacobian = step_jacobian(Apart, displacement.into(), bend, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
     if motion.gyro_turn.is_some() {
         let gain = work.fusion().gain;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::arithmetic::{Apart, Arithmetic};
 use super::dimensions::Deviations;
 use super::noise::Noise;
 use super::settings::{Readings, Settings};
@@ -15,7 +16,7 @@ use crate::geometry::{Twist, sinc};
 use crate::rover::Rover;
 
 /// Half turn of a steered wheel during a step below which its series is exact to rounding [rad].
-const SMALL_TURN: f64 = 0.25;
+pub(crate) const SMALL_TURN: f64 = 0.25;
 
 /// How many standard deviations a wheel may disagree before it is said to slip.
 pub(crate) const SUSPICIOUS: f64 = 4.0;
@@ -103,22 +104,6 @@ pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
 /// Columns of the steering joints: those beyond the last joint are always zero.
 fn joint_columns(rover: &Rover) -> usize {
     rover.steered().len().next_multiple_of(COLUMNS)
-}
-
-/// How a product is added: by one instruction where the machine has it.
-pub(crate) trait Fused {
-    /// `a b + c`
-    fn fused(a: f64, b: f64, c: f64) -> f64;
-}
-
-/// Rounded twice, on every machine.
-pub(crate) struct Apart;
-
-impl Fused for Apart {
-    #[inline(always)]
-    fn fused(a: f64, b: f64, c: f64) -> f64 {
-        a * b + c
-    }
 }
 
 impl Workspace {
@@ -450,16 +435,19 @@ pub(super) fn chord(angle: f64) -> f64 {
     if half.abs() > SMALL_TURN {
         return sinc(half);
     }
-    series::<Apart>(half * half, &SINE)
+    series(Apart, half * half, &SINE)
 }
 
 /// `1 - x²/a (1 - x²/b (1 - ...))`, the reciprocals of `a`, `b` and so on given: the series of sin(x) / x, of cos(x), and
 /// of the derivative of the first one as a share of -x / 3. What is left out is below 1e-17 at [`SMALL_TURN`].
 #[inline(always)]
-fn series<F: Fused>(square: f64, terms: &[f64; 6]) -> f64 {
-    let [a, b, c, d, e, f] = terms.map(|term| -(square * term));
-    let rest = F::fused(d, F::fused(e, 1.0 + f, 1.0), 1.0);
-    F::fused(a, F::fused(b, F::fused(c, rest, 1.0), 1.0), 1.0)
+fn series<F: Arithmetic>(by: F, square: F::Number, terms: &[f64; 6]) -> F::Number {
+    let (one, minus) = (by.number(1.0), -square);
+    let mut sum = one;
+    for term in terms.iter().rev() {
+        sum = by.fused(minus * by.number(*term), sum, one);
+    }
+    sum
 }
 
 const SINE: [f64; 6] = [
@@ -487,25 +475,41 @@ const SLOPE: [f64; 6] = [
     1.0 / 180.0,
 ];
 
+/// How an arc bends that turns by twice this: its chord as a share of its length, the slope of that, sine and cosine.
+pub(crate) type Bend<T> = [T; 4];
+
+/// Of an arc whose half turn is below [`SMALL_TURN`].
+#[inline(always)]
+pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Number> {
+    let square = half * half;
+    let length = series(by, square, &SINE);
+    [
+        length,
+        half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE),
+        half * length,
+        series(by, square, &COSINE),
+    ]
+}
+
+/// Of any arc.
+#[inline(always)]
+pub(crate) fn bend<F: Arithmetic<Number = f64>>(by: F, half: f64) -> Bend<f64> {
+    if half.abs() < SMALL_TURN {
+        return small_bend(by, half);
+    }
+    let (sin, cos) = half.sin_cos();
+    let length = sin / half;
+    [length, (cos - length) / half, sin, cos]
+}
+
 /// How the pose at the end of a step answers to heading `(sin, cos)` at its start and displacement.
 #[inline(always)]
-pub(crate) fn step_jacobian<F: Fused>(displacement: Twist, heading: [f64; 2]) -> StepJacobian {
-    let Twist { vx, vy, omega } = displacement;
-    let half = omega / 2.0;
-    let (length, slope, sin, cos) = if half.abs() < SMALL_TURN {
-        let square = half * half;
-        let length = series::<F>(square, &SINE);
-        (
-            length,
-            half * (-1.0 / 3.0) * series::<F>(square, &SLOPE),
-            half * length,
-            series::<F>(square, &COSINE),
-        )
-    } else {
-        let (sin, cos) = half.sin_cos();
-        let length = sin / half;
-        (length, (cos - length) / half, sin, cos)
-    };
+pub(crate) fn step_jacobian<F: Arithmetic>(
+    by: F,
+    [vx, vy, _]: [F::Number; 3],
+    [length, slope, sin, cos]: Bend<F::Number>,
+    heading: [F::Number; 2],
+) -> StepJacobian<F::Number> {
     // The chord leaves at half the turn, in world axes.
     let [heading_sin, heading_cos] = heading;
     let (s, c) = (
@@ -513,19 +517,21 @@ pub(crate) fn step_jacobian<F: Fused>(displacement: Twist, heading: [f64; 2]) ->
         heading_cos * cos - heading_sin * sin,
     );
     let (ahead, left) = (c * vx - s * vy, s * vx + c * vy);
+    let half = by.number(0.5);
     StepJacobian {
         shift: [length * ahead, length * left],
-        by_displacement: Matrix3::new(
-            length * c,
-            -length * s,
-            (slope * ahead - length * left) / 2.0, //
-            length * s,
-            length * c,
-            (slope * left + length * ahead) / 2.0, //
-            0.0,
-            0.0,
-            1.0,
-        ),
+        by_displacement: [
+            [
+                length * c,
+                -(length * s),
+                (slope * ahead - length * left) * half,
+            ],
+            [
+                length * s,
+                length * c,
+                (slope * left + length * ahead) * half,
+            ],
+        ],
     }
 }
 
@@ -547,7 +553,8 @@ mod tests {
         };
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
             let displacement = [0.4, -0.3, omega];
-            let step = step_jacobian::<Apart>(displacement.into(), [yaw.sin(), yaw.cos()]);
+            let heading = [yaw.sin(), yaw.cos()];
+            let step = step_jacobian(Apart, displacement, bend(Apart, omega / 2.0), heading);
             let ended = end(yaw, displacement);
             assert!((step.shift[0] - ended[0]).abs() < 1e-15, "{omega}");
             assert!((step.shift[1] - ended[1]).abs() < 1e-15, "{omega}");
@@ -558,7 +565,7 @@ mod tests {
                 let (more, less) = (end(yaw, more), end(yaw, less));
                 for row in 0..3 {
                     let difference = (more[row] - less[row]) / 2e-6;
-                    let derivative = step.by_displacement[(row, k)];
+                    let derivative = step.matrix()[(row, k)];
                     assert!((difference - derivative).abs() < 1e-9, "{omega} {row} {k}");
                 }
             }

@@ -4,7 +4,11 @@
 //! counter that goes on from another value for good is followed from the second such row on.
 
 use super::{Health, Odometry, Readings, Refusal, Sample};
+use crate::batch::one_row::step::log::Block;
 use crate::error::{Error, ErrorKind};
+
+/// Rows that are taken in one by one before registers of rows are tried again.
+const SINGLY: usize = 8;
 
 /// What is remembered of rows that were left out, until a row is taken in again.
 ///
@@ -112,6 +116,16 @@ impl<'a> Recording<'a> {
             yaw_rate: at(self.yaw_rates),
         }
     }
+
+    /// Where the rows from `first` on end that tell no yaw and no rate of it, `most` of them at most.
+    pub(super) fn bare_until(&self, first: usize, most: usize) -> usize {
+        let end = self.stamps.len().min(first + most);
+        let sensors = [self.yaws, self.yaw_rates].into_iter().flatten();
+        sensors.fold(end, |end, values| {
+            let told = values[first..end].iter().position(|value| !value.is_nan());
+            told.map_or(end, |k| first + k)
+        })
+    }
 }
 
 /// Where the results of a log go, one row per sample.
@@ -205,51 +219,71 @@ impl Odometry {
         &mut self,
         recording: Recording<'_>,
         strict: bool,
-        track: TrackRows<'_>,
+        mut track: TrackRows<'_>,
     ) -> Result<(), Error> {
-        let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
-        let TrackRows {
-            poses,
-            twists,
-            mut covariances,
-            mut residuals,
-            mut weights,
-            health,
-        } = track;
-        for k in 0..recording.stamps.len() {
-            let sample = recording.row(wheels, joints, k);
-            let taken = if strict {
-                self.update(sample)
+        let rows = recording.stamps.len();
+        let mut room = (rows > SINGLY).then(|| self.room()).flatten();
+        let mut block = Block::new();
+        let (mut k, mut singly) = (0, 1);
+        while k < rows {
+            if singly == 0
+                && let Some(room) = &mut room
+            {
+                let taken = self.stride(&recording, k, room, &mut block, &mut track);
+                k += taken;
+                singly = if taken == 0 { SINGLY } else { 0 };
+                continue;
+            }
+            let flags = self.take_one(&recording, strict, k, &mut track)?;
+            // The row before has to be the one from which the next one counts.
+            singly = if flags.is_left_out() {
+                1
             } else {
-                self.absorb(sample)
+                singly.saturating_sub(1)
             };
-            let flags = taken.map_err(|error| match error.kind {
-                ErrorKind::Memory => error,
-                _ => error.at_row(k),
-            })?;
-            poses[k] = self.pose().into();
-            twists[k] = self.twist().into();
-            health[k] = flags.0;
-            if let Some(covariances) = &mut covariances {
-                covariances[k].copy_from_slice(self.covariance().as_flattened());
-            }
-            if let Some(residuals) = &mut residuals {
-                let row = &mut residuals[k * wheels..(k + 1) * wheels];
+            k += 1;
+        }
+        Ok(())
+    }
+
+    fn take_one(
+        &mut self,
+        recording: &Recording<'_>,
+        strict: bool,
+        k: usize,
+        track: &mut TrackRows<'_>,
+    ) -> Result<Health, Error> {
+        let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
+        let sample = recording.row(wheels, joints, k);
+        let taken = if strict {
+            self.update(sample)
+        } else {
+            self.absorb(sample)
+        };
+        let flags = taken.map_err(|error| match error.kind {
+            ErrorKind::Memory => error,
+            _ => error.at_row(k),
+        })?;
+        track.poses[k] = self.pose().into();
+        track.twists[k] = self.twist().into();
+        track.health[k] = flags.0;
+        if let Some(covariances) = &mut track.covariances {
+            covariances[k].copy_from_slice(self.covariance().as_flattened());
+        }
+        let of_wheels = [
+            (&mut track.residuals, &self.residual),
+            (&mut track.weights, &self.work.weights),
+        ];
+        for (rows, values) in of_wheels {
+            if let Some(rows) = rows {
+                let row = &mut rows[k * wheels..(k + 1) * wheels];
                 if flags.is_left_out() {
                     row.fill(f64::NAN);
                 } else {
-                    row.copy_from_slice(&self.residual);
-                }
-            }
-            if let Some(weights) = &mut weights {
-                let row = &mut weights[k * wheels..(k + 1) * wheels];
-                if flags.is_left_out() {
-                    row.fill(f64::NAN);
-                } else {
-                    row.copy_from_slice(&self.work.weights);
+                    row.copy_from_slice(values);
                 }
             }
         }
-        Ok(())
+        Ok(flags)
     }
 }

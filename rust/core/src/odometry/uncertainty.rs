@@ -12,48 +12,65 @@
 //!
 //! What dimensions are off by enters every step: it has columns too, which are never settled (`lasting`).
 
+use std::ops::Neg;
+
 use nalgebra::{Matrix3, Vector3};
 
+use super::arithmetic::{Apart, Arithmetic};
 use super::spread::Spread;
-use super::step::Apart;
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// A covariance with what rounding may have left of it.
+#[inline(always)]
+pub(crate) fn rounded<F: Arithmetic>(
+    by: F,
+    mut covariance: Spread<F::Number>,
+) -> Spread<F::Number> {
+    covariance.add_to_diagonal(by.number(ROUNDING) * covariance.trace());
+    covariance
+}
+
 /// How the end of a step answers to its start and to its displacement in body axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StepJacobian {
+pub(crate) struct StepJacobian<T = f64> {
     /// Way in world axes [m]: a turn at the start swings it.
-    pub shift: [f64; 2],
-    /// By the displacement.
-    pub by_displacement: Matrix3<f64>,
+    pub shift: [T; 2],
+    /// By the displacement; an error of it leaves the yaw as it is, so the third row is 0, 0, 1.
+    pub by_displacement: [[T; 3]; 2],
+}
+
+impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
+    /// By what an error of the yaw at the start swings the end.
+    #[inline(always)]
+    pub fn lever(&self) -> [T; 2] {
+        [-self.shift[1], self.shift[0]]
+    }
 }
 
 impl StepJacobian {
-    /// By what an error of the yaw at the start swings the end.
-    #[inline(always)]
-    pub fn lever(&self) -> [f64; 2] {
-        [-self.shift[1], self.shift[0]]
+    /// The whole matrix by the displacement.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        let [[a, b, c], [d, e, f]] = self.by_displacement;
+        Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
     }
 
-    /// What an error of the start is at the end.
-    #[inline(always)]
-    fn carry(&self, error: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y] = self.lever();
-        Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
-    }
-
-    /// What an error of the displacement is at the end. It leaves the yaw as it is.
+    /// What an error of the displacement is at the end.
     #[inline(always)]
     fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
-        let by = &self.by_displacement;
-        Vector3::new(
-            by.m11 * error.x + by.m12 * error.y + by.m13 * error.z,
-            by.m21 * error.x + by.m22 * error.y + by.m23 * error.z,
-            error.z,
-        )
+        let [x, y] = self
+            .by_displacement
+            .map(|[a, b, c]| a * error.x + b * error.y + c * error.z);
+        Vector3::new(x, y, error.z)
     }
+}
+
+/// What an error of the start is at the end of a step that swings it by this lever.
+#[inline(always)]
+fn carry([x, y]: [f64; 2], error: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(error.x + x * error.z, error.y + y * error.z, error.z)
 }
 
 /// What one displacement in body axes may be off by.
@@ -74,9 +91,7 @@ pub(crate) struct StepNoise {
 impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
     pub fn total(&self) -> Spread {
-        let mut total = self.own;
-        total.add_spread(&self.ends);
-        total
+        self.own.and(self.ends)
     }
 
     /// No noise: a step in which nothing moved.
@@ -193,8 +208,7 @@ impl Uncertainty {
 
     /// Covariance of the pose.
     pub fn covariance(&self) -> Spread {
-        let mut covariance = self.settled;
-        covariance.add_spread(&self.open);
+        let mut covariance = self.settled.and(self.open);
         for lasting in &self.lasting {
             covariance.add(&lasting.pose, 1.0);
         }
@@ -203,8 +217,7 @@ impl Uncertainty {
 
     /// The same without a negative variance in any direction, rounding or not.
     pub fn reported(&self) -> Spread {
-        let mut covariance = self.covariance();
-        covariance.add_to_diagonal(ROUNDING * covariance.trace());
+        let covariance = rounded(Apart, self.covariance());
         if covariance.may_be_negative() {
             return covariance.without_negative();
         }
@@ -214,35 +227,45 @@ impl Uncertainty {
     /// Goes along one step.
     pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
         for (lasting, by) in self.lasting.iter_mut().zip(&noise.lasting) {
-            lasting.pose = step.carry(&lasting.pose) + step.map(by);
+            lasting.pose = carry(step.lever(), &lasting.pose) + step.map(by);
         }
-        let mut settled = self.settled.swung::<Apart>(step.lever());
-        settled.add_spread(&noise.own.image(&step.by_displacement));
+        let mut settled = self.settled.swung(Apart, step.lever());
+        settled.add_spread(&noise.own.image(&step.matrix()));
         let ends = noise.old.iter().zip(&noise.new);
         self.open = Spread::default();
         for (carried, (old, new)) in self.carried.iter_mut().zip(ends) {
-            let whole = step.carry(&Vector3::from(*carried)) + step.map(old);
+            let whole = carry(step.lever(), &Vector3::from(*carried)) + step.map(old);
             settled.add(&whole, 1.0);
             let column = step.map(new);
             self.open.add(&column, 1.0);
             *carried = column.into();
         }
         self.settled = settled;
-        self.carry_yaw_offset(step);
+        self.carry_yaw_offset(step.lever());
     }
 
     /// The same where the columns of the joints have gone along already: what is left is the gyroscope's.
     #[inline(always)]
-    pub fn follow(&mut self, settled: Spread, open: Spread, step: &StepJacobian) {
+    pub fn follow(&mut self, settled: Spread, open: Spread, lever: [f64; 2]) {
         (self.settled, self.open) = (settled, open);
         if let Some(column) = self.carried.last_mut()
             && *column != [0.0; 3]
         {
-            let whole = step.carry(&Vector3::from(*column));
+            let whole = carry(lever, &Vector3::from(*column));
             self.settled.add(&whole, 1.0);
             *column = [0.0; 3];
         }
-        self.carry_yaw_offset(step);
+        self.carry_yaw_offset(lever);
+    }
+
+    /// What steps came to that went along by registers.
+    pub fn settle(&mut self, settled: Spread, open: Spread) {
+        (self.settled, self.open) = (settled, open);
+    }
+
+    /// Whether a gyroscope's last reading still counts.
+    pub fn leans_on_gyroscope(&self) -> bool {
+        self.carried.last() != Some(&[0.0; 3])
     }
 
     /// The bias of a gyroscope goes along one step, in which it turned the rover by as much as `gain` let it, and wandered
@@ -252,7 +275,7 @@ impl Uncertainty {
             return;
         };
         let by = step.map(&(gain * -dt));
-        let carried = step.carry(&bias.cross);
+        let carried = carry(step.lever(), &bias.cross);
         let mixed = by * carried.transpose();
         let added = mixed + mixed.transpose() + by * by.transpose() * bias.variance;
         self.settled.add_spread(&Spread::of(&added));
@@ -282,9 +305,9 @@ impl Uncertainty {
     }
 
     #[inline(always)]
-    fn carry_yaw_offset(&mut self, step: &StepJacobian) {
+    pub fn carry_yaw_offset(&mut self, lever: [f64; 2]) {
         if let Some(offset) = &mut self.yaw_offset {
-            offset.cross = step.carry(&offset.cross);
+            offset.cross = carry(lever, &offset.cross);
         }
     }
 

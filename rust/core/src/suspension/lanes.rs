@@ -152,11 +152,22 @@ impl Plan {
         self.wheels[wheel].steering
     }
 
-    /// The joint of a wheel, if it steers another wheel after it.
-    pub fn shared(&self, wheel: usize) -> Option<usize> {
-        let joint = self.wheels[wheel].steering;
-        let after = &self.wheels[wheel + 1..];
-        joint.filter(|_| after.iter().any(|other| other.steering == joint))
+    /// The centre of a wheel from its steering axis, ahead and to the left where that is straight [m].
+    pub fn offset(&self, wheel: usize) -> [f64; 2] {
+        let [ahead, left, _] = self.wheels[wheel].offset;
+        [ahead, left]
+    }
+
+    /// Whether the centres of a joint's wheels lie about its axis: then they go on average where the axis does.
+    pub fn is_centred(&self, joint: usize) -> bool {
+        let wheels = self
+            .wheels
+            .iter()
+            .filter(|wheel| wheel.steering == Some(joint));
+        let [ahead, left] = wheels.fold([0.0; 2], |[ahead, left], wheel| {
+            [ahead + wheel.offset[0], left + wheel.offset[1]]
+        });
+        ahead == 0.0 && left == 0.0
     }
 }
 

@@ -79,7 +79,9 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.with(self.simd.abs_f64s(self.values))
+        // Every bit but the sign. pulp's own may be left to call.
+        let bits = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
+        self.with(self.simd.and_f64s(self.values, bits))
     }
 
     /// The larger of two numbers, neither of them NaN.
@@ -440,7 +442,8 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.with(self.simd.neg_f64s(self.values))
+        let bit = self.simd.splat_f64s(-0.0);
+        self.with(self.simd.xor_f64s(self.values, bit))
     }
 }
 

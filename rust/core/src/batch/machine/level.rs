@@ -48,6 +48,16 @@ impl Level {
         LEVELS.into_iter().filter(|level| level.is_here()).collect()
     }
 
+    /// Numbers in a register.
+    pub(crate) fn lanes(self) -> usize {
+        match self {
+            Self::Plain => 1,
+            Self::Neon => 2,
+            Self::Avx2 => 4,
+            Self::Avx512 => 8,
+        }
+    }
+
     /// The best level this machine has.
     pub fn best() -> Self {
         let best = LEVELS.into_iter().rev().find(|level| level.is_here());

@@ -1,31 +1,36 @@
-//! One step of odometry with its covariance: the lanes of a register are the wheels.
+//! Steps of odometry with their covariance.
 //!
 //! Every wheel has two rows, each a constant times the cosine and the sine of where it points; for a wheel that is
 //! not steered these are 1 and 0. Where the normal equations are the same for all readings, so are the rows times
 //! their inverse: what a metre of rolling is of the displacement. Displacement, residuals and errors are sums of these.
+//!
+//! One sample has the wheels in the lanes of a register (here), a log successive steps ([`log`]). Both go through the same
+//! operations in the same order, so they come to the same bits.
 
+pub(crate) mod log;
 mod plan;
+mod wheels;
 
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
+use crate::batch::machine::polynomials::sin_cos;
 use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, padded};
 use crate::error::HUGE;
 use crate::odometry::{
-    Fused, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, step_jacobian,
+    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, bend,
+    step_jacobian,
 };
 pub(crate) use plan::Plan;
-use plan::{Room, Triple};
+use plan::Room;
+pub(crate) use wheels::SURELY;
+use wheels::{Pick, Register, Squares, disagree, ended, lean, listen, met};
 
 /// Half turn of a steered wheel during a step up to which its chord is the polynomial [rad].
 const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Way and turn of a wheel over one step beyond which it is left to the plain core [m, rad].
 const LARGEST_WAY: f64 = 1e50;
-
-/// Share of a bound that is surely below it, however it is rounded.
-pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 
 /// The columns of joints come in whole registers, on every level that has this kernel.
 pub(crate) const COLUMNS: usize = 4;
@@ -53,20 +58,7 @@ pub(crate) struct Given<'a> {
     pub steering: [&'a [f64]; 2],
     /// Steering angles at its start [rad].
     pub angles: &'a [f64],
-    /// Duration [s].
-    pub dt: f64,
-    /// Variance of what a wheel rolled, but for slip [m²].
-    pub reading_variance: f64,
-    /// Deviation of a steering angle [rad].
-    pub steering_deviation: f64,
-    /// Variance along and across a wheel's heading per metre of its pivot [m].
-    pub slip_variances: [f64; 2],
-    /// How far a wheel slides that is reported [m]; None: by the variances.
-    pub slip_bound: Option<f64>,
-    /// Time constant of the filter of the twist [s].
-    pub smoothing: f64,
-    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad].
-    pub most: [f64; 2],
+    pub terms: Terms<f64>,
 }
 
 /// Where the results of a step go.
@@ -87,49 +79,7 @@ struct Step<'a, 'b> {
     targets: &'a mut Targets<'b>,
 }
 
-/// Fused multiplication by the instruction of the level.
-struct Instruction;
-
-impl Fused for Instruction {
-    #[inline(always)]
-    fn fused(a: f64, b: f64, c: f64) -> f64 {
-        a.mul_add(b, c)
-    }
-}
-
-/// Sum of the outer products of vectors, one in every lane.
-#[derive(Clone, Copy)]
-struct Squares<S: Vector>([Lanes<S>; 6]);
-
 impl<S: Vector> Squares<S> {
-    #[inline(always)]
-    fn new(simd: S) -> Self {
-        Self([Lanes::splat(simd, 0.0); 6])
-    }
-
-    #[inline(always)]
-    fn add(&mut self, [x, y, z]: [Lanes<S>; 3], share: Lanes<S>) {
-        self.add_product([x * share, y * share, z * share], [x, y, z]);
-    }
-
-    #[inline(always)]
-    fn add_square(&mut self, vector: [Lanes<S>; 3]) {
-        self.add_product(vector, vector);
-    }
-
-    #[inline(always)]
-    fn add_product(&mut self, [a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) {
-        let [xx, xy, xz, yy, yz, zz] = self.0;
-        self.0 = [
-            a.mul_add(x, xx),
-            a.mul_add(y, xy),
-            a.mul_add(z, xz),
-            b.mul_add(y, yy),
-            b.mul_add(z, yz),
-            c.mul_add(z, zz),
-        ];
-    }
-
     #[inline(always)]
     fn total(self) -> Spread {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -142,31 +92,6 @@ impl<S: Vector> Squares<S> {
             zz.total(),
         ])
     }
-}
-
-/// Registers of three columns.
-#[inline(always)]
-fn load<S: Vector>(simd: S, triple: &Triple, k: usize) -> [Lanes<S>; 3] {
-    let [x, y, z] = triple;
-    [
-        Lanes::load(simd, S::as_simd_f64s(x).0, k),
-        Lanes::load(simd, S::as_simd_f64s(y).0, k),
-        Lanes::load(simd, S::as_simd_f64s(z).0, k),
-    ]
-}
-
-#[inline(always)]
-fn store<S: Vector>([x, y, z]: [Lanes<S>; 3], triple: &mut Triple, k: usize) {
-    let [a, b, c] = triple;
-    x.store(S::as_mut_simd_f64s(a).0, k);
-    y.store(S::as_mut_simd_f64s(b).0, k);
-    z.store(S::as_mut_simd_f64s(c).0, k);
-}
-
-/// `a . b`.
-#[inline(always)]
-fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
-    c.mul_add(z, b.mul_add(y, a * x))
 }
 
 /// As many numbers as there is room for.
@@ -195,31 +120,37 @@ impl Kernel for Step<'_, '_> {
         } = self;
         let heading = targets.state.walk.heading.value();
         let (sin, cos) = sin_cos(simd, Lanes::splat(simd, heading));
-        let displacement = displace(simd, plan, given, targets)?;
-        let twist = displacement.map(|part| part / given.dt);
+        let terms = given.terms.everywhere(simd);
+        let displacement = displace(simd, plan, given, &terms, targets)?;
+        let dt = given.terms.dt;
+        let twist = displacement.map(|part| part / dt);
         let is_usual = displacement.iter().all(|part| part.abs() < HUGE)
             && twist.iter().all(|part| part.is_finite());
         if !is_usual {
             return None;
         }
-        let jacobian =
-            step_jacobian::<Instruction>(displacement.into(), [sin.last(simd), cos.last(simd)]);
-        let (own, slips) = doubt(simd, plan, given, displacement);
+        let jacobian = step_jacobian(
+            Instruction,
+            displacement,
+            bend(Instruction, displacement[2] / 2.0),
+            [sin.last(simd), cos.last(simd)],
+        );
+        let (own, slips) = doubt(simd, plan, &terms, displacement);
         if !own.is_below(HUGE) {
             return None;
         }
-        report(simd, plan, given.dt, targets.residual);
+        report(simd, plan, 1.0 / dt, targets.residual);
         let Targets { state, noise, .. } = targets;
         let uncertainty = &mut state.uncertainty;
-        let [ends, met] = carry(simd, plan, given, &mut uncertainty.carried, &jacobian);
+        let [ends, met] = carry(simd, plan, &terms, &mut uncertainty.carried, &jacobian);
         let by = &jacobian.by_displacement;
-        let mut settled = uncertainty.settled.swung::<Instruction>(jacobian.lever());
-        settled.add_spread(&own.displaced::<Instruction>(by));
-        settled.add_spread(&met);
-        uncertainty.follow(settled, ends.displaced::<Instruction>(by), &jacobian);
-        (noise.own, noise.ends) = (own, ends.doubled());
+        let added = own.displaced(Instruction, by).and(met);
+        let lever = jacobian.lever();
+        let settled = uncertainty.settled.swung(Instruction, lever).and(added);
+        uncertainty.follow(settled, ends.displaced(Instruction, by), lever);
+        (noise.own, noise.ends) = (own, ends.and(ends));
         state.go(jacobian.shift, displacement[2]);
-        state.hold(twist.into(), given.dt, given.smoothing);
+        state.hold(twist.into(), dt, given.terms.smoothing);
         Some(slips)
     }
 }
@@ -230,23 +161,18 @@ fn displace<S: Vector>(
     simd: S,
     plan: &mut Plan,
     given: &Given<'_>,
+    terms: &Terms<Lanes<S>>,
     targets: &mut Targets<'_>,
 ) -> Option<[f64; 3]> {
-    let splat = |number| Lanes::splat(simd, number);
-    let (zero, one) = (splat(0.0), splat(1.0));
-    let [most_way, most_turn] = [
-        splat(given.most[0].min(LARGEST_WAY)),
-        splat(given.most[1].min(2.0 * LARGEST_HALF_TURN)),
-    ];
-    let (largest, largest_angle) = (splat(LARGEST_WAY), splat(LARGEST_ANGLE / 4.0));
+    let zero = Lanes::splat(simd, 0.0);
     let [before, after] = given.wheels;
-    let mut unusual = one.below(zero);
-    let [mut x, mut y, mut z] = [zero; 3];
+    let mut usual = zero.at_most(zero);
+    let mut said = [zero; 3];
     let mut joints = 0;
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
         for k in 0..group.registers(S::F64_LANES) {
             let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
-            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
+            let pick = Register(simd, k);
             let gather = |all: &[f64]| {
                 let mut room = [0.0; GROUP];
                 for (place, &i) in room.iter_mut().zip(wheels) {
@@ -254,51 +180,25 @@ fn displace<S: Vector>(
                 }
                 Lanes::load(simd, S::as_simd_f64s(&room).0, 0)
             };
-            let turned = (gather(after) - gather(before)) * column(&group.per_count[0]);
-            let mut rolled = turned * column(&group.radius);
-            unusual = unusual | !rolled.abs().at_most(most_way) | !turned.abs().at_most(largest);
-            let (mut shares, mut way) = (
-                group.shares.each_ref().map(|row| load(simd, row, k)),
-                [rolled, zero],
-            );
+            let counts = gather(after) - gather(before);
+            let mut joint = None;
             if k * S::F64_LANES < group.steered {
                 let rest = joints..given.angles.len();
                 joints += S::F64_LANES;
                 let [before, after] = given.steering.map(|all| padded(simd, &all[rest.clone()]));
                 let start = padded(simd, &given.angles[rest.clone()]);
-                let end = (after - before) * column(&group.per_count[1]) + start;
+                let end = (after - before) * pick.of(&group.per_count[1]) + start;
                 put(end, &mut targets.angles[rest]);
-                let turn = end - start;
-                let middle = (start + end) * splat(0.5);
-                unusual =
-                    unusual | !turn.abs().at_most(most_turn) | !middle.abs().at_most(largest_angle);
-                let half = turn * splat(0.5);
-                let (sin, cos) = sin_cos(simd, middle + column(&group.heading));
-                rolled = rolled * sinc_of_square(simd, half * half);
-                way = [rolled * cos, rolled * sin];
-                let [along, across] = shares;
-                for part in 0..3 {
-                    shares[0][part] = cos.mul_add(along[part], sin * across[part]);
-                    shares[1][part] = cos.mul_add(across[part], -(sin * along[part]));
-                }
+                joint = Some([(start + end) * Lanes::splat(simd, 0.5), end - start]);
             }
-            let [along, _] = shares;
-            x = rolled.mul_add(along[0], x);
-            y = rolled.mul_add(along[1], y);
-            z = rolled.mul_add(along[2], z);
-            for (share, target) in shares.into_iter().zip(&mut room.shares) {
-                store(share, target, k);
-            }
-            rolled.store(S::as_mut_simd_f64s(&mut room.rolled).0, k);
-            for (way, target) in way.into_iter().zip(&mut room.way) {
-                way.store(S::as_mut_simd_f64s(target).0, k);
-            }
+            let wheel = (group, pick);
+            usual = usual & listen(simd, wheel, counts, joint, terms.most, &mut said, (room, k));
         }
     }
-    if unusual.any() {
+    if (!usual).any() {
         return None;
     }
-    Some([x.total(), y.total(), z.total()])
+    Some(said.map(Lanes::total))
 }
 
 /// What the displacement may be off by in this step alone. Whether a wheel slid further than the
@@ -307,51 +207,20 @@ fn displace<S: Vector>(
 fn doubt<S: Vector>(
     simd: S,
     plan: &mut Plan,
-    given: &Given<'_>,
+    terms: &Terms<Lanes<S>>,
     displacement: [f64; 3],
 ) -> (Spread, bool) {
-    let splat = |number| Lanes::splat(simd, number);
-    let zero = splat(0.0);
-    let step = displacement.map(splat);
-    let slips = given.slip_variances != [0.0; 2];
-    let reading = splat(given.reading_variance);
-    let steering = splat(given.steering_deviation * given.steering_deviation);
-    let suspicious = splat(SURELY * SUSPICIOUS * SUSPICIOUS);
+    let zero = Lanes::splat(simd, 0.0);
+    let step = displacement.map(|part| Lanes::splat(simd, part));
     let mut squares = Squares::new(simd);
     let mut suspects = zero.below(zero);
     for (group, room) in plan.groups.iter().zip(&mut plan.rooms) {
         for k in 0..group.registers(S::F64_LANES) {
-            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
-            let [rolling, side_slip] = group.rows.each_ref().map(|row| load(simd, row, k));
-            let along = dot(rolling, step) - column(&room.way[0]);
-            let across = dot(side_slip, step) - column(&room.way[1]);
-            let square = along.mul_add(along, across * across);
-            let slid = square.sqrt();
-            let [mut own, mut sides] = [reading, zero];
-            if slips {
-                let [px, py] = group.pivot.each_ref().map(column);
-                let x = step[0] - step[2] * py;
-                let y = step[1] + step[2] * px;
-                let distance = x.mul_add(x, y * y).sqrt();
-                own = own + distance * splat(given.slip_variances[0]);
-                sides = distance * splat(given.slip_variances[1]);
-                squares.add(load(simd, &room.shares[1], k), sides);
-            }
-            squares.add(load(simd, &room.shares[0], k), own);
-            let rolled = column(&room.rolled);
-            let turned = steering * column(&group.steers) * (rolled * rolled);
-            let [has_rolling, has_side_slip] = group.has.each_ref().map(column);
-            let variance = has_rolling.mul_add(own, has_side_slip * (sides + turned));
-            suspects = suspects
-                | match given.slip_bound {
-                    Some(bound) => splat(bound).below(slid),
-                    None => (variance * suspicious).below(square),
-                };
-            slid.store(S::as_mut_simd_f64s(&mut room.slid).0, k);
-            variance.store(S::as_mut_simd_f64s(&mut room.variance).0, k);
+            let wheel = (group, Register(simd, k));
+            suspects = suspects | disagree(simd, wheel, step, terms, &mut squares, (room, k));
         }
     }
-    let is_sure = given.slip_bound.is_some() || !suspects.any();
+    let is_sure = terms.slip_bound.is_some() || !suspects.any();
     let slips = if is_sure {
         suspects.any()
     } else {
@@ -360,16 +229,15 @@ fn doubt<S: Vector>(
     (squares.total(), slips)
 }
 
-/// The residuals of a step that was made.
+/// The residuals of a step that was made, `per` one over its duration [1/s].
 #[inline(always)]
-fn report<S: Vector>(simd: S, plan: &Plan, dt: f64, residual: &mut [f64]) {
-    let dt = Lanes::splat(simd, dt);
+fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
+    let per = Lanes::splat(simd, per);
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.registers(S::F64_LANES) {
-            let slid = Lanes::load(simd, S::as_simd_f64s(&room.slid).0, k);
-            let mut speeds = [0.0; GROUP];
-            slid.quotient(dt)
-                .store(S::as_mut_simd_f64s(&mut speeds).0, 0);
+            let slid = Register(simd, k).of(&room.slid);
+            let mut speeds: Eight = [0.0; GROUP];
+            (slid * per).store(S::as_mut_simd_f64s(&mut speeds).0, 0);
             let wheels = &group.wheels[k * S::F64_LANES..][..S::F64_LANES];
             for (&i, speed) in wheels.iter().zip(speeds) {
                 if let Some(target) = residual.get_mut(i) {
@@ -401,16 +269,17 @@ fn is_slip(rooms: &[Room]) -> bool {
 fn carry<S: Vector>(
     simd: S,
     plan: &Plan,
-    given: &Given<'_>,
+    terms: &Terms<Lanes<S>>,
     carried: &mut [[f64; 3]],
     jacobian: &StepJacobian,
 ) -> [Spread; 2] {
     let splat = |number| Lanes::splat(simd, number);
-    let by = &jacobian.by_displacement;
-    let [first, second] =
-        [[by.m11, by.m12, by.m13], [by.m21, by.m22, by.m23]].map(|row| row.map(splat));
-    let [lever_x, lever_y] = jacobian.lever().map(splat);
-    let deviation = splat(given.steering_deviation / 2.0);
+    let mut by = [[splat(0.0); 3]; 2];
+    let parts = jacobian.by_displacement.as_flattened().iter();
+    for (part, number) in by.as_flattened_mut().iter_mut().zip(parts) {
+        *part = splat(*number);
+    }
+    let lever = jacobian.lever().map(splat);
     let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
     let mut columns = carried
         .as_flattened_mut()
@@ -418,17 +287,10 @@ fn carry<S: Vector>(
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let Some(columns) = columns.next() else { break };
-            let column = |numbers: &Eight| Lanes::load(simd, S::as_simd_f64s(numbers).0, k);
-            let error = column(&room.rolled) * column(&group.steers) * deviation;
-            let half = load(simd, &room.shares[1], k).map(|share| share * error);
+            let half = lean(simd, (group, Register(simd, k)), terms, (room, k));
             ends.add_square(half);
-            let end = [dot(first, half), dot(second, half), half[2]];
-            let [x, y, z] = Lanes::unbraid(simd, columns);
-            settled.add_square([
-                lever_x.mul_add(z, x + end[0]),
-                lever_y.mul_add(z, y + end[1]),
-                z + end[2],
-            ]);
+            let end = ended(by, half);
+            settled.add_square(met(lever, Lanes::unbraid(simd, columns), end));
             Lanes::braid(end, columns);
         }
     }

@@ -327,16 +327,21 @@ impl InLanes<'_> {
         let mut contacts = [blank; MAX_WHEELS];
         for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
             let joint = plan.steering(wheel);
-            let tread = match joint {
+            let at_angle = |angles: &[Lanes<S>; MAX_WHEELS]| match joint {
                 Some(joint) => {
                     let turned = direction(simd, angles[joint % MAX_WHEELS]);
                     placing.steered(simd, wheel, turned)
                 }
                 None => placing.wheels[wheel],
             };
+            let tread = at_angle(&angles);
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
+                let stands = at_angle(&standing.steering);
+                let (forward, up) = (dot(stands.forward, normal), dot(stands.up, normal));
+                // The far side of the rim.
+                *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
                 let (forward, up) = (dot(tread.forward, normal), dot(tread.up, normal));
                 let plane = on_plane(simd, forward, up);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));

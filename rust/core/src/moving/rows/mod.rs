@@ -1,9 +1,10 @@
-//! Motion on the ground for many rows; forward and traction with a row in every lane.
+//! Motion on the ground for many rows, with a row in every lane but for slip.
 //!
-//! In lanes it is the same mathematics as one row of [`Contacts::forward`](super::Contacts::forward) and
-//! [`super::traction`], which stays what these are compared with. Where a lane is not as plain as most (it steers past
+//! In lanes it is the same mathematics as one row of [`Contacts::forward`](super::Contacts::forward),
+//! [`super::inverse`] and [`super::traction`], which stay what these are compared with. Where a lane is not as plain as most (it steers past
 //! its range, rests, divides by almost nothing) that row goes the plain way.
 
+mod aim;
 mod columns;
 mod follow;
 mod footings;

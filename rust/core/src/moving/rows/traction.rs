@@ -9,7 +9,7 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Turned, Vectors, WheelAt, all, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What turning is commanded, one number or one per row.
@@ -248,38 +248,13 @@ impl InLanes<'_> {
         let wanted = self.wanted(simd, given);
         placing.place(simd, &joints);
         let placing = &*placing;
+        let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
         let mut treads = placing.wheels;
-        let mut angles = [zero; MAX_WHEELS];
         for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
-            let Some(joint) = plan.steering(wheel) else {
-                continue;
-            };
-            let WheelAt {
-                centre,
-                forward,
-                axle,
-                ..
-            } = placing.wheels[wheel];
-            let [x, y] = wanted.in_plan(centre);
-            let velocity = [
-                x.mul_add(forward[0], y * forward[1]),
-                x.mul_add(axle[0], y * axle[1]),
-            ];
-            let mut to = way(velocity, (zero, one), &mut doubt);
-            let mut angle = angle_of(simd, to.turned);
-            if to.rests.any() {
-                self.rest(simd, given, joint, &mut to, &mut angle, &mut doubt);
+            if let Some(joint) = plan.steering(wheel) {
+                *tread = placing.steered(simd, wheel, turned[joint % MAX_WHEELS]);
             }
-            let range = self.job.chain.steering()[joint];
-            let within = within(simd, range, angle, &mut doubt);
-            angles[joint % MAX_WHEELS] = within.angle;
-            let turned = (
-                to.turned.0.flip(within.turned),
-                to.turned.1.flip(within.turned),
-            );
-            *tread = placing.steered(simd, wheel, turned);
         }
-        self.share_joints(simd, placing, &angles, &mut treads);
         let none = Centre {
             along: zero,
             across: zero,
@@ -347,6 +322,57 @@ impl InLanes<'_> {
         }
     }
 
+    /// Angles of the steering joints, and their directions: where the centres of their wheels go together.
+    #[inline(always)]
+    fn steered<S: Vector>(
+        &self,
+        simd: S,
+        given: Span,
+        placing: &Placing<'_, S>,
+        wanted: &Wanted<S>,
+        doubt: &mut Mask<S>,
+    ) -> ([Lanes<S>; MAX_WHEELS], [Turned<S>; MAX_WHEELS]) {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let mut ways = [[zero; 2]; MAX_WHEELS];
+        for wheel in 0..self.plan.wheels().min(MAX_WHEELS) {
+            let Some(joint) = self.plan.steering(wheel) else {
+                continue;
+            };
+            let WheelAt {
+                centre,
+                forward,
+                axle,
+                ..
+            } = placing.wheels[wheel];
+            let [x, y] = wanted.in_plan(centre);
+            let way = &mut ways[joint % MAX_WHEELS];
+            *way = [
+                x.mul_add(forward[0], y.mul_add(forward[1], way[0])),
+                x.mul_add(axle[0], y.mul_add(axle[1], way[1])),
+            ];
+        }
+        let (mut angles, mut turned) = ([zero; MAX_WHEELS], [(zero, one); MAX_WHEELS]);
+        let ranges = self.job.chain.steering();
+        for (joint, range) in ranges.iter().enumerate().take(MAX_WHEELS) {
+            if !self.plan.is_centred(joint) {
+                // Where they go then depends on where they are steered to.
+                *doubt = zero.at_most(zero);
+            }
+            let mut to = way(ways[joint], (zero, one), doubt);
+            let mut angle = angle_of(simd, to.turned);
+            if to.rests.any() {
+                self.rest(simd, given, joint, &mut to, &mut angle, doubt);
+            }
+            let within = within(simd, *range, angle, doubt);
+            angles[joint] = within.angle;
+            turned[joint] = (
+                to.turned.0.flip(within.turned),
+                to.turned.1.flip(within.turned),
+            );
+        }
+        (angles, turned)
+    }
+
     /// Wheels that rest keep the angle that they have.
     #[inline(always)]
     fn rest<S: Vector>(
@@ -371,24 +397,6 @@ impl InLanes<'_> {
             to.rests.select(cos, to.turned.1),
         );
         *angle = to.rests.select(present, *angle);
-    }
-
-    /// Wheels whose joint steers others too are turned as the last of them asks.
-    #[inline(always)]
-    fn share_joints<S: Vector>(
-        &self,
-        simd: S,
-        placing: &Placing<'_, S>,
-        angles: &[Lanes<S>; MAX_WHEELS],
-        treads: &mut [WheelAt<S>; MAX_WHEELS],
-    ) {
-        let wheels = treads.iter_mut().enumerate().take(self.plan.wheels());
-        for (wheel, tread) in wheels {
-            if let Some(joint) = self.plan.shared(wheel) {
-                let turned = direction(simd, angles[joint % MAX_WHEELS]);
-                *tread = placing.steered(simd, wheel, turned);
-            }
-        }
     }
 
     #[inline(always)]

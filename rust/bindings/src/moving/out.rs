@@ -1,0 +1,61 @@
+//! `out=` of calls with several results.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::convert::{Output, refuse};
+
+/// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
+pub struct Out<'py, const N: usize> {
+    arrays: [Option<Bound<'py, PyAny>>; N],
+    /// Whether it is one array and no tuple.
+    alone: bool,
+}
+
+impl<'py, const N: usize> Out<'py, N> {
+    /// Of results with these names. One array instead of a tuple is the first of them.
+    pub fn read(out: Option<&Bound<'py, PyAny>>, names: [&str; N]) -> PyResult<Self> {
+        let mut read = Self {
+            arrays: [const { None }; N],
+            alone: false,
+        };
+        let Some(out) = out else { return Ok(read) };
+        let Ok(tuple) = out.cast::<PyTuple>() else {
+            read.arrays[0] = Some(out.clone());
+            read.alone = true;
+            return Ok(read);
+        };
+        if tuple.is_empty() || tuple.len() > N {
+            let rule = format!("be arrays for ({}) or the first of these", names.join(", "));
+            return Err(refuse("out", &rule, &format!("{} of them", tuple.len())));
+        }
+        for (array, item) in read.arrays.iter_mut().zip(tuple.iter()) {
+            *array = (!item.is_none()).then_some(item);
+        }
+        Ok(read)
+    }
+
+    /// Whether anything is written that was there before.
+    pub fn is_given(&self) -> bool {
+        self.arrays.iter().any(Option::is_some)
+    }
+
+    /// Where result `k` goes. `fails`: the call may yet fail, and the caller's array is written only when it has not.
+    pub fn result(
+        &self,
+        py: Python<'py>,
+        k: usize,
+        shape: &[usize],
+        fails: bool,
+    ) -> PyResult<Output<'py>> {
+        let argument = match self.alone {
+            true => "out".to_owned(),
+            false => format!("out[{k}]"),
+        };
+        let output = Output::of(py, &argument, self.arrays[k].as_ref(), None, shape)?;
+        match fails && self.arrays[k].is_some() {
+            true => output.beside(),
+            false => Ok(output),
+        }
+    }
+}

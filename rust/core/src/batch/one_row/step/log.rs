@@ -1,0 +1,662 @@
+//! Steps of a log: the lanes of a register are successive steps.
+//!
+//! Every sum over wheels has as many parts as a sample's registers have lanes, wheel by wheel the same one, and the parts
+//! are added as a register's lanes are. What depends on the step before goes from row to row in between: angles of joints
+//! and the heading, which are sums, and at the end the pose and its covariance. So a row's bits are those of a sample alone.
+
+use std::ops::Range;
+
+use super::plan::Plan;
+use super::wheels::{
+    Everywhere, InLanes, Pick, Register, Squares, disagree, ended, lean, listen, met,
+};
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::polynomials::sin_cos;
+use crate::batch::machine::vector::Vector;
+use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
+use crate::batch::one_row::inverse::GROUP;
+use crate::error::HUGE;
+use crate::odometry::{
+    Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian,
+    StepNoise, TrackRows, rounded, small_bend, step_jacobian,
+};
+
+/// Parts of a sum over wheels, at most.
+const PARTS: usize = 4;
+
+/// Room before a column, of which the last place is used: what belongs to the row before the first.
+const LEAD: usize = 8;
+
+/// A column with the row before its first.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Led([f64; LEAD + BLOCK]);
+
+impl Led {
+    /// Register `k`, of rows that begin `back` rows before.
+    #[inline(always)]
+    fn load<S: Vector>(&self, simd: S, k: usize, back: usize) -> Lanes<S> {
+        let first = LEAD + k * S::F64_LANES - back;
+        let rows = &self.0[first..first + S::F64_LANES];
+        Lanes::load(simd, S::as_simd_f64s(rows).0, 0)
+    }
+
+    #[inline(always)]
+    fn store<S: Vector>(&mut self, k: usize, lanes: Lanes<S>) {
+        let rows = &mut self.0[LEAD..][k * S::F64_LANES..][..S::F64_LANES];
+        lanes.store(S::as_mut_simd_f64s(rows).0, 0);
+    }
+}
+
+/// Rows of a log, with the one before them.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows<'a> {
+    pub wheels: &'a [f64],
+    pub steering: &'a [f64],
+    pub stamps: &'a [f64],
+    pub settings: &'a Settings,
+}
+
+/// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
+/// it in `ends`, which comes from the state.
+pub(crate) struct Room {
+    level: Level,
+    /// Row by row: what is taken apart into columns next.
+    flat: Vec<f64>,
+    /// Angle of every joint per count of its encoder [rad].
+    per_count: Vec<f64>,
+    /// Angles of the joints, row by row [rad].
+    angles: Vec<f64>,
+    /// Per wheel of the rover: what it counted; then how fast its contact slid [m/s].
+    wheels: Vec<Column>,
+    /// Middle angles of the joints, then their turns [rad].
+    joints: Vec<Column>,
+    /// Per place of a wheel in the plan.
+    places: Vec<super::plan::Room>,
+    /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
+    ends: Vec<[Led; 3]>,
+}
+
+/// So many, if there is memory.
+fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(count).ok()?;
+    all.resize(count, one);
+    Some(all)
+}
+
+impl Room {
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let wheels: usize = plan.groups.iter().map(|group| group.count).sum();
+        let joints: usize = plan.groups.iter().map(|group| group.steered).sum();
+        let mut per_count = some(0.0, joints)?;
+        for (joint, per_count) in per_count.iter_mut().enumerate() {
+            *per_count = plan.groups[joint / GROUP].per_count[1][joint % GROUP];
+        }
+        Some(Self {
+            level: Level::best(),
+            per_count,
+            flat: some(0.0, BLOCK * wheels.max(2 * joints))?,
+            angles: some(0.0, BLOCK * joints)?,
+            wheels: some(Column::ZERO, wheels)?,
+            joints: some(Column::ZERO, 2 * joints)?,
+            places: some(super::plan::Room::default(), GROUP * plan.groups.len())?,
+            ends: some([Led([0.0; LEAD + BLOCK]); 3], joints)?,
+        })
+    }
+
+    /// Most rows of a block.
+    pub fn rows(&self) -> usize {
+        BLOCK
+    }
+
+    /// Angles of the joints after a step [rad].
+    pub fn angles(&self, row: usize) -> &[f64] {
+        let joints = self.ends.len();
+        &self.angles[row * joints..(row + 1) * joints]
+    }
+}
+
+/// What a block needs of any rover.
+pub(crate) struct Block {
+    pub dt: Column,
+    /// 1 where a wheel slid further than the noise explains.
+    pub slips: Column,
+    displacement: [Column; 3],
+    twists: [Column; 3],
+    /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
+    own: [Column; 6],
+    /// The same of the joints' readings at one end, and what is open of the pose.
+    open: [Column; 6],
+    heading: Column,
+    /// Way of every step in world axes; then the pose.
+    poses: [Column; 3],
+    lever: [Column; 2],
+    covariances: [Column; 9],
+}
+
+impl Block {
+    pub fn new() -> Self {
+        Self {
+            dt: Column::ZERO,
+            slips: Column::ZERO,
+            displacement: [Column::ZERO; 3],
+            twists: [Column::ZERO; 3],
+            own: [Column::ZERO; 6],
+            open: [Column::ZERO; 6],
+            heading: Column::ZERO,
+            poses: [Column::ZERO; 3],
+            lever: [Column::ZERO; 2],
+            covariances: [Column::ZERO; 9],
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
+    let mut lanes = [Lanes::splat(simd, 0.0); N];
+    for (lanes, column) in lanes.iter_mut().zip(columns) {
+        *lanes = column.load(simd, k);
+    }
+    lanes
+}
+
+#[inline(always)]
+fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
+    for (lanes, column) in lanes.into_iter().zip(columns) {
+        column.store(k, lanes);
+    }
+}
+
+/// A row of columns.
+#[inline(always)]
+fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] {
+    let mut numbers = [0.0; N];
+    for (number, column) in numbers.iter_mut().zip(columns) {
+        *number = column.0[row];
+    }
+    numbers
+}
+
+impl Plan {
+    /// Goes along rows of a log, from these angles of the joints on, as many as are usual; how many. Nothing but the
+    /// state and the noise of the last step has changed for them.
+    pub fn follow(
+        &self,
+        rows: &Rows<'_>,
+        angles: &[f64],
+        room: &mut Room,
+        block: &mut Block,
+        state: &mut State,
+        noise: &mut StepNoise,
+    ) -> usize {
+        let (level, parts) = (room.level, self.level.lanes());
+        let follow = Follow {
+            plan: self,
+            parts,
+            rows,
+            angles,
+            room,
+            block,
+            state,
+            noise,
+        };
+        level.run(follow).unwrap_or(0)
+    }
+}
+
+struct Follow<'a> {
+    plan: &'a Plan,
+    /// Lanes of the kernel of one step.
+    parts: usize,
+    rows: &'a Rows<'a>,
+    angles: &'a [f64],
+    room: &'a mut Room,
+    block: &'a mut Block,
+    state: &'a mut State,
+    noise: &'a mut StepNoise,
+}
+
+impl Kernel for Follow<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) -> usize {
+        let Self {
+            plan,
+            parts,
+            rows,
+            angles,
+            room,
+            block,
+            state,
+            noise,
+        } = self;
+        let lanes = S::F64_LANES;
+        let count = (rows.stamps.len() - 1) / lanes * lanes;
+        if count == 0 {
+            return 0;
+        }
+        apart(simd, rows, angles, count, room, block);
+        let mut usual = 0;
+        while usual < count && step(simd, plan, parts, rows.settings, usual / lanes, room, block) {
+            usual += lanes;
+        }
+        let Some(last) = usual.checked_sub(1) else {
+            return 0;
+        };
+        let ends = Spread::from(at(&block.open, last));
+        (noise.own, noise.ends) = (Spread::from(at(&block.own, last)), ends.and(ends));
+        for k in 0..usual.min(BLOCK) {
+            block.heading.0[k] = state.walk.heading.value();
+            state.walk.turn(block.displacement[2].0[k]);
+            block.poses[2].0[k] = state.walk.yaw.value();
+        }
+        for (ends, carried) in room.ends.iter_mut().zip(&state.uncertainty.carried) {
+            for (end, carried) in ends.iter_mut().zip(carried) {
+                end.0[LEAD - 1] = *carried;
+            }
+        }
+        for k in 0..usual / lanes {
+            place(simd, k, room, block);
+        }
+        for k in 0..usual / lanes {
+            join(simd, plan, parts, k, room, block);
+        }
+        sum(usual, block, state);
+        for (ends, carried) in room.ends.iter().zip(&mut state.uncertainty.carried) {
+            *carried = [0, 1, 2].map(|part: usize| ends[part].0[LEAD + last]);
+        }
+        let smoothing = rows.settings.smoothing;
+        let from = if smoothing > 0.0 { 0 } else { last };
+        for k in from..usual {
+            state.hold(at(&block.twists, k).into(), block.dt.0[k], smoothing);
+        }
+        usual
+    }
+}
+
+/// What wheels and joints did in every step, by columns.
+#[inline(always)]
+fn apart<S: Vector>(
+    simd: S,
+    rows: &Rows<'_>,
+    angles: &[f64],
+    count: usize,
+    room: &mut Room,
+    block: &mut Block,
+) {
+    let pairs = rows.stamps.iter().zip(&rows.stamps[1..]);
+    for (dt, (before, after)) in block.dt.0.iter_mut().zip(pairs) {
+        *dt = after - before;
+    }
+    let wheels = room.wheels.len();
+    let pairs = rows.wheels.iter().zip(&rows.wheels[wheels..]);
+    let flat = &mut room.flat[..count * wheels];
+    for (counts, (before, after)) in flat.iter_mut().zip(pairs) {
+        *counts = after - before;
+    }
+    unweave(simd, flat, &mut room.wheels);
+    let joints = angles.len();
+    let (middles, turns) = room.flat[..2 * count * joints].split_at_mut(count * joints);
+    let mut start = angles;
+    let mut readings = rows.steering.chunks_exact(joints.max(1));
+    let mut before = readings.next().unwrap_or_default();
+    let each = middles
+        .chunks_exact_mut(joints.max(1))
+        .zip(turns.chunks_exact_mut(joints.max(1)));
+    for (((middle, turn), end), after) in each
+        .zip(room.angles.chunks_exact_mut(joints.max(1)))
+        .zip(readings)
+    {
+        let given = before.iter().zip(after).zip(&room.per_count).zip(start);
+        let found = middle.iter_mut().zip(turn).zip(&mut *end);
+        for ((((before, after), per_count), start), ((middle, turn), end)) in given.zip(found) {
+            *end = (after - before) * per_count + start;
+            *middle = (start + *end) * 0.5;
+            *turn = *end - start;
+        }
+        before = after;
+        start = end;
+    }
+    let (middle, turned) = room.joints.split_at_mut(joints);
+    unweave(simd, middles, middle);
+    unweave(simd, turns, turned);
+}
+
+/// Goes over the places of a plan in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each part.
+macro_rules! in_parts {
+    ($plan: ident, $parts: ident, $of: ident, |$part: ident, $g: ident, $group: ident, $place: ident| $each: block, $done: block) => {
+        for $part in 0..$parts {
+            for ($g, $group) in $plan.groups.iter().enumerate() {
+                let mut $place = $part;
+                while $place < $group.$of {
+                    $each
+                    $place += $parts;
+                }
+            }
+            $done
+        }
+    };
+}
+
+/// What the parts come to, added as the lanes of a register are.
+#[inline(always)]
+fn total<S: Vector, const N: usize>(
+    mut sums: [[Lanes<S>; N]; PARTS],
+    mut parts: usize,
+) -> [Lanes<S>; N] {
+    while parts > 1 {
+        parts /= 2;
+        for i in 0..parts {
+            let others = sums[i + parts];
+            for (sum, other) in sums[i].iter_mut().zip(others) {
+                *sum = *sum + other;
+            }
+        }
+    }
+    sums[0]
+}
+
+/// A register of steps in body axes; whether all of them are usual.
+#[inline(always)]
+fn step<S: Vector>(
+    simd: S,
+    plan: &Plan,
+    parts: usize,
+    settings: &Settings,
+    k: usize,
+    room: &mut Room,
+    block: &mut Block,
+) -> bool {
+    let splat = |number| Lanes::splat(simd, number);
+    let zero = splat(0.0);
+    let dt = block.dt.load(simd, k);
+    let terms = settings.terms(InLanes(simd), dt);
+    let mut usual = splat(f64::MIN_POSITIVE).at_most(dt) & dt.at_most(splat(f64::MAX));
+    let joints = room.joints.len() / 2;
+    let mut sums = [[zero; 3]; PARTS];
+    let mut said = [zero; 3];
+    in_parts!(
+        plan,
+        parts,
+        count,
+        |part, g, group, place| {
+            let joint = (place < group.steered).then(|| {
+                let joint = g * GROUP + place;
+                [joint, joints + joint].map(|column| room.joints[column].load(simd, k))
+            });
+            let counts = room.wheels[group.wheels[place]].load(simd, k);
+            let wheel = (group, Everywhere(simd, place));
+            let to = (&mut room.places[g * GROUP + place], 0);
+            usual = usual & listen(simd, wheel, counts, joint, terms.most, &mut said, to);
+        },
+        {
+            sums[part] = said;
+            said = [zero; 3];
+        }
+    );
+    let displacement = total(sums, parts);
+    let twist = displacement.map(|part| part.quotient(dt));
+    let huge = splat(HUGE);
+    for (part, rate) in displacement.into_iter().zip(twist) {
+        usual = usual & part.abs().below(huge) & rate.abs().at_most(splat(f64::MAX));
+    }
+    let half = displacement[2] * splat(0.5);
+    usual = usual & half.abs().below(splat(SMALL_TURN));
+    if (!usual).any() {
+        return false;
+    }
+    let mut suspects = zero.below(zero);
+    let mut squares = Squares::new(simd);
+    let mut sums = [[zero; 6]; PARTS];
+    in_parts!(
+        plan,
+        parts,
+        count,
+        |part, g, group, place| {
+            let wheel = (group, Everywhere(simd, place));
+            let to = (&mut room.places[g * GROUP + place], 0);
+            suspects = suspects | disagree(simd, wheel, displacement, &terms, &mut squares, to);
+        },
+        {
+            sums[part] = squares.0;
+            squares = Squares::new(simd);
+        }
+    );
+    let own = total(sums, parts);
+    for variance in [own[0], own[3], own[5]] {
+        usual = usual & variance.below(huge);
+    }
+    if (!usual).any() {
+        return false;
+    }
+    if terms.slip_bound.is_none() && suspects.any() {
+        suspects = beyond_rounding(simd, room, suspects);
+    }
+    block.slips.store(k, suspects.select(splat(1.0), zero));
+    let mut sums = [[zero; 6]; PARTS];
+    in_parts!(
+        plan,
+        parts,
+        steered,
+        |part, g, group, place| {
+            let wheel = (group, Everywhere(simd, place));
+            let half = lean(simd, wheel, &terms, (&room.places[g * GROUP + place], 0));
+            squares.add_square(half);
+            for (half, column) in half.into_iter().zip(&mut room.ends[g * GROUP + place]) {
+                column.store(k, half);
+            }
+        },
+        {
+            sums[part] = squares.0;
+            squares = Squares::new(simd);
+        }
+    );
+    let per = splat(1.0).quotient(dt);
+    for (g, group) in plan.groups.iter().enumerate() {
+        for place in 0..group.count {
+            let slid = Register(simd, 0).of(&room.places[g * GROUP + place].slid);
+            room.wheels[group.wheels[place]].store(k, slid * per);
+        }
+    }
+    store(displacement, &mut block.displacement, k);
+    store(twist, &mut block.twists, k);
+    store(own, &mut block.own, k);
+    store(total(sums, parts), &mut block.open, k);
+    true
+}
+
+/// In which steps a wheel slid further than the noise explains, and than the rounding of the others' fit.
+#[inline(always)]
+fn beyond_rounding<S: Vector>(simd: S, room: &Room, suspects: Mask<S>) -> Mask<S> {
+    let here = Register(simd, 0);
+    let splat = |number| Lanes::splat(simd, number);
+    let mut furthest = splat(0.0);
+    for place in &room.places {
+        furthest = furthest.max(here.of(&place.rolled).abs());
+    }
+    let mut slips = furthest.below(furthest);
+    for place in &room.places {
+        let explained = splat(SUSPICIOUS) * here.of(&place.variance).sqrt();
+        let bound = explained + splat(ROUNDING) * furthest;
+        slips = slips | bound.below(here.of(&place.slid));
+    }
+    slips & suspects
+}
+
+/// A register of steps in world axes.
+#[inline(always)]
+fn place<S: Vector>(simd: S, k: usize, room: &mut Room, block: &mut Block) {
+    let by = InLanes(simd);
+    let displacement = load(simd, &block.displacement, k);
+    let (sin, cos) = sin_cos(simd, block.heading.load(simd, k));
+    let bend = small_bend(by, displacement[2] * Lanes::splat(simd, 0.5));
+    let jacobian: StepJacobian<Lanes<S>> = step_jacobian(by, displacement, bend, [sin, cos]);
+    let matrix = jacobian.by_displacement;
+    for columns in [&mut block.own, &mut block.open] {
+        let spread = Spread::from(load(simd, columns, k));
+        store(spread.displaced(by, &matrix).into(), columns, k);
+    }
+    for ends in &mut room.ends {
+        let half = [0, 1, 2].map(|part: usize| ends[part].load(simd, k, 0));
+        for (end, column) in ended(matrix, half).into_iter().zip(ends) {
+            column.store(k, end);
+        }
+    }
+    store(jacobian.lever(), &mut block.lever, k);
+    let [east, north] = jacobian.shift;
+    block.poses[0].store(k, east);
+    block.poses[1].store(k, north);
+}
+
+/// A register of what steps add to what is settled of the pose's covariance.
+#[inline(always)]
+fn join<S: Vector>(simd: S, plan: &Plan, parts: usize, k: usize, room: &Room, block: &mut Block) {
+    let lever = load(simd, &block.lever, k);
+    let mut squares = Squares::new(simd);
+    let mut sums = [squares.0; PARTS];
+    in_parts!(
+        plan,
+        parts,
+        steered,
+        |part, g, group, place| {
+            let ends = &room.ends[g * GROUP + place];
+            let [before, end] =
+                [1, 0].map(|back| [0, 1, 2].map(|part: usize| ends[part].load(simd, k, back)));
+            squares.add_square(met(lever, before, end));
+        },
+        {
+            sums[part] = squares.0;
+            squares = Squares::new(simd);
+        }
+    );
+    let met = Spread::from(total(sums, parts));
+    let own = Spread::from(load(simd, &block.own, k));
+    store(own.and(met).into(), &mut block.own, k);
+}
+
+/// What only goes from row to row: the pose, and what is settled of its covariance.
+#[inline(always)]
+fn sum(count: usize, block: &mut Block, state: &mut State) {
+    let uncertainty = &mut state.uncertainty;
+    let mut settled = uncertainty.settled;
+    for k in 0..count.min(BLOCK) {
+        let lever = at(&block.lever, k);
+        let added = Spread::from(at(&block.own, k));
+        settled = settled.swung(Instruction, lever).and(added);
+        for (part, column) in <[f64; 6]>::from(settled).into_iter().zip(&mut block.own) {
+            column.0[k] = part;
+        }
+        state.walk.shift(block.poses[0].0[k], block.poses[1].0[k]);
+        block.poses[0].0[k] = state.walk.x.value();
+        block.poses[1].0[k] = state.walk.y.value();
+        uncertainty.carry_yaw_offset(lever);
+    }
+    if let Some(last) = count.checked_sub(1) {
+        uncertainty.settle(settled, Spread::from(at(&block.open, last)));
+    }
+}
+
+impl Block {
+    /// The rows that were made, where they belong.
+    pub fn write(
+        &mut self,
+        room: &Room,
+        rows: Range<usize>,
+        wheels: usize,
+        track: &mut TrackRows<'_>,
+    ) {
+        let write = Write {
+            block: self,
+            room,
+            rows,
+            wheels,
+            track,
+        };
+        room.level.run(write);
+    }
+
+    /// Residuals of a step.
+    pub fn last_residual(&self, room: &Room, row: usize, residual: &mut [f64]) {
+        for (residual, column) in residual.iter_mut().zip(&room.wheels) {
+            *residual = column.0[row];
+        }
+    }
+}
+
+struct Write<'a, 'b> {
+    block: &'a mut Block,
+    room: &'a Room,
+    rows: Range<usize>,
+    wheels: usize,
+    track: &'a mut TrackRows<'b>,
+}
+
+impl Kernel for Write<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Vector>(self, simd: S) {
+        let Self {
+            block,
+            room,
+            rows,
+            wheels,
+            track,
+        } = self;
+        let poses = track.poses[rows.clone()].as_flattened_mut();
+        weave(simd, &block.poses, poses);
+        weave(
+            simd,
+            &block.twists,
+            track.twists[rows.clone()].as_flattened_mut(),
+        );
+        if let Some(residuals) = &mut track.residuals {
+            let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
+            weave(simd, &room.wheels, residuals);
+        }
+        if let Some(covariances) = &mut track.covariances {
+            for k in 0..rows.len() / S::F64_LANES {
+                report(simd, k, block);
+            }
+            weave(
+                simd,
+                &block.covariances,
+                covariances[rows].as_flattened_mut(),
+            );
+        }
+    }
+}
+
+/// A register of covariances of the pose, without a negative variance in any direction.
+#[inline(always)]
+fn report<S: Vector>(simd: S, k: usize, block: &mut Block) {
+    let [settled, open] =
+        [&block.own, &block.open].map(|columns| Spread::from(load(simd, columns, k)));
+    let spread = rounded(InLanes(simd), settled.and(open));
+    let zero = Lanes::splat(simd, 0.0);
+    let mut negative = zero.below(zero);
+    for minor in spread.minors() {
+        negative = negative | minor.below(zero);
+    }
+    let [xx, xy, xz, yy, yz, zz] = spread.into();
+    store(
+        [xx, xy, xz, xy, yy, yz, xz, yz, zz],
+        &mut block.covariances,
+        k,
+    );
+    if negative.any() {
+        for row in k * S::F64_LANES..(k + 1) * S::F64_LANES {
+            let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
+            let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
+            if spread.may_be_negative() {
+                let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
+                for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {
+                    column.0[row] = *part;
+                }
+            }
+        }
+    }
+}
