@@ -36,31 +36,6 @@ def test_markers_that_sit_elsewhere_every_day_change_no_dimension():
     assert all(wheel.x == 0.0 for wheel in result.rover.wheels)
 
 
-def test_a_clock_that_is_set_anew_every_day_changes_no_dimension():
-    logs = [
-        drive(TRUE, 2 * number + run, 40.0, sensor=mount, session=name, offset=offset)
-        for number, ((name, mount), offset) in enumerate(zip(MOUNTS.items(), (0.05, -0.04, 0.2), strict=True))
-        for run in range(2)
-    ]
-    result = calibrate(PAIR, logs, **FIND)
-    assert result.names == ("wheel_radius", "track_width")
-    assert result.time_offset == 0.0
-    # As without: taken for one clock, the three cost more than 1e-3.
-    assert_allclose(result.values, (0.0415, 0.206), rtol=2e-4)
-
-
-def test_clocks_too_far_apart_are_said():
-    logs = [drive(TRUE, seed, 40.0, session=f"day {seed}", offset=0.35) for seed in range(3)]
-    result = calibrate(PAIR, logs, **FIND)
-    said = [one for one in result.observability.messages if one.startswith("mount_clock[day ")]
-    assert said
-    assert "ask for time_offset" in said[0]
-    asked = {"parameters": [*FIND["parameters"], "time_offset"], "max_time_offset": 1.0}
-    result = calibrate(PAIR, logs, **(FIND | asked))
-    assert result.time_offset == pytest.approx(0.35, abs=2e-3)
-    assert_allclose(result.values[:2], (0.0415, 0.206), rtol=2e-4)
-
-
 def test_what_is_asked_for_is_that_of_all_sessions():
     logs = [drive(TRUE, seed, 40.0, sensor=MOUNTS["monday"], session=f"day {seed % 3}") for seed in range(6)]
     result = calibrate(

@@ -193,7 +193,7 @@ def cross_validate(
     tell(0)
     problem = Problem(empty, drives, loss, lengths, margin)
     items = [
-        Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives, margin)), tuple(keys))
+        Trial(replace(problem, model=with_mounts(rover, catalogue.find(names), drives)), tuple(keys))
         for names in sets
     ]
     workers = None if client else workers

@@ -113,7 +113,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
 
     kept = _usable(rover, log, steering)
     stamps, angles, steering = _with_rows(
-        alone(log.truth), log.stamps[kept], log.wheel_angles[kept], steering[kept]
+        _alone(log.truth), log.stamps[kept], log.wheel_angles[kept], steering[kept]
     )
     if len(stamps) < 2:
         raise ValueError(f"{who} must have two rows or more that can be used, got {len(stamps)}")
@@ -211,7 +211,7 @@ def at_rest(speeds: Floats) -> NDArray[np.bool_]:
     return still
 
 
-def alone(truth: Truth) -> Floats:
+def _alone(truth: Truth) -> Floats:
     """Stamps of rows of a truth with a gap on both sides, as where a loop closes."""
     apart = np.concatenate(([True], np.diff(truth.stamps) > truth.max_gap, [True]))
     return truth.stamps[apart[1:] & apart[:-1]]

@@ -97,7 +97,7 @@ class Problem:
                 low[number], high[number] = 0.2 * parameter.value, 5.0 * parameter.value
             elif parameter.unit == "rad":
                 low[number], high[number] = parameter.value - 1.5, parameter.value + 1.5
-            elif parameter.unit == "s":
+            elif parameter.name == "time_offset":
                 low[number], high[number] = -self.latest, self.latest
             else:
                 low[number], high[number] = (

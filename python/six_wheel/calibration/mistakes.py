@@ -134,11 +134,9 @@ def at_bounds(problem: Problem, solution: Solution) -> list[str]:
         room = AT_BOUND * (most - least)
         if not (value - least > room and most - value > room):
             unit = f" {one.unit}".rstrip()
-            remedy = "check what the wheels read and in which unit, or leave it out"
-            if one.unit == "s":
-                remedy = "set the clocks, or ask for time_offset with a larger max_time_offset"
             said.append(
-                f"{one.name} went as far as it may, to {value:.4g}{unit} from {one.value:.4g}{unit}: {remedy}"
+                f"{one.name} went as far as it may, to {value:.4g}{unit} from {one.value:.4g}{unit}: "
+                "check what the wheels read and in which unit, or leave it out"
             )
     return said
 

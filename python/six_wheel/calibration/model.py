@@ -103,12 +103,6 @@ class Model:
         names = [f"{kind}_{axis}", *([f"mount_{axis}[{mount}]"] if kind == "sensor" else [])]
         return [self.names.index(name) for name in names if name in self.names]
 
-    def clock(self, values: Floats, mount: str) -> tuple[float, list[int]]:
-        """Stamp of the truth of a session less that of the log, and which numbers move it."""
-        names = [name for name in ("time_offset", f"mount_clock[{mount}]") if name in self.names]
-        columns = [self.names.index(name) for name in names]
-        return float(values[columns].sum()), columns
-
     def tracked(self, values: Floats, mount: str | None = None) -> Floats:
         """What the truth follows, as a pose in the nominal body: the sensor as seen from the new origin."""
         return joined(self.pose(values, "origin"), self.pose(values, "sensor", mount))
@@ -182,7 +176,7 @@ class Model:
         poses = integrate(twists, drive.dt)
         by_pose = carried(poses, twists, by_twist, drive.dt)
         rest = len(values) - self.own  # which move nothing but what is tracked
-        offset, clocks = self.clock(values, drive.mount)
+        offset = self.value(values, "time_offset", 0.0)
         if drive.truth.has_headings:
             first, last = drive.rows.T
             moved, by_moved = _between_with(poses[first], poses[last], by_pose[first], by_pose[last])
@@ -199,10 +193,14 @@ class Model:
             places, rates = drive.truth_at(rows, offset)
             wanted, by_clock = _between_chords(places[..., :2], rates[..., :2, None])
         error = between(wanted, seen)
-        by_error = by_seen.copy() if clocks else by_seen
-        by_error[:, :, clocks] -= by_clock
+        by_error = by_seen
+        if "time_offset" in self.names:
+            by_error = by_seen.copy()
+            by_error[:, :, self.names.index("time_offset")] -= by_clock[:, :, 0]
         turned = _rotated(-wanted[:, 2], by_error)
-        turned[:, :2, clocks] -= (_left_of(error[:, :2]) * by_clock[:, 2])[:, :, None]
+        if "time_offset" in self.names:
+            column = self.names.index("time_offset")
+            turned[:, :2, column] -= _left_of(error[:, :2]) * by_clock[:, 2]
         if not drive.truth.has_positions:
             error[:, :2], turned[:, :2] = 0.0, 0.0
         return error, turned
@@ -284,11 +282,8 @@ class Model:
         return seen, by
 
 
-def with_mounts(
-    nominal: Rover, parameters: Sequence[Parameter], drives: Sequence[Drive], margin: float
-) -> Model:
-    """A model that also fits, for every session, from where its truth looks and by which clock, as far as
-    nobody asks for that; `margin` is how far clocks may be apart [s].
+def with_mounts(nominal: Rover, parameters: Sequence[Parameter], drives: Sequence[Drive]) -> Model:
+    """A model that also fits, for every session, from where its truth looks, as far as nobody asks for that.
 
     What a parameter does just as well is left to it: the centres of rotation of a tracked rover all the way
     forward, the same offset of all wheels of one that steers with every wheel.
@@ -297,8 +292,6 @@ def with_mounts(
         return Model(nominal, parameters)
     asked = {parameter.name.partition("_")[2] for parameter in parameters if parameter.name in PLACES}
     axes = [axis for axis in FRAME if axis not in asked]
-    if margin > 0.0 and not any(parameter.name == "time_offset" for parameter in parameters):
-        axes.append("clock")
     first = drives[0]
     trial = Model(nominal, parameters, mounts(nominal, [first.mount], axes))
     _, by = trial.errors(first, trial.start)

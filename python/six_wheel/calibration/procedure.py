@@ -23,7 +23,7 @@ from six_wheel._core import Rover, check_kind
 from six_wheel.calibration import fitting, mistakes, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
-from six_wheel.calibration.drives import Drive, alone, default_lengths, encoders, heard, moving, prepare
+from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
@@ -39,8 +39,6 @@ from six_wheel.odometry.dimensions import Catalogue
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
-
-CLOCKS = 0.25  # [s], by which those of a log and of its truth may be apart without anyone asking
 
 Progress = Callable[[int, int, str], object]
 
@@ -153,9 +151,7 @@ def calibrate(
     wanted = catalogue.find(asked) if asked is not None else []
     if asked is not None and not wanted:
         raise ValueError("parameters must name one at least, got none")
-    margin = min(CLOCKS, max_time_offset) if all(map(_has_clock, records)) else 0.0
-    if any(one.name == "time_offset" for one in wanted):
-        margin = max_time_offset
+    margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
 
     def one(log: Log, number: int = 0) -> Drive:
         return prepare(rover, log, lengths, margin, number)
@@ -170,7 +166,7 @@ def calibrate(
     whole, slipped = records, list[mistakes.Slip]()
     if loss == "auto":
         first = Problem(
-            with_mounts(rover, catalogue.find(sets[0]), drives, margin), drives, "cauchy", lengths, margin
+            with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
         )
         slipped = mistakes.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
@@ -197,7 +193,7 @@ def calibrate(
     chosen = asked if asked is not None else checked.chosen if checked is not None else sets[0]
     if progress is not None:
         progress(0, 1, "fitting all drives")
-    model = with_mounts(rover, catalogue.find(chosen), drives, margin)
+    model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(result, slips=tuple(map(str, slipped)))
     if progress is not None:
@@ -264,11 +260,6 @@ def _fit(
         solution.converged and not mistakes.at_bounds(problem, solution),
         _noise(problem, solution, records, confidence),
     )
-
-
-def _has_clock(log: Log) -> bool:
-    """Whether the truth goes on all the time: an instant alone says nothing of another one's."""
-    return log.truth is None or not len(alone(log.truth))
 
 
 def _readable(rover: Rover, log: Log, number: int) -> Log:

@@ -54,17 +54,12 @@ class Parameter:
 
 
 def mounts(rover: Rover, sessions: Iterable[str], axes: Iterable[str]) -> list[Parameter]:
-    """Where the truth of each session looks from, and by which clock: numbers of that session, not of the
-    rover."""
-    reach = MEASURED * size(rover)
-    kinds = {
-        "x": ("m", reach),
-        "y": ("m", reach),
-        "yaw": ("rad", MEASURED * PLAUSIBLE_ANGLE),
-        "clock": ("s", PLAUSIBLE_DELAY),
-    }
+    """Where the truth of each session looks from: numbers of that session, not of the rover."""
+    reach = size(rover)
+    plausible = {"x": MEASURED * reach, "y": MEASURED * reach, "yaw": MEASURED * PLAUSIBLE_ANGLE}
+    units = {"x": "m", "y": "m", "yaw": "rad"}
     return [
-        Parameter(f"mount_{axis}[{session}]", kinds[axis][0], 0.0, kinds[axis][1])
+        Parameter(f"mount_{axis}[{session}]", units[axis], 0.0, plausible[axis])
         for session in sessions
         for axis in axes
     ]
