@@ -41,7 +41,7 @@ def told_apart(
 
     Source: Wilks' theorem, with the magnitude adjustment of composite likelihoods (see `fitting`).
     """
-    moves = by_wheel.any(axis=(0, 2, 3, 4))
+    every, moves = by_wheel.shape[1], by_wheel.any(axis=(0, 2, 3, 4))
     by_wheel = by_wheel[:, moves]
     count = by_wheel.shape[1]
     if 3 * sessions <= count + 1 or count < 2:
@@ -69,7 +69,7 @@ def told_apart(
     logs = found.x[:-1]
     half = float(ndtri(0.5 + confidence / 2.0)) * np.sqrt((directions**2 @ (1.0 / known))[:-1])
     ends = np.stack((logs - half, logs + half), axis=1)
-    values, intervals = np.ones(len(moves)), np.ones((len(moves), 2))
+    values, intervals = np.ones(every), np.ones((every, 2))
     values[moves], intervals[moves] = np.exp(logs), np.exp(np.clip(ends, -edge, edge))
     return values, intervals
 
