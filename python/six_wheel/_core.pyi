@@ -41,6 +41,7 @@ __all__ = [
     "IcrTransition",
     "Limits",
     "Link",
+    "MarginSlopes",
     "Mobility",
     "ModuleTransition",
     "Mppi",
@@ -1185,11 +1186,28 @@ class Stability:
     def joint_margins(self) -> _Floats: ...  # (..., joints) [rad]
     @property
     def tilt(self) -> float | _Floats: ...  # [rad]
+    @property
+    def by_pose(self) -> MarginSlopes | None: ...
+    @property
+    def by_dimension(self) -> MarginSlopes | None: ...
+
+@final
+class MarginSlopes:
+    @property
+    def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
+    @property
+    def clearance(self) -> _Floats: ...  # (..., 3) or (..., 16)
+    @property
+    def joint_margins(self) -> _Floats: ...  # (..., joints, 3) or (..., joints, 16)
+    @property
+    def tilt(self) -> _Floats: ...  # (..., 3) or (..., 16)
 
 @final
 class Stand:
     @property
     def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
+    @property
+    def reason(self) -> str | NDArray[Any]: ...  # (...) str
     @property
     def ground(self) -> Terrain: ...
     @property
@@ -1291,8 +1309,14 @@ class RockerBogie(Suspension):
     ) -> Feasible: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(
-        self, rho: ArrayLike, beta: ArrayLike, *, threads: int | None = None
-    ) -> float | _Floats: ...
+        self,
+        rho: ArrayLike,
+        beta: ArrayLike,
+        *,
+        out: _Out | None = None,
+        dtype: type[_Real] | None = None,
+        threads: int | None = None,
+    ) -> float | NDArray[_Real]: ...
     def steer(
         self,
         speed: ArrayLike,

@@ -24,7 +24,7 @@ class SettleStatus(StrEnum):
     unknown_cells = "unknown_cells"
     """The rim of a wheel lies over ground that is not known."""
     not_converged = "not_converged"
-    """No way to stand was found."""
+    """No way to stand was found: `Stand.reason` says more."""
 
     def __repr__(self) -> str:
         return self.value

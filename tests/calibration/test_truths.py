@@ -179,7 +179,7 @@ def test_what_dead_reckon_takes_is_calibrated(tmp_path):
     ("logs", "kind"), [(5, "int"), (None, "NoneType"), ([5], "int"), (np.zeros((9, 2)), "ndarray")]
 )
 def test_what_is_no_log_is_named(logs, kind):
-    with pytest.raises(TypeError, match=f"logs must be Logs, paths or tables of columns, got a {kind}"):
+    with pytest.raises(TypeError, match=f"logs must be Logs, paths or tables of columns, got {kind}"):
         calibrate(PAIR, logs, **SIZES)
 
 

@@ -194,7 +194,7 @@ def test_a_log_and_another_track_stand_for_a_truth():
     unknown = Log(log.stamps, None, log.wheel_angles, name="unknown")
     with pytest.raises(ValueError, match="truth must be known, got a log without one: Log\\('unknown'"):
         evaluate(track, unknown)
-    with pytest.raises(TypeError, match="truth must be a Truth, a Log with one, or a Track, got a ndarray"):
+    with pytest.raises(TypeError, match="truth must be a Truth, a Log with one, or a Track, got ndarray"):
         slip_against(track, log.stamps)
     with pytest.raises(ValueError, match="estimate must be a Track where truth is a Truth"):
         evaluate(track.poses, log)
@@ -211,7 +211,7 @@ def test_any_result_has_a_picture():
     assert len(sw.plot(track).axes) == 3
     assert sw.plot(PAIR, twist=(0.3, 0.0, 0.2), title="pair").axes
     assert sw.plot(sw.Rover.preset("open_source_rover"), limits=sw.Limits(speed=0.5, wheel_speed=8.0)).axes
-    with pytest.raises(TypeError, match="result must be one of Track, Rover, .*, got a list"):
+    with pytest.raises(TypeError, match="result must be one of Track, Rover, .*, got list"):
         sw.plot([])
     with pytest.raises(TypeError, match="needs twist= or limits="):
         sw.plot(PAIR)

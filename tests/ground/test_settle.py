@@ -218,6 +218,58 @@ def test_derivatives_by_dimensions_are_differences():
         assert column == by_dimension.shape[-1]
 
 
+# What of the margins there is in any direction, and how it is told from the stand.
+MARGINS = ("tip_over_angle", "clearance", "joint_margins", "tilt")
+
+
+def margins_of(rover, ground, poses, belly, centre, **how):
+    stand = rover.settle(ground, poses, **how)
+    return rover.stability(stand, mass=1.0, belly=belly, centre_of_mass=centre)
+
+
+@pytest.mark.parametrize("shape", [hills, rocks])
+@pytest.mark.parametrize("name", ["perseverance", "open_source_rover"])
+def test_derivatives_of_margins_are_differences(name, shape):
+    rover = limited(ROVERS[name], (-0.5, 0.6), (-0.9, 0.8))
+    ground, *_ = ground_for(rover, shape)
+    size = rover.dimensions["wheel_radius"] / 0.26288
+    belly, centre = tuple(size * v for v in (-0.7, 0.7, 0.6, 0.55)), (0.05 * size, 0.02 * size, 0.6 * size)
+    poses = poses_for(rover, 60)
+    told = margins_of(rover, ground, poses, belly, centre, derivatives=True)
+    step = 1e-5 * size
+
+    def compare(ahead, behind, slopes, column):
+        for margin in MARGINS:
+            sides = (np.asarray(getattr(side, margin)) for side in (ahead, behind))
+            difference = np.subtract(*sides) / (2 * step)
+            found = getattr(slopes, margin)[..., column]
+            scale = np.maximum(np.abs(found), 1)
+            error = (np.abs(difference - found) / scale).reshape(len(poses), -1).max(-1)
+            # Gaps closed to 2e-12 m; where a contact moves over a crease within the step derivatives jump.
+            assert np.median(error) < 1e-6, (margin, column)
+            assert np.mean(error < 1e-5) > 0.8, (margin, column)
+
+    for k in range(3):
+        shift = step * np.eye(3)[k]
+        sides = (margins_of(rover, ground, poses + s * shift, belly, centre) for s in (1, -1))
+        compare(*sides, told.by_pose, k)
+    column = 0
+    for argument, value in list(rover.dimensions.items())[:6]:
+        for k in range(np.size(value)):
+            sides = []
+            for sign in (1, -1):
+                changed = np.atleast_1d(value).astype(float)
+                changed[k] += sign * step
+                changed = float(changed[0]) if argument == "wheel_radius" else tuple(changed)
+                other = sw.RockerBogie(**rover.dimensions | {argument: changed})
+                sides.append(margins_of(other, ground, poses, belly, centre))
+            compare(*sides, told.by_dimension, column)
+            column += 1
+    assert told.by_dimension.clearance.shape == (60, column)
+    assert margins_of(rover, ground, poses, belly, centre).by_pose is None
+    assert repr(told.by_pose).startswith("MarginSlopes(tip_over_angle=array(")
+
+
 # Stops
 
 

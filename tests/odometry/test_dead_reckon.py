@@ -372,3 +372,5 @@ def test_a_file_of_another_kind_says_what_reads_it(tmp_path):
     path.write_text("time,left,right\n0,0,0\n")
     with pytest.raises(ValueError, match="must be a Parquet file; six_wheel.logs.read_log makes a Log of"):
         sw.dead_reckon(VEHICLES["differential"], path)
+    with pytest.raises(FileNotFoundError, match="no.csv: no such file"):
+        sw.dead_reckon(VEHICLES["differential"], tmp_path / "no.csv")

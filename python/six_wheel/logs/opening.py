@@ -291,7 +291,7 @@ def _as_log(source: Any, rover: Rover) -> Log:
         return read_log(source, rover)[0]
     if not is_table(source):
         kind = type(source).__name__
-        raise TypeError(f"logs must be Logs, paths or tables of columns, got a {kind}")
+        raise TypeError(f"logs must be Logs, paths or tables of columns, got {kind}")
     pieces = list(table(rover, source, None, {}, {}).pieces)
     steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])

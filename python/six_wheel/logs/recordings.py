@@ -245,7 +245,7 @@ def as_truth(given: object) -> Truth:
         return Truth(given.stamps, given.poses)  # type: ignore[attr-defined]
     except AttributeError:
         kind = type(given).__name__
-        raise TypeError(f"truth must be a Truth, a Log with one, or a Track, got a {kind}") from None
+        raise TypeError(f"truth must be a Truth, a Log with one, or a Track, got {kind}") from None
 
 
 def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:

@@ -154,6 +154,8 @@ def _parquet(
         raise ModuleNotFoundError(message, name=error.name) from None
     try:
         opened = parquet.ParquetFile(path)
+    except FileNotFoundError:
+        raise FileNotFoundError(f"{path}: no such file") from None
     except ArrowInvalid:
         rule = "be a Parquet file; six_wheel.logs.read_log makes a Log of tables, bags and others"
         raise ValueError(f"a path must {rule}, got {str(path)!r}") from None

@@ -40,7 +40,7 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     for kind in type(result).__mro__:
         if draw := PICTURES.get(kind.__name__):
             return draw(result, title=title, **options)
-    raise TypeError(f"result must be one of {', '.join(PICTURES)}, got a {type(result).__name__}")
+    raise TypeError(f"result must be one of {', '.join(PICTURES)}, got {type(result).__name__}")
 
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:

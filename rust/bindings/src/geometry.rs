@@ -554,5 +554,5 @@ pub fn wrap_angle<'py>(
         batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])])
     })
     .map_err(|error| raise(error, &angles.shape))?;
-    Ok(result.finish_any()?.into_any())
+    result.finish_number(out)
 }

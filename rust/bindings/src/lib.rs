@@ -77,6 +77,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<suspension::Bounds>()?;
     module.add_class::<suspension::Feasible>()?;
     module.add_class::<suspension::Stability>()?;
+    module.add_class::<suspension::MarginSlopes>()?;
     module.add_class::<suspension::SteeringCommand>()?;
     module.add_class::<four_axle::FourAxle>()?;
     module.add_class::<controller::limits::Limits>()?;

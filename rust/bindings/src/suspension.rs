@@ -3,6 +3,7 @@
 mod base;
 mod bounds;
 mod chain;
+mod margins;
 mod stability;
 mod steer;
 
@@ -17,6 +18,7 @@ use crate::wheel::{reduce, steering_range};
 
 pub use base::Suspension;
 pub use bounds::Bounds;
+pub use margins::MarginSlopes;
 pub use stability::{Feasible, Stability};
 pub use steer::SteeringCommand;
 

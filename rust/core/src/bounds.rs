@@ -15,6 +15,7 @@ mod belly;
 mod boxes;
 mod feasible;
 mod kernel;
+mod margins;
 mod pyramid;
 mod side;
 mod stability;
@@ -27,6 +28,7 @@ pub use belly::Belly;
 pub use boxes::Within;
 pub use feasible::{Allowed, Judge, Reason, Verdict};
 pub use kernel::{Ground, Margins, bounds};
+pub use margins::{MarginSlopes, margins_by_dimension, margins_by_pose};
 pub use pyramid::Pyramid;
 pub use stability::{joint_margins, loads, tilt, tip_over_angle, wheel_drop};
 

@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 import warnings
 
 import numpy as np
@@ -101,6 +102,19 @@ def test_every_call_that_takes_rows_of_any_shape_takes_threads():
             taken[name] = "threads" in inspect.signature(call).parameters
     assert {"Rover.inverse", "Suspension.slip", "Terrain.height"} < taken.keys()
     assert [name for name, threads in taken.items() if not threads] == []
+
+
+def test_every_call_that_gives_arrays_as_they_are_has_out_and_dtype():
+    """What says ``ndarray, shape (...`` of its result."""
+    pytest.importorskip("scipy", reason="calibrate cannot be looked at without SciPy")
+    lacking, found = [], set()
+    for name, call in _calls():
+        result = (inspect.getdoc(call) or "").partition("\nReturns\n-------\n")[2].partition("\n")[0]
+        if re.match(r"(float or |\w+(, \w+)* : )?ndarray, shape \(\.\.\.", result):
+            found.add(name.rstrip("."))
+            lacking += [name] if not {"out", "dtype"} <= set(inspect.signature(call).parameters) else []
+    assert {"Rover.inverse", "FourAxle.inverse", "Terrain.height", "exp", "wrap_angle"} <= found
+    assert lacking == []
 
 
 @pytest.mark.parametrize("call", BATCHES)

@@ -122,7 +122,8 @@ class Storm:
         elif self.chance(0.05):
             is_huge = True
             place = self.generator.integers(len(given))
-            shape = (int(10.0 ** self.generator.uniform(8, 13)), read[place])
+            # Not even a byte for each row is there: 1e8 rows of `admissible` may well be answered in 3 GiB.
+            shape = (int(10.0 ** self.generator.uniform(10, 13)), read[place])
             given[place] = np.broadcast_to(np.float64(1.0), shape)
         outs = [self.view(rows, width) if self.chance(0.5) else np.empty((rows, width)) for width in written]
         if outs and self.chance(0.6):
@@ -142,8 +143,8 @@ class Storm:
                 raise
         else:
             outcome = "answered"
-            assert own is None
-            assert not is_huge
+            assert own is None, f"{name} has not asked the argument that raises"
+            assert not is_huge, f"{name}, {shape} answered"
             expected = call(*numbers, **({"threads": 1} if "threads" in options else {}))
             pairs = zip(found, expected, strict=True) if isinstance(found, tuple) else [(found, expected)]
             for one, other in pairs:

@@ -213,6 +213,15 @@ impl<'py> Output<'py> {
         Ok(self.array)
     }
 
+    /// The array to return, or the only number that it holds where the caller has no array for it.
+    pub fn finish_number(self, out: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let array = self.finish_any()?;
+        if array.ndim() == 0 && out.is_none() {
+            return array.call_method0(intern!(array.py(), "item"));
+        }
+        Ok(array.into_any())
+    }
+
     /// The array to return, which is of `f64`.
     pub fn finish(self) -> PyResult<Array<'py>> {
         Ok(self.finish_any()?.cast_into()?)

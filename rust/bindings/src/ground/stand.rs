@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use six_wheel_core::Terrain;
 use six_wheel_core::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
 use six_wheel_core::suspension::{Placed, PlanPose};
@@ -123,10 +124,23 @@ impl Stand {
     /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let codes = self.stands.iter().map(|stand| stand.status as i64);
+        let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
         py.import("six_wheel.standing")?
             .call_method1("statuses", (codes,))
+    }
+
+    /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not
+    /// converged may have tipped over, or nobody knows.
+    #[getter]
+    fn reason<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut words = self.stands.iter().map(|stand| stand.status.reason());
+        if self.leading.is_empty() {
+            return Ok(PyString::new(py, words.next().unwrap_or_default()).into_any());
+        }
+        let words = words.map(|words| PyString::new(py, words).into_any().unbind());
+        scalar_or_array(py, memory::gathered(words)?, &self.leading)
+            .map(|array| array.into_bound(py))
     }
 
     /// Whether the rover stands: settled, or at a stop.
@@ -337,7 +351,7 @@ impl Stand {
             let count = self
                 .stands
                 .iter()
-                .filter(|stand| stand.status == status)
+                .filter(|stand| stand.status.told() == status)
                 .count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));

@@ -4,10 +4,12 @@ use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use six_wheel_core::bounds::{
-    Allowed, Belly, Judge, Verdict, joint_margins, loads, tilt, tip_over_angle,
+    Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose,
+    tilt, tip_over_angle,
 };
 use six_wheel_core::ground::Settler;
 
+use super::margins::{MarginSlopes, slopes};
 use super::{RockerBogie, Suspension};
 use crate::batch::any_workers;
 use crate::convert::{Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
@@ -29,6 +31,10 @@ pub struct Stability {
     joint_margins: Py<PyAny>,
     /// Angle between the rover's z axis and the vertical, shape (...) [rad].
     tilt: Py<PyAny>,
+    /// Derivatives of these margins by x, y and yaw; None unless the stand was asked for `derivatives`.
+    by_pose: Option<Py<MarginSlopes>>,
+    /// Derivatives by the dimensions of a rocker-bogie; None for other chains, and unless the stand was asked for them.
+    by_dimension: Option<Py<MarginSlopes>>,
 }
 
 #[pymethods]
@@ -212,7 +218,8 @@ impl Suspension {
     /// -------
     /// Stability
     ///     `loads` (..., wheels), `tip_over_angle` (...), `clearance` (...), `joint_margins` (..., joints),
-    ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined.
+    ///     `tilt` (...); NaN where the rover does not stand, or where forces are not determined. Of a stand with
+    ///     `derivatives`, those of the margins: `by_pose`, `by_dimension`.
     ///
     /// Raises
     /// ------
@@ -308,6 +315,20 @@ impl Suspension {
             )
         })
         .map_err(|error| raise(error, &stand.leading))?;
+        let rover = slf.cast::<RockerBogie>().ok().filter(|_| stand.derivatives);
+        let by_pose = || {
+            slopes(py, stand, workers, |k| {
+                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+                margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
+            })
+        };
+        let by_dimension = |rover: &Bound<'_, RockerBogie>| {
+            let of = (chain, rover.get().0.dimensions());
+            slopes(py, stand, workers, |k| {
+                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+                margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
+            })
+        };
         let leading = stand.leading.as_slice();
         let array = |values: Vec<f64>, width: usize| {
             let shape = joined(leading, width);
@@ -321,6 +342,8 @@ impl Suspension {
             tip_over_angle: scalar_or_array(py, tipping, leading)?,
             clearance: scalar_or_array(py, clear, leading)?,
             tilt: scalar_or_array(py, tilts, leading)?,
+            by_pose: stand.derivatives.then(by_pose).transpose()?,
+            by_dimension: rover.map(by_dimension).transpose()?,
         })
     }
 }

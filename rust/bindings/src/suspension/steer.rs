@@ -80,6 +80,10 @@ impl RockerBogie {
     ///     Angle of the left rocker [rad]; the right one has ``-rho``.
     /// beta : array_like, shape (..., 2)
     ///     Angles of the left and the right bogie against their rockers [rad].
+    /// out : ndarray, shape (...), optional
+    ///     Where to write the result.
+    /// dtype : dtype, optional
+    ///     float32 for a result of single precision, default float64.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -92,21 +96,27 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    #[pyo3(signature = (rho, beta, *, threads=None))]
-    fn icr_offset(
+    #[pyo3(signature = (rho, beta, *, out=None, dtype=None, threads=None))]
+    fn icr_offset<'py>(
         &self,
-        py: Python<'_>,
-        rho: &Bound<'_, PyAny>,
-        beta: &Bound<'_, PyAny>,
+        py: Python<'py>,
+        rho: &Bound<'py, PyAny>,
+        beta: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-    ) -> PyResult<Py<PyAny>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
         let mut joints = Joints::read(rho, beta)?;
         together(joints.both())?;
         let rows = memory::gathered((0..joints.beta.count()).map(|k| joints.row(k)))?;
-        let mut offsets = memory::filled(0.0, rows.len())?;
+        let mut offsets = Output::asked(py, (out, dtype), &joints.beta.leading)?;
+        if out.is_some() {
+            offsets = offsets.beside()?; // a row may be refused after others
+        }
+        let targets = [(offsets.flat(), 1)];
         compute(py, rows.len(), || {
-            workers.rows(rows.len(), [(&mut offsets, 1)], |k, [target]| {
+            workers.rows(rows.len(), targets, |k, [target]| {
                 let (rho, beta) = rows[k];
                 let offset = self.0.icr_offset(rho, beta);
                 target[0] = offset.map_err(|error| error.at_row(k))?;
@@ -114,7 +124,7 @@ impl RockerBogie {
             })
         })
         .map_err(|error| joints.raise(error))?;
-        scalar_or_array(py, offsets, &joints.beta.leading)
+        offsets.finish_number(out)
     }
 
     /// What the wheels have to do for a forward speed and a yaw rate, and how much the unsteered ones scrub.

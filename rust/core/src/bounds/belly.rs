@@ -7,6 +7,25 @@ use crate::error::{Error, numbers};
 use crate::suspension::Placed;
 use crate::terrain::Terrain;
 
+/// Where the ground is nearest to a rectangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Lowest {
+    /// Below a point of its inside, at a node.
+    Node {
+        /// Of the rectangle [m].
+        point: Vector3<f64>,
+    },
+    /// Below a point of an edge.
+    Edge {
+        /// Of the rectangle [m].
+        point: Vector3<f64>,
+        /// Along the edge [m].
+        way: Vector3<f64>,
+        /// Which lines of the grid it stays on, if the edge crosses one there: 0 those of columns, 1 those of rows.
+        line: Option<usize>,
+    },
+}
+
 /// The underside of the body: a level rectangle of its frame, as far to the left as to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belly {
@@ -63,6 +82,17 @@ impl Belly {
         origin: Vector3<f64>,
         rotation: &Matrix3<f64>,
     ) -> Option<f64> {
+        self.lowest(ground, origin, rotation)
+            .map(|(least, _)| least)
+    }
+
+    /// [`Self::clearance`], and where it is.
+    pub(super) fn lowest(
+        &self,
+        ground: &Terrain,
+        origin: Vector3<f64>,
+        rotation: &Matrix3<f64>,
+    ) -> Option<(f64, Lowest)> {
         let corner = |x: f64, y: f64| origin + rotation * Vector3::new(x, y, self.z);
         let ([rear, front], w) = (self.x, self.half_width);
         let corners = [
@@ -81,7 +111,9 @@ impl Belly {
         let facing_down = rotation[(2, 2)] > 0.0;
         let inverse = axes.try_inverse().filter(|_| facing_down)?;
         let rises = [corners[1].z - corners[0].z, corners[3].z - corners[0].z];
-        let mut least = f64::INFINITY;
+        let mut least: Option<(f64, Lowest)> = None;
+        let lower =
+            |least: &Option<(f64, Lowest)>, gap: f64| least.is_none_or(|(known, _)| gap < known);
         let bounds = |axis: usize| {
             let values = places.map(|place| place[axis]);
             let low = values.iter().fold(f64::INFINITY, |low, v| low.min(*v));
@@ -103,44 +135,75 @@ impl Belly {
                 if height.is_nan() {
                     return None;
                 }
-                least = least.min(plate - height);
+                if lower(&least, plate - height) {
+                    let [side, end] = [corners[1] - corners[0], corners[3] - corners[0]];
+                    let point = corners[0] + side * at.x + end * at.y;
+                    least = Some((plate - height, Lowest::Node { point }));
+                }
             }
         }
         for k in 0..4 {
             let next = (k + 1) % 4;
-            least = least.min(along(
+            let found = along(
                 ground,
                 [places[k], places[next]],
                 [corners[k].z, corners[next].z],
-            )?);
+            )?;
+            if lower(&least, found.gap) {
+                let way = corners[next] - corners[k];
+                let (point, line) = (corners[k] + way * found.share, found.line);
+                least = Some((found.gap, Lowest::Edge { point, way, line }));
+            }
         }
-        Some(least)
+        least
     }
 }
 
+/// The lowest place of a segment.
+#[derive(Clone, Copy)]
+struct Place {
+    gap: f64,
+    /// Of the way.
+    share: f64,
+    /// See [`Lowest::Edge`].
+    line: Option<usize>,
+}
+
 /// Least vertical distance of a segment, given in columns and rows and by the heights of its ends, from the ground.
-fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> Option<f64> {
+fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> Option<Place> {
     let way = to - from;
     let [rows, columns] = ground.shape();
-    let mut least = f64::INFINITY;
-    let mut t = 0.0;
+    let mut least = Place {
+        gap: f64::INFINITY,
+        share: 0.0,
+        line: None,
+    };
+    let mut take = |gap: f64, share: f64, line: Option<usize>| {
+        if gap < least.gap {
+            least = Place { gap, share, line };
+        }
+    };
+    let (mut t, mut line) = (0.0, None);
     while t < 1.0 {
         // Up to where it leaves its cell.
         let at = from + way * t;
-        let mut end = 1.0_f64;
+        let (mut end, mut next) = (1.0_f64, None);
         for axis in 0..2 {
             if way[axis] != 0.0 {
                 let ahead = way[axis].signum();
-                let line = if ahead > 0.0 {
+                let place = if ahead > 0.0 {
                     at[axis].floor() + 1.0
                 } else {
                     at[axis].ceil() - 1.0
                 };
-                let mut cross = (line - from[axis]) / way[axis];
+                let mut cross = (place - from[axis]) / way[axis];
                 if cross <= t {
-                    cross = (line + ahead - from[axis]) / way[axis];
+                    cross = (place + ahead - from[axis]) / way[axis];
                 }
-                end = end.min(cross.max(t + 1e-12));
+                let cross = cross.max(t + 1e-12);
+                if cross < end {
+                    (end, next) = (cross, Some(axis));
+                }
             }
         }
         let middle = from + way * ((t + end) / 2.0);
@@ -156,16 +219,18 @@ fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> 
             heights[0] + (heights[1] - heights[0]) * t - ground
         };
         let (a, b, c) = (gap(t), gap((t + end) / 2.0), gap(end));
-        least = least.min(a).min(c);
+        take(a, t, line);
+        take(c, end, next);
         let bend = a - 2.0 * b + c;
         if bend > 0.0 {
             // The lowest place of the parabola through three values, in halves of the piece from its middle.
             let place = (a - c) / (2.0 * bend);
             if place.abs() < 1.0 {
-                least = least.min(b - 0.5 * place * (a - c) / 2.0);
+                let share = t + (end - t) * 0.5 * (1.0 + place);
+                take(b - 0.5 * place * (a - c) / 2.0, share, None);
             }
         }
-        t = end;
+        (t, line) = (end, next);
     }
     Some(least)
 }

@@ -68,36 +68,63 @@ pub fn tip_over_angle(
     placed: &Placed<'_>,
     centre: [f64; 3],
 ) -> Option<f64> {
+    tip_over_edge(chain, stand, placed, centre).map(|edge| edge.angle)
+}
+
+/// The line about which a rover tips over first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    /// See [`tip_over_angle`] [rad].
+    pub angle: f64,
+    /// Whose contacts it goes through.
+    pub wheels: [usize; 2],
+    /// These contacts [m].
+    pub points: [Vector3<f64>; 2],
+}
+
+/// See [`tip_over_angle`].
+pub(super) fn tip_over_edge(
+    chain: &Chain,
+    stand: &Stand,
+    placed: &Placed<'_>,
+    centre: [f64; 3],
+) -> Option<Edge> {
     let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let touching = (0..chain.wheels().len()).filter(|&wheel| stand.touches(wheel));
-    let mut points: Vec<Vector3<f64>> = touching
-        .map(|wheel| stand.point(chain, placed, wheel))
+    let mut points: Vec<(Vector3<f64>, usize)> = touching
+        .map(|wheel| (stand.point(chain, placed, wheel), wheel))
         .collect();
     let hull = hull(&mut points)?;
-    let mut least = f64::INFINITY;
-    for (k, from) in hull.iter().enumerate() {
-        let to = hull[(k + 1) % hull.len()];
+    let mut least: Option<Edge> = None;
+    for (k, (from, first)) in hull.iter().enumerate() {
+        let (to, second) = hull[(k + 1) % hull.len()];
         let edge = Unit::new_normalize(to - from);
         let across = |v: Vector3<f64>| v - edge.scale(v.dot(&edge));
         let (down, line) = (across(-Vector3::z()), across(from - weight));
         // Counter-clockwise seen from above: the weight is to the left of the edge.
         let angle = edge.dot(&line.cross(&down)).atan2(line.dot(&down));
-        least = least.min(angle);
+        if least.is_none_or(|least| angle < least.angle) {
+            least = Some(Edge {
+                angle,
+                wheels: [*first, second],
+                points: [*from, to],
+            });
+        }
     }
-    least.is_finite().then_some(least)
+    least.filter(|least| least.angle.is_finite())
 }
 
 /// The convex hull of points seen from above, counter-clockwise; None if they are on a line.
-fn hull(points: &mut [Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+fn hull(points: &mut [(Vector3<f64>, usize)]) -> Option<Vec<(Vector3<f64>, usize)>> {
+    points.sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let turns = |a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>| {
         (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0.0
     };
-    let chain = |points: &mut dyn Iterator<Item = &Vector3<f64>>| {
-        let mut chain: Vec<Vector3<f64>> = Vec::new();
+    let chain = |points: &mut dyn Iterator<Item = &(Vector3<f64>, usize)>| {
+        let mut chain: Vec<(Vector3<f64>, usize)> = Vec::new();
         for point in points {
             while let [.., a, b] = chain[..] {
-                if turns(&a, &b, point) {
+                if turns(&a.0, &b.0, &point.0) {
                     break;
                 }
                 chain.pop();

@@ -73,29 +73,41 @@ pub fn by_dimension(
     stand: &Stand,
 ) -> Option<[[f64; DIMENSIONS]; MAX_STATE]> {
     answer(chain, placed, stand, |wheel, _, contact| {
-        let (pair, side) = (wheel / 2, wheel % 2);
-        let (rocker, bogie) = (side, 2 + side);
-        let mirror = if side == 0 { 1.0 } else { -1.0 };
         let upwards = contact.upwards();
         let mut rates = [0.0; DIMENSIONS];
-        // A vector in the axes of a rotation, mirrored on the right.
-        let mut add = |vector: usize, rotation: nalgebra::Matrix3<f64>| {
-            let moved = rotation.tr_mul(&upwards);
-            rates[3 * vector] = moved.x;
-            rates[3 * vector + 1] = mirror * moved.y;
-            rates[3 * vector + 2] = moved.z;
-        };
-        add(0, placed.rotation);
-        if of.bogie.carries(pair) {
-            let foremost = if of.bogie == Bogie::Behind { 1 } else { 0 };
-            add(2, placed.part(rocker).0);
-            add(3 + pair - foremost, placed.part(bogie).0);
-        } else {
-            add(1, placed.part(rocker).0);
+        for (rate, shift) in rates.iter_mut().zip(shift_by_dimension(of, placed, wheel)) {
+            *rate = upwards.dot(&shift);
         }
         let frame = placed.wheel(wheel);
         let spoke = frame.forward * contact.at.sin - frame.up * contact.at.cos;
         rates[DIMENSIONS - 1] = upwards.dot(&spoke);
         rates
     })
+}
+
+/// How the centre of a wheel moves by the vectors of a rocker-bogie, the state as it is.
+pub fn shift_by_dimension(
+    of: &Dimensions,
+    placed: &Placed<'_>,
+    wheel: usize,
+) -> [Vector3<f64>; DIMENSIONS - 1] {
+    let (pair, side) = (wheel / 2, wheel % 2);
+    let (rocker, bogie) = (side, 2 + side);
+    let mirror = if side == 0 { 1.0 } else { -1.0 };
+    let mut shifts = [Vector3::zeros(); DIMENSIONS - 1];
+    // A vector in the axes of a rotation, mirrored on the right.
+    let mut add = |vector: usize, rotation: nalgebra::Matrix3<f64>| {
+        shifts[3 * vector] = rotation.column(0).into();
+        shifts[3 * vector + 1] = rotation.column(1) * mirror;
+        shifts[3 * vector + 2] = rotation.column(2).into();
+    };
+    add(0, placed.rotation);
+    if of.bogie.carries(pair) {
+        let foremost = if of.bogie == Bogie::Behind { 1 } else { 0 };
+        add(2, placed.part(rocker).0);
+        add(3 + pair - foremost, placed.part(bogie).0);
+    } else {
+        add(1, placed.part(rocker).0);
+    }
+    shifts
 }

@@ -10,7 +10,7 @@ use crate::terrain::{Interpolation, Sample};
 const LARGEST_TURN: f64 = 0.3;
 
 /// Angles beyond this are no way to stand [rad].
-const LARGEST_ANGLE: f64 = 1.35;
+pub(super) const LARGEST_ANGLE: f64 = 1.35;
 
 /// Steps of one attempt.
 const STEPS: usize = 40;

@@ -24,10 +24,12 @@ pub enum Status {
     UnknownCells,
     /// No state was found that closes the gaps.
     NotConverged,
+    /// While the ground grows from flat to what it is the rover, or a bogie, tips over.
+    TipsOver,
 }
 
 impl Status {
-    /// Every status, in the order of its codes.
+    /// Every status that is told, in the order of its codes.
     pub const ALL: [Self; 5] = [
         Self::Settled,
         Self::AtStop,
@@ -43,7 +45,28 @@ impl Status {
             Self::AtStop => "at_stop",
             Self::OffMap => "off_map",
             Self::UnknownCells => "unknown_cells",
-            Self::NotConverged => "not_converged",
+            Self::NotConverged | Self::TipsOver => "not_converged",
+        }
+    }
+
+    /// As it is told: what tips over has not converged.
+    pub fn told(self) -> Self {
+        match self {
+            Self::TipsOver => Self::NotConverged,
+            other => other,
+        }
+    }
+
+    /// Why nothing stands; nothing where something does.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Settled | Self::AtStop => "",
+            Self::OffMap => "the rim of a wheel leaves the map",
+            Self::UnknownCells => "the rim of a wheel lies over ground that is not known",
+            Self::NotConverged => "no state was found that closes the gaps",
+            Self::TipsOver => {
+                "as the ground grows from flat to what it is, the rover or a bogie tips over"
+            }
         }
     }
 
@@ -130,8 +153,23 @@ impl<'a> Settler<'a> {
                 }
                 self.standing(pose, steering, &attempt.state, past)
             }
-            Err(reason) => self.failed(reason),
+            Err(reason) => self.stopped(pose, steering, reason),
         }
+    }
+
+    /// Nothing stands with free joints: with stops something may.
+    fn stopped(&self, pose: PlanPose, steering: &[f64], reason: Status) -> Settled<'a> {
+        let ranges = || self.chain.joints().iter().map(|joint| joint.range);
+        let ends = ranges().any(|range| range.lower.is_finite() || range.upper.is_finite());
+        let lost = matches!(reason, Status::NotConverged | Status::TipsOver);
+        let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
+        let standing = start
+            .filter(|_| ends && lost)
+            .and_then(|start| self.stand(pose, steering, &start, [0; MAX_FREE]));
+        standing.map_or_else(
+            || self.failed(reason),
+            |standing| self.settled(standing.attempt, standing.stops, standing.hold.hanging),
+        )
     }
 
     fn standing(
@@ -143,10 +181,7 @@ impl<'a> Settler<'a> {
     ) -> Settled<'a> {
         match self.stand(pose, steering, near, stops) {
             Some(standing) => self.settled(standing.attempt, standing.stops, standing.hold.hanging),
-            None => {
-                let reason = self.reason(pose, steering, near);
-                self.failed(reason)
-            }
+            None => self.failed(self.reason(pose, steering, near)),
         }
     }
 
@@ -175,6 +210,9 @@ impl<'a> Settler<'a> {
             if reason != Status::NotConverged && number >= 2 {
                 break; // half blind: nothing to be found by looking longer
             }
+        }
+        if reason == Status::NotConverged {
+            return self.grown(pose, steering);
         }
         Err(reason)
     }

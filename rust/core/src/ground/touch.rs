@@ -139,6 +139,35 @@ impl<'a> Touches<'a> {
         Some(Self { placed, wheels })
     }
 
+    /// The same over ground whose heights are a share of what they are above a datum, the lower halves of the rims alone: `over`
+    /// holds the share and the datum.
+    pub(crate) fn over_part(
+        ground: &Terrain,
+        chain: &'a Chain,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        [share, datum]: [f64; 2],
+    ) -> Option<Self> {
+        let placed = chain.place(pose, state, steering)?;
+        let count = chain.wheels().len();
+        let touch = |k: usize| {
+            let (frame, radius) = (placed.wheel(k), chain.wheels()[k].radius);
+            let mut circle = circle(ground, &frame, radius);
+            // As much higher as the ground is lower.
+            circle.centre[2] = datum + (circle.centre[2] - datum) / share;
+            circle.forward[2] /= share;
+            circle.up[2] /= share;
+            let rim = walk(ground, &circle, Part::Lower, BELOW);
+            let mut touch = Touch::of(ground, frame, radius, rim);
+            touch.gap *= share;
+            touch.gradient = touch.gradient.map(|slope| slope * share);
+            touch
+        };
+        let wheels = std::array::from_fn(|k| touch(if k < count { k } else { 0 }));
+        Some(Self { placed, wheels })
+    }
+
     /// Walks along the upper halves of the rims too where the ground may be that high, or is not known; whether
     /// there is such a rim.
     pub(crate) fn look_up(&mut self, ground: &Terrain, chain: &Chain) -> bool {

@@ -16,6 +16,8 @@ pub(crate) trait Arithmetic: Copy {
     /// `a / b`
     fn over(self, a: Self::Number, b: Self::Number) -> Self::Number;
     fn sqrt(self, a: Self::Number) -> Self::Number;
+    /// The smaller of two, neither of them NaN.
+    fn least(self, a: Self::Number, b: Self::Number) -> Self::Number;
 }
 
 /// One number at a time; `a b + c` is rounded twice, on every machine.
@@ -49,6 +51,11 @@ macro_rules! singly {
             #[inline(always)]
             fn sqrt(self, a: f64) -> f64 {
                 a.sqrt()
+            }
+
+            #[inline(always)]
+            fn least(self, a: f64, b: f64) -> f64 {
+                if a < b { a } else { b }
             }
         }
     };

@@ -4,7 +4,7 @@ use super::arithmetic::{Apart, Arithmetic};
 use super::tolerant::{Recording, TrackRows};
 use super::{Health, Odometry, Sample, Settings};
 use crate::batch::one_row::step::log::{Block, Room, Rows};
-use crate::batch::one_row::step::{Given, SURELY, Targets};
+use crate::batch::one_row::step::{Given, LARGEST_STEP, SURELY, Targets};
 
 /// What the settings say of a step.
 #[derive(Clone, Copy, Debug)]
@@ -13,11 +13,12 @@ pub(crate) struct Terms<T> {
     pub dt: T,
     /// Variance of what a wheel rolled, but for slip [m²].
     pub reading_variance: T,
-    /// Deviation of a steering angle [rad].
-    pub steering_deviation: T,
+    /// Half the deviation of a steering angle [rad], and its variance.
+    pub half_deviation: T,
+    pub steering_variance: T,
     /// How far a wheel slides that is reported [m]; None: by the variances.
     pub slip_bound: Option<T>,
-    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad].
+    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad]; at most [`LARGEST_STEP`].
     pub most: [T; 2],
     /// Variance along and across a wheel's heading per metre of its pivot [m].
     pub slip_variances: [f64; 2],
@@ -32,25 +33,30 @@ impl Settings {
         let noise = &self.noise;
         let read = by.number(noise.speed) * dt;
         let steering = by.number(noise.steering);
-        let (reading_variance, steering_deviation) = match noise.period {
+        let (reading_variance, deviation) = match noise.period {
             None => (read * read, steering),
             Some(period) => {
                 let sharing = by.over(by.number(period), dt);
                 (sharing * (read * read), by.sqrt(sharing) * steering)
             }
         };
-        let most = |limit: Option<f64>| match limit {
-            None => by.number(f64::INFINITY),
-            Some(limit) => by.number(SURELY * limit) * dt,
+        let most = |limit: Option<f64>, largest: f64| match limit {
+            None => by.number(largest),
+            Some(limit) => by.least(by.number(SURELY * limit) * dt, by.number(largest)),
         };
+        let [way, turn] = LARGEST_STEP;
         Terms {
             dt,
             reading_variance,
-            steering_deviation,
+            half_deviation: deviation * by.number(0.5),
+            steering_variance: deviation * deviation,
             slip_bound: self
                 .flagged_slip()
                 .map(|threshold| by.number(threshold) * dt),
-            most: [most(self.max_speed), most(self.max_steering_rate)],
+            most: [
+                most(self.max_speed, way),
+                most(self.max_steering_rate, turn),
+            ],
             slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
             smoothing: self.smoothing,
         }

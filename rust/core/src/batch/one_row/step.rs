@@ -26,11 +26,9 @@ use plan::Room;
 pub(crate) use wheels::SURELY;
 use wheels::{Pick, Register, Squares, disagree, ended, lean, listen, met};
 
-/// Half turn of a steered wheel during a step up to which its chord is the polynomial [rad].
-const LARGEST_HALF_TURN: f64 = std::f64::consts::FRAC_PI_4;
-
-/// Way and turn of a wheel over one step beyond which it is left to the plain core [m, rad].
-const LARGEST_WAY: f64 = 1e50;
+/// Way of a wheel and turn of a joint over one step beyond which it is left to the plain core [m, rad]; half the turn is as
+/// far as the chord is the polynomial. A wheel may turn by as many radians as metres.
+pub(crate) const LARGEST_STEP: [f64; 2] = [1e50, std::f64::consts::FRAC_PI_2];
 
 /// The columns of joints come in whole registers, on every level that has this kernel.
 pub(crate) const COLUMNS: usize = 4;
@@ -279,7 +277,8 @@ fn carry<S: Vector>(
     for (part, number) in by.as_flattened_mut().iter_mut().zip(parts) {
         *part = splat(*number);
     }
-    let lever = jacobian.lever().map(splat);
+    let [x, y] = jacobian.lever();
+    let lever = [splat(x), splat(y)];
     let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
     let mut columns = carried
         .as_flattened_mut()

@@ -300,29 +300,54 @@ fn apart<S: Vector>(
     unweave(simd, flat, &mut room.wheels);
     let joints = angles.len();
     let (middles, turns) = room.flat[..2 * count * joints].split_at_mut(count * joints);
-    let mut start = angles;
-    let mut readings = rows.steering.chunks_exact(joints.max(1));
-    let mut before = readings.next().unwrap_or_default();
-    let each = middles
-        .chunks_exact_mut(joints.max(1))
-        .zip(turns.chunks_exact_mut(joints.max(1)));
-    for (((middle, turn), end), after) in each
-        .zip(room.angles.chunks_exact_mut(joints.max(1)))
-        .zip(readings)
-    {
-        let given = before.iter().zip(after).zip(&room.per_count).zip(start);
-        let found = middle.iter_mut().zip(turn).zip(&mut *end);
-        for ((((before, after), per_count), start), ((middle, turn), end)) in given.zip(found) {
-            *end = (after - before) * per_count + start;
-            *middle = (start + *end) * 0.5;
-            *turn = *end - start;
-        }
-        before = after;
-        start = end;
+    let mut joint = 0;
+    while joint < joints {
+        // Four at a time are the lanes of a register; most rovers have as many.
+        let to = [&mut *middles, &mut *turns, &mut room.angles];
+        joint += if joint + 4 <= joints {
+            turn::<4>(rows.steering, angles, &room.per_count, joint, to)
+        } else {
+            turn::<1>(rows.steering, angles, &room.per_count, joint, to)
+        };
     }
     let (middle, turned) = room.joints.split_at_mut(joints);
     unweave(simd, middles, middle);
     unweave(simd, turns, turned);
+}
+
+/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. How many they are.
+#[inline(always)]
+fn turn<const N: usize>(
+    steering: &[f64],
+    angles: &[f64],
+    per_count: &[f64],
+    joint: usize,
+    [middles, turns, ends]: [&mut [f64]; 3],
+) -> usize {
+    let joints = angles.len();
+    let of = |all: &[f64], row: usize| -> [f64; N] {
+        let numbers = all
+            .get(row * joints + joint..)
+            .and_then(|rest| rest.first_chunk());
+        numbers.copied().unwrap_or([f64::NAN; N])
+    };
+    let (mut start, per_count) = (of(angles, 0), of(per_count, 0));
+    let mut before = of(steering, 0);
+    for row in 0..middles.len() / joints {
+        let after = of(steering, row + 1);
+        let (mut middle, mut turned, mut end) = (start, start, start);
+        for j in 0..N {
+            end[j] = (after[j] - before[j]) * per_count[j] + start[j];
+            middle[j] = (start[j] + end[j]) * 0.5;
+            turned[j] = end[j] - start[j];
+        }
+        let here = row * joints + joint..row * joints + joint + N;
+        middles[here.clone()].copy_from_slice(&middle);
+        turns[here.clone()].copy_from_slice(&turned);
+        ends[here].copy_from_slice(&end);
+        (before, start) = (after, end);
+    }
+    N
 }
 
 /// Goes over the places of a plan in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each part.

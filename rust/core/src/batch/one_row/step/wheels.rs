@@ -1,7 +1,7 @@
 //! What a wheel says of a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
 
+use super::LARGEST_STEP;
 use super::plan::{Group, Room, Triple};
-use super::{LARGEST_HALF_TURN, LARGEST_WAY};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
 use crate::batch::machine::vector::Vector;
@@ -37,6 +37,11 @@ impl<S: Vector> Arithmetic for InLanes<S> {
     fn sqrt(self, a: Lanes<S>) -> Lanes<S> {
         a.sqrt()
     }
+
+    #[inline(always)]
+    fn least(self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+        a.min(b)
+    }
 }
 
 impl Terms<f64> {
@@ -47,9 +52,10 @@ impl Terms<f64> {
         Terms {
             dt: splat(self.dt),
             reading_variance: splat(self.reading_variance),
-            steering_deviation: splat(self.steering_deviation),
+            half_deviation: splat(self.half_deviation),
+            steering_variance: splat(self.steering_variance),
             slip_bound: self.slip_bound.map(splat),
-            most: self.most.map(splat),
+            most: [splat(self.most[0]), splat(self.most[1])],
             slip_variances: self.slip_variances,
             smoothing: self.smoothing,
         }
@@ -154,12 +160,10 @@ pub(super) fn listen<S: Vector, P: Pick<S>>(
     let splat = |number| Lanes::splat(simd, number);
     let turned = counts * pick.of(&group.per_count[0]);
     let mut rolled = turned * pick.of(&group.radius);
-    let mut usual = rolled.abs().at_most(most_way.min(splat(LARGEST_WAY)))
-        & turned.abs().at_most(splat(LARGEST_WAY));
+    let mut usual = rolled.abs().at_most(most_way) & turned.abs().at_most(splat(LARGEST_STEP[0]));
     let mut shares = group.shares.each_ref().map(|row| pick.three(row));
     let mut way = [rolled, splat(0.0)];
     if let Some([middle, turn]) = joint {
-        let most_turn = most_turn.min(splat(2.0 * LARGEST_HALF_TURN));
         usual = usual
             & turn.abs().at_most(most_turn)
             & middle.abs().at_most(splat(LARGEST_ANGLE / 4.0));
@@ -214,8 +218,7 @@ pub(super) fn disagree<S: Vector, P: Pick<S>>(
     }
     squares.add(here.three(&room.shares[0]), own);
     let rolled = here.of(&room.rolled);
-    let steering = terms.steering_deviation * terms.steering_deviation;
-    let turned = steering * pick.of(&group.steers) * (rolled * rolled);
+    let turned = terms.steering_variance * pick.of(&group.steers) * (rolled * rolled);
     let [has_rolling, has_side_slip] = group.has.each_ref().map(|has| pick.of(has));
     let variance = has_rolling.mul_add(own, has_side_slip * (sides + turned));
     store([slid], std::array::from_mut(&mut room.slid), k);
@@ -235,8 +238,7 @@ pub(super) fn lean<S: Vector, P: Pick<S>>(
     (room, k): (&Room, usize),
 ) -> [Lanes<S>; 3] {
     let here = Register(simd, k);
-    let deviation = terms.steering_deviation * Lanes::splat(simd, 0.5);
-    let error = here.of(&room.rolled) * pick.of(&group.steers) * deviation;
+    let error = here.of(&room.rolled) * pick.of(&group.steers) * terms.half_deviation;
     here.three(&room.shares[1]).map(|share| share * error)
 }
 
