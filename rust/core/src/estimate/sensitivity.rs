@@ -128,14 +128,9 @@ impl Linearised<'_> {
         self.twist.into()
     }
 
-    /// Steering angle of a wheel and its rate; None where it does not steer.
-    pub(crate) fn steered(&self, wheel: usize) -> Option<[f64; 2]> {
-        let joint = self.rover.steered().iter().position(|&k| k == wheel)?;
-        let rate = self
-            .measured
-            .steering_rates
-            .map_or(0.0, |rates| rates[joint]);
-        Some([self.measured.steering[joint], rate])
+    /// Which of the steered wheels one is.
+    pub(crate) fn joint(&self, wheel: usize) -> Option<usize> {
+        self.rover.steered().iter().position(|&k| k == wheel)
     }
 
     /// Derivative of the twist with respect to a quantity of one wheel.
@@ -160,7 +155,10 @@ impl Linearised<'_> {
             return Vector3::zeros();
         }
         let read = self.measured.speeds[i].is_finite();
-        let rate = || self.steered(i).map_or(0.0, |[_, rate]| rate);
+        let rate = || match (self.measured.steering_rates, self.joint(i)) {
+            (Some(rates), Some(joint)) => rates[joint],
+            _ => 0.0,
+        };
         match (quantity, wheel.steering()) {
             (Quantity::Steering, None) => return Vector3::zeros(),
             // Both rows turn together and AᵀA stays: what is left of the sum below is that of Aᵀ db.

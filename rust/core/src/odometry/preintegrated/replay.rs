@@ -56,9 +56,12 @@ impl Column {
                 turned => linearised.derivative(wheel, Quantity::Speed) * turned,
             },
             Self::Steered(wheel) => {
-                let Some([angle, rate]) = linearised.steered(wheel) else {
+                let Some(joint) = linearised.joint(wheel) else {
                     return Vector3::zeros();
                 };
+                let angle = linearised.measured.steering[joint];
+                let rates = linearised.measured.steering_rates;
+                let rate = rates.map_or(0.0, |rates| rates[joint]);
                 linearised.derivative(wheel, Quantity::Steering) * angle
                     + linearised.derivative(wheel, Quantity::SteeringRate) * rate
             }
