@@ -9,10 +9,12 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import six_wheel as sw
+from six_wheel.calibration import Calibration
 from six_wheel.evaluation import absolute_error
 from six_wheel.logs import Log, optiodom
 from six_wheel.poses import Floats, between
@@ -29,11 +31,11 @@ class Reckoned:
     nees: float
 
 
-def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise) -> Reckoned:
+def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, **known: Any) -> Reckoned:
     """A run, its first pose given."""
     truth = log.truth
     assert truth is not None
-    track = sw.dead_reckon(rover, log, noise=noise, start=truth.poses[0], residuals=False)
+    track = sw.dead_reckon(rover, log, noise=noise, start=truth.poses[0], residuals=False, **known)
     assert track.covariances is not None
     error = between(truth.poses[-1], track.poses[-1])
     heading = truth.poses[-1, 2]
@@ -46,32 +48,37 @@ def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise) -> Reckoned:
     )
 
 
-def left_out(rovers: list[sw.Rover], logs: list[Log]) -> Iterator[tuple[str, list[int], sw.Rover, sw.Noise]]:
-    """Every session with what the others say: the set they choose, runs, rover and noise."""
+def left_out(
+    rovers: list[sw.Rover], logs: list[Log], names: list[str] | None
+) -> Iterator[tuple[list[int], Calibration]]:
+    """The runs of every session with what the others say."""
+    how = {} if names is None else {"parameters": names, "cross_validation": False}
     for session in dict.fromkeys(log.session for log in logs):
         others = [number for number, log in enumerate(logs) if log.session != session]
-        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others])
+        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others], **how)
         own = [number for number, log in enumerate(logs) if log.session == session]
-        yield ", ".join(result.chosen), own, result.rover, result.noise
+        yield own, result
 
 
-def judged(folder: Path) -> tuple[str, str]:
+def judged(folder: Path, names: list[str] | None = None) -> tuple[str, str]:
     """The rows of one robot in both tables."""
     paths = sorted(folder.rglob("*_run-*.csv"))
     rovers, logs = [optiodom.read_rover(path) for path in paths], [optiodom.read(path) for path in paths]
     guess = [reckoned(rover, log, sw.Noise()) for rover, log in zip(rovers, logs, strict=True)]
     found: dict[int, Reckoned] = {}
+    beside: dict[int, Reckoned] = {}
     chosen = dict[str, None]()
-    for names, own, rover, noise in left_out(rovers, logs):
-        chosen[names] = None
-        found |= {number: reckoned(rover, logs[number], noise) for number in own}
+    for own, result in left_out(rovers, logs, names):
+        chosen[", ".join(result.chosen)] = None
+        found |= {number: reckoned(result.rover, logs[number], result.noise) for number in own}
+        beside |= {number: reckoned(result.rover, logs[number], **result.known) for number in own}
     after = [found[number] for number in range(len(logs))]
     before, errors = (np.array([one.error for one in runs]) for runs in (guess, after))
     worse = int(np.sum(errors > before))
     return (
         f"| {folder.name} | {len(logs)} | {'; '.join(chosen)} | {np.median(before):.4f} "
         f"| {np.median(errors):.4f} | {worse} |",
-        f"| {folder.name} | {share(guess)} | {share(after)} |",
+        f"| {folder.name} | {share(guess)} | {share(after)} | {share(list(beside.values()))} |",
     )
 
 
@@ -86,13 +93,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
     parser.add_argument("robots", nargs="*")
+    parser.add_argument("--parameters", type=lambda text: text.split(","), help="a set, instead of choosing")
     arguments = parser.parse_args()
     folders = [each for each in sorted(arguments.data.iterdir()) if each.is_dir()]
-    rows = [judged(each) for each in folders if not arguments.robots or each.name in arguments.robots]
+    names = arguments.parameters
+    rows = [judged(each, names) for each in folders if not arguments.robots or each.name in arguments.robots]
     print("| robot | runs | chosen | nominal [m] | left out [m] | runs worse |")
     print("|---|---|---|---|---|---|", *(row for row, _ in rows), sep="\n")
-    print("\n| robot | default noise, nominal | median NEES | measured, left out | median NEES |")
-    print("|---|---|---|---|---|", *(row for _, row in rows), sep="\n")
+    head = "default noise, nominal", "measured, left out", "and dimensions"
+    print(f"\n| robot | {' | '.join(f'{one} | median NEES' for one in head)} |")
+    print("|---|---|---|---|---|---|---|", *(row for _, row in rows), sep="\n")
 
 
 if __name__ == "__main__":

@@ -654,6 +654,8 @@ class Odometry:
         lag: float = 0.0,
         history: int = 1024,
         gyroscope: Gyroscope | None = None,
+        wheel_noise: ArrayLike | Mapping[str, float] | None = None,
+        dimensions: ArrayLike | None = None,
     ) -> Odometry: ...
     @property
     def gyroscope_bias(self) -> tuple[float, float] | None: ...

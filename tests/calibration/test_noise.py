@@ -126,3 +126,88 @@ def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
         values.append(error @ np.linalg.solve(track.covariances[-1], error))
     assert max(values) < 7.815
     assert np.median(values) < 2.366 / 2.0  # half the median of chi-squared with 3 degrees of freedom
+
+
+def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
+    """As the result says it, and new drives end within it."""
+    from six_wheel.calibration import calibrate_files
+    from six_wheel.parameters import read_parameters
+    from six_wheel.simulation import write_log
+
+    paths = [tmp_path / f"{seed}.csv" for seed in range(5)]
+    for log, path in zip(drives(5, NOISE), paths, strict=True):
+        write_log(log, PAIR, path)
+    find = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
+    result = calibrate_files(PAIR, paths, tmp_path / "true.yaml", options=find).result
+    said = read_parameters(tmp_path / "true.yaml")
+    wanted, found = (np.tensordot(each, each, (0, 0)) for each in (result.dimensions, said.dimensions))
+    np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-18)
+    noise = sw.Noise(**said.noise)
+    assert noise == result.known["noise"] == result.measured_noise.beside
+    assert said.odometry.get("wheel_noise") == result.known["wheel_noise"]
+    told = (noise.slip + noise.side_slip, result.noise.slip + result.noise.side_slip)
+    assert told[0] <= told[1]  # which has what the dimensions are off by in it
+    inside = 0
+    for log in drives(40, NOISE, first=200):
+        track = sw.dead_reckon(said.rover, log, noise=noise, dimensions=said.dimensions, residuals=False)
+        error = track.poses[-1] - log.truth.poses[-1]
+        inside += error @ np.linalg.solve(track.covariances[-1], error) < 7.815
+    assert inside >= 33  # as above
+
+
+WIDE = sw.Rover.differential(
+    2.0, 0.1
+)  # whose ways are not much longer than it is wide: ends tell its wheels apart
+
+
+def slipping(count, left, right):
+    """Drives whose wheels slip by noise of their own [m per root m]."""
+    found = []
+    for seed in range(count):
+        random = np.random.default_rng((7, seed))
+        twists = np.stack(
+            (0.1 + 0 * TIMES, 0 * TIMES, 0.1 * np.sin(TIMES / 3.0 + random.uniform(0, 6))), axis=-1
+        )
+        log = sw.simulate(WIDE, (TIMES, twists), noise=sw.Noise(0.0, 0.0), rate=10.0)
+        rolled = np.abs(np.diff(log.wheel_angles, axis=0)) * 0.1
+        slid = np.cumsum(random.normal(size=rolled.shape) * np.sqrt(rolled) * (left, right), axis=0) / 0.1
+        readings = log.wheel_angles + np.vstack(([[0.0, 0.0]], slid))
+        found.append(sw.Log(log.stamps, None, readings, log.truth, name=f"run {seed}"))
+    return found
+
+
+def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
+    find = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
+    result = calibrate(WIDE, slipping(24, 0.02, 0.005), **find)
+    left, right = result.measured_noise.wheels
+    slip = result.measured_noise.slip.value
+    assert slip * left.interval[0] < 0.02 < slip * left.interval[1]
+    assert left.interval[0] > right.interval[1]
+    assert 2.0 < left.value / right.value < 8.0
+    assert result.known["wheel_noise"] == {"left": left.value, "right": right.value}
+    sw.Odometry(result.rover, **result.known)
+    assert "| times that, of `left` |" in result.to_markdown()
+    alike = calibrate(WIDE, slipping(24, 0.01, 0.01), **find)
+    assert alike.measured_noise.wheels == ()
+    assert "do not tell the slip of one wheel" in alike.to_markdown()
+    assert calibrate(WIDE, slipping(1, 0.02, 0.005), **find).measured_noise.wheel_noise is None
+
+
+def test_factors_and_the_origin_are_written_as_they_are_read(tmp_path):
+    """Of a rover about another origin, with gains: the file means the same errors as the result."""
+    from six_wheel.calibration.files import calibrate_files
+    from six_wheel.parameters import read_parameters
+    from six_wheel.simulation import write_log
+
+    rover = sw.Rover.tricycle(0.5, 0.3, 0.1)
+    times = np.linspace(0.0, 30.0, 61)
+    paths = [tmp_path / f"{seed}.csv" for seed in range(3)]
+    for seed, path in enumerate(paths):
+        twists = np.stack((0.3 + 0 * times, 0 * times, 0.4 * np.sin((0.3 + 0.1 * seed) * times + seed)), -1)
+        write_log(sw.simulate(rover, (times, twists), noise=NOISE, rate=10.0, seed=seed), rover, path)
+    names = ["wheel_radius", "steering_offset", "steering_gain", "origin"]
+    find = {"parameters": names, "cross_validation": False}
+    result = calibrate_files(rover, paths, tmp_path / "true.yaml", options=find).result
+    said = read_parameters(tmp_path / "true.yaml")
+    wanted, found = (np.tensordot(each, each, (0, 0)) for each in (result.dimensions, said.dimensions))
+    np.testing.assert_allclose(found, wanted, rtol=1e-6, atol=1e-9 * wanted.max())

@@ -19,7 +19,7 @@ pytest.importorskip("scipy", reason="SciPy is not installed")
 from six_wheel.calibration import calibrate, parameter_names
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _drive_model
-from six_wheel.calibration import parameters as _parameters
+from six_wheel.odometry import dimensions as _parameters
 
 SOAK = int(os.environ.get("SOAK", "0"))
 TRIANGLE = np.array([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)])

@@ -1,7 +1,8 @@
 """A rover's true dimensions from its logs: what fits them, how well it is known, what they cannot tell.
 
-`parameters` can be calibrated from `drives`; `model` says where these end, `fitting` solves, `observability`
-and `cross_validation` judge, `procedure` joins them to a `result`; `files` does it for logs on disk.
+What `six_wheel.odometry.dimensions` names is calibrated from `drives`; `model` says where these end,
+`fitting` solves, `observability` and `cross_validation` judge, `procedure` joins them to a `result`; `files`
+does it for logs on disk.
 """
 
 from typing import TYPE_CHECKING
@@ -47,7 +48,6 @@ __getattr__, __dir__ = attach(
         "model": (),
         "noise": ("MeasuredNoise",),
         "observability": ("Observability",),
-        "parameters": (),
         "procedure": ("calibrate", "parameter_names"),
         "result": ("Calibration",),
         "values": ("Estimate", "RunErrors", "Windows"),

@@ -11,10 +11,10 @@ from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
-from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.values import RunErrors
 from six_wheel.cluster import Journal, collect
 from six_wheel.logs.recordings import Log
+from six_wheel.odometry.dimensions import Catalogue
 from six_wheel.poses import Floats
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
@@ -224,7 +224,7 @@ def errors_left_out(trial: Trial) -> Floats:
     linear = whole.linearised(solution.values, solution.scales)
     errors = np.empty(len(keys))
     for fold in np.unique(keys):
-        values = refit(linear.only((keys != fold).tolist()), solution)
+        values = refit(linear.only((keys != fold).tolist()), solution)[1].values
         left = [drive for drive, key in zip(whole.drives, keys, strict=True) if key == fold]
         errors[keys == fold] = _errors(whole.model, values, left)
     return errors

@@ -11,7 +11,6 @@ import numpy as np
 
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import moving
-from six_wheel.calibration.parameters import FRAME
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
@@ -23,6 +22,7 @@ from six_wheel.logs.opening import AnyLog, LogOptions, logs_in, read_log
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import replacing
 from six_wheel.odometry.dead_reckoning import dead_reckon
+from six_wheel.odometry.dimensions import FRAME
 from six_wheel.parameters.file import Parameters, parse_parameters
 from six_wheel.parameters.mending import text_for
 from six_wheel.poses import Floats, joined
@@ -30,6 +30,7 @@ from six_wheel.poses import Floats, joined
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
 YAML = (".yaml", ".yml")
+FACTORS = ("encoder_scale", "steering_gain")
 MANY = 8  # logs from which on it is worth starting processes
 
 
@@ -204,6 +205,7 @@ def _beside(result: Calibration, parameters: Parameters | None) -> dict[str, dic
     return {
         "encoders": _encoders(result, parameters),
         "noise": _noise(result, parameters),
+        "odometry": _odometry(result, parameters),
         "truth": _truth(result, parameters),
         "calibration": _known(result),
     }
@@ -214,8 +216,16 @@ def _noise(result: Calibration, parameters: Parameters | None) -> dict[str, floa
     if result.measured_noise is None:
         return None
     kept = {} if parameters is None else parameters.noise
-    measured = {name: getattr(result.noise, name) for name in ("speed", "steering", "slip", "side_slip")}
-    return kept | measured
+    found = result.measured_noise.beside  # the dimensions that are written count by themselves
+    return kept | {name: getattr(found, name) for name in ("speed", "steering", "slip", "side_slip")}
+
+
+def _odometry(result: Calibration, parameters: Parameters | None) -> dict[str, Any] | None:
+    """The key ``odometry`` with how much each wheel slips, where the drives told that."""
+    kept = {} if parameters is None else parameters.odometry
+    others = {name: value for name, value in kept.items() if name != "wheel_noise"}
+    wheels = result.known["wheel_noise"]
+    return others | ({"wheel_noise": wheels} if wheels else {}) if result.measured_noise else None
 
 
 def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
@@ -229,10 +239,15 @@ def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, floa
 
 
 def _known(result: Calibration) -> dict[str, Any] | None:
-    """The key ``calibration``: how well the dimensions are known."""
+    """The key ``calibration``: how well the dimensions in the file are known, as `deviations` takes it."""
     if not result.parameters:
         return None
-    return {"parameters": list(result.names), "covariance": result.covariance.tolist()}
+    names = list(result.names)
+    by = np.diag([1.0 / one.value if one.name.startswith(FACTORS) else 1.0 for one in result.parameters])
+    if all(f"origin_{axis}" in names for axis in FRAME):
+        x, y, yaw = names.index("origin_x"), names.index("origin_y"), result["origin_yaw"].value
+        by[np.ix_((x, y), (x, y))] = [[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]]
+    return {"parameters": names, "covariance": (by @ result.widened @ by.T).tolist()}
 
 
 def half_width(one: Estimate) -> float:

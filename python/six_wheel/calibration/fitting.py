@@ -44,6 +44,8 @@ REWEIGHTED, NOTHING = 60, 1e-14
 COARSE = 1e-3
 SETTLED = 1e-3  # of a standard deviation
 FEWEST_SESSIONS, FEWEST_RUNS = 4, 3
+# Of intervals that a normal distribution shall have as wide as Student's t.
+NORMAL = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -486,7 +488,9 @@ def quantile(degrees: float, confidence: float) -> float:
     return float(stdtrit(degrees, 0.5 + confidence / 2.0))
 
 
-def refit(linear: Problem, start: Solution) -> Floats:
-    """Values for some of the drives of a problem that was solved for all of them, after one step in full."""
+def refit(linear: Problem, start: Solution) -> tuple[Problem, Solution]:
+    """Some of the drives of a problem that was solved for all of them, and what fits these, after one step in
+    full."""
     values = _settle(linear, start.values, start.scales).values
-    return _settle(linear.linearised(values, start.scales), values, start.scales).values
+    linear = linear.linearised(values, start.scales)
+    return linear, _settle(linear, values, start.scales)

@@ -10,10 +10,10 @@ from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import Problem, Solution, solve
 from six_wheel.calibration.model import Model
-from six_wheel.calibration.parameters import size
 from six_wheel.calibration.values import timed_path
 from six_wheel.evaluation.slip import Stretch, lost_stretches, merged
 from six_wheel.logs.recordings import Log
+from six_wheel.odometry.dimensions import size
 from six_wheel.poses import Floats
 
 # How much better another reading must fit than the one given, nominal dimensions both.

@@ -11,8 +11,18 @@ import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
-from six_wheel.calibration.parameters import FRAME, WHEEL_QUANTITIES, Parameter, mounts, prior, size
 from six_wheel.logs import Log
+from six_wheel.odometry.dimensions import (
+    FRAME,
+    PLACE,
+    WHEEL_QUANTITIES,
+    Parameter,
+    apart,
+    mounts,
+    moves,
+    prior,
+    size,
+)
 from six_wheel.poses import Floats, between, inverse, joined
 from six_wheel.rebuild import with_wheels
 
@@ -105,6 +115,18 @@ class Model:
         places = np.array([(wheel.x, wheel.y, wheel.heading) for wheel in rover.wheels])
         seen = joined(inverse(origin), places)
         return with_wheels(rover, ({"x": x, "y": y, "heading": yaw} for x, y, yaw in seen.tolist()))
+
+    def deviations(self, values: Floats, covariance: Floats) -> Floats:
+        """What the rover with these values may be off by, of numbers (own, own), as `Odometry` takes it."""
+        rover, moved = self.rover(values), []
+        yaw = self.pose(values, "origin")[2]
+        for parameter, value in zip(self.parameters[: self.own], values, strict=False):
+            moved.append(moves(rover, parameter, float(value)))
+            if parameter.name != "origin_yaw":  # in the axes that the wheels were given in
+                moved[-1][:, PLACE] = _rotated(np.full(len(moved[-1]), -yaw), moved[-1][:, PLACE, None])[
+                    :, :, 0
+                ]
+        return apart(moved, covariance)
 
     def readings(self, drive: Drive, values: Floats) -> tuple[Floats, Floats]:
         """Steering angles and wheel speeds, as the encoders mean them under these values."""

@@ -2,20 +2,24 @@
 
 What is compared is where dead reckoning ends with where the rover was, on drives whose own session was left
 out of the fit: so what the dimensions are still off by is in it, and a rover that drives with this noise is
-as far off as it says. Slip grows with the root of the way, whatever the rate of the samples.
+as far off as it says. Slip grows with the root of the way, whatever the rate of the samples. Beside
+dimensions whose errors are counted by themselves, it holds the rest.
 """
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 from scipy.special import chdtri, fdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
 from six_wheel.calibration.drives import RESTED, at_rest
 from six_wheel.calibration.values import Estimate
+from six_wheel.calibration.wheel_noise import told_apart
 from six_wheel.logs import Log
 from six_wheel.odometry import dead_reckon
 from six_wheel.poses import Floats, inverse, joined
@@ -40,6 +44,9 @@ class MeasuredNoise:
     ----------
     noise : Noise
         To give to `Odometry`; `speed` and `steering` are 0, for slip holds all that ends err by.
+    beside : Noise
+        The same where `Odometry` is given `Calibration.dimensions` and `wheel_noise` as well: without what
+        these explain.
     slip, side_slip : Estimate
         Along and across the wheels [m per root m], by maximum likelihood, with intervals.
     sections : int
@@ -51,17 +58,21 @@ class MeasuredNoise:
     yaw_rate : Estimate or None
         Of one reading of the gyroscope [rad/s], from where the rover stands; None where no log has one and
         stands for a second.
+    wheels : tuple of Estimate
+        How many times that each wheel slips by; none where the ends do not tell wheels apart.
     gyroscope : Gyroscope or None
         The same with the bias at rest, to give to `Odometry` beside `noise`, which counts the bias as noise.
     """
 
     noise: Noise
+    beside: Noise
     slip: Estimate
     side_slip: Estimate
     sections: int
     basis: str
     nees: Floats
     yaw_rate: Estimate | None = None
+    wheels: tuple[Estimate, ...] = ()
     gyroscope: Gyroscope | None = None
 
     @property
@@ -69,24 +80,47 @@ class MeasuredNoise:
         """Share of the ends within the 95 % bound."""
         return float(np.mean(self.nees <= _bound()))
 
+    @property
+    def wheel_noise(self) -> dict[str, float] | None:
+        """For `Odometry`, by the names of the wheels."""
+        return {one.name: one.value for one in self.wheels} or None
+
     def __repr__(self) -> str:
         return f"MeasuredNoise({self.noise!r}, {100 * self.covered:.0f} % of {self.basis} within their bound)"
 
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Error of an end (3,), and its covariance (3, 3) by slip of 1 m per root m along and across."""
+    """Error of an end (3,), and its covariance by slip of 1 m per root m along and across each of the wheels
+    (wheels, 2, 3, 3), and by what the dimensions may be off (3, 3)."""
 
     error: Floats
-    along: Floats
-    across: Floats
+    wheels: Floats
+    fixed: Floats
+
+
+# Errors, covariances by slip along and across, and by the rest.
+Weighed = tuple[Floats, Floats, Floats, Floats]
+
+
+class Stack(NamedTuple):
+    """Many ends: arrays of what `End` has."""
+
+    errors: Floats
+    wheels: Floats
+    fixed: Floats
+
+    def weighed(self, times: Floats, share: float = 0.0) -> Weighed:
+        """With so many times the slip for each wheel, and a share of what the dimensions explain."""
+        along, across = np.einsum("w,ewkij->keij", times * times, self.wheels)
+        return self.errors, along, across, share * self.fixed + np.diag(TRUTH**2)
 
 
 def _bound() -> float:
     return float(chdtri(3, 1.0 - COVERED))
 
 
-def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
+def ends(rover: Rover, dimensions: Floats, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
     """Where dead reckoning of a log ends, against the truth, for each of so many pieces of it."""
     if log.truth is None:
         return []
@@ -104,19 +138,31 @@ def ends(rover: Rover, log: Log, sensor: Floats, offset: float, pieces: int) -> 
             log.wheel_angles[part],
             log.stamps[part],
         )
-        tracks = [
-            dead_reckon(rover, *readings, noise=noise, start=body[first], residuals=False)
-            for noise in (Noise(0.0, 0.0, slip=1.0), Noise(0.0, 0.0, side_slip=1.0))
+        end = partial(_end, rover, readings, body[first])
+        pose, fixed = end(Noise(0.0, 0.0), dimensions=dimensions)
+        kinds = Noise(0.0, 0.0, slip=1.0), Noise(0.0, 0.0, side_slip=1.0)
+        wheels = [
+            [end(noise, wheel_noise=alone)[1] for noise in kinds] for alone in np.eye(len(rover.wheels))
         ]
-        along, across = (track.covariances[-1] for track in tracks)  # type: ignore[index]
-        error = tracks[0].poses[-1] - body[last]
+        error = pose - body[last]
         error[2] = wrap_angle(error[2])
-        if np.trace(along) > 0.0:  # it moved
-            found.append(End(error, along, across))
+        if np.any(wheels):  # it moved
+            found.append(End(error, np.array(wheels), fixed))
     return found
 
 
-def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> MeasuredNoise | None:
+def _end(
+    rover: Rover, readings: tuple[Floats | None, Floats, Floats], start: Floats, noise: Noise, **options: Any
+) -> tuple[Floats, Floats]:
+    """Where a drive ends (3,), and the covariance of that (3, 3)."""
+    track = dead_reckon(rover, *readings, noise=noise, start=start, residuals=False, **options)
+    assert track.covariances is not None
+    return track.poses[-1], track.covariances[-1]
+
+
+def measure(
+    groups: Sequence[Sequence[End]], names: Sequence[str], sessions: int, confidence: float, basis: str
+) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
     Ends of one session go together: each tells three numbers of how large errors are, however many runs it
@@ -127,34 +173,73 @@ def measure(groups: Sequence[Sequence[End]], confidence: float, basis: str) -> M
     ----------
     groups : sequence of sequence of End
         Errors of what was left out together.
+    names : sequence of str
+        Of the wheels.
+    sessions : int
+        How many there were.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
     groups = [group for group in groups if group]
     if not groups:
         return None
-    errors, along, across = _stacked([end for group in groups for end in group])
-    sides = np.trace(across, axis1=1, axis2=2).max() > 1e-9 * np.trace(along, axis1=1, axis2=2).max()
+    sessions = min(sessions, len(groups))
+    stacks, alike = [_stacked(group) for group in groups], np.ones(len(names))
+    whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
+    usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
+    logs, cost = _likeliest(whole.weighed(alike))
+    noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
+    nees = _nees(wide, whole.weighed(alike))[0]
+    along_wheels, across_wheels = (
+        _estimate(name, logs, place, cost, confidence)
+        if np.any(whole.wheels[:, :, place])
+        else Estimate(name, "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
+        for place, name in enumerate(("slip", "side_slip"))
+    )
+    # What the wheels differ by and what the dimensions explain count by themselves, and slip is the rest.
+    common = np.exp(2.0 * logs)[:, None, None] * whole.wheels
+    told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
+    times = alike if told is None else np.array([_digits(one) for one in told[0]])
+    logs, _ = _likeliest(whole.weighed(times, 1.0))
+    beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)
+    wheels = []
+    for number, name in enumerate(names if told is not None else ()):
+        low, high = told[1][number].tolist()  # type: ignore[index]
+        std = (high - low) / (2.0 * float(ndtri(0.5 + confidence / 2.0)))
+        wheels.append(Estimate(name, "", 1.0, float(times[number]), std, (low, high)))
+    return MeasuredNoise(
+        noise, beside, along_wheels, across_wheels, len(nees), basis, nees, wheels=tuple(wheels)
+    )
+
+
+def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:
+    """Logarithms of slip along and across that make errors most likely, and how unlikely others do."""
 
     def cost(logs: Floats) -> float:
         logs = np.clip(logs, math.log(LEAST), math.log(MOST))
-        squares, sizes = _nees(logs, errors, along, across)
+        squares, sizes = _nees(logs, ends)
         return 0.5 * float((squares + sizes).sum())
 
     begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
     best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
-    logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
-    found = [float(np.mean(_nees(logs, *_stacked(group))[0])) / 3.0 for group in groups]
-    predicted = 3.0 * float(fdtri(3, 3 * len(found), COVERED)) / _bound()
-    wide = logs + 0.5 * math.log(max(predicted * float(np.mean(found)), 1e-6))
-    along_wheels = _estimate("slip", logs, 0, cost, confidence)
-    across_wheels = Estimate("side_slip", "m per root m", 0.0, 0.0, 0.0, (0.0, 0.0))
-    if sides:
-        across_wheels = _estimate("side_slip", logs, 1, cost, confidence)
+    return np.clip(best.x, math.log(LEAST), math.log(MOST)), cost
+
+
+def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Noise, Floats]:
+    """Noise with logarithms of slip moved alike so that normalised errors squared come to what is wanted, in
+    the mean over groups."""
+
+    def excess(by: float) -> float:
+        return math.log(np.mean([_nees(logs + by, group)[0].mean() for group in groups]) / wanted)
+
+    low, high = math.log(LEAST), math.log(MOST)
+    if excess(low) <= 0.0:
+        wide = logs + low  # the dimensions alone explain all
+    else:
+        wide = logs + (float(brentq(excess, low, high)) if excess(high) < 0.0 else high)
     slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
-    noise = Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0)
-    nees = _nees(wide, errors, along, across)[0]
-    return MeasuredNoise(noise, along_wheels, across_wheels, len(errors), basis, nees)
+    sides = any(np.any(group[2]) for group in groups)
+    return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
 
 
 def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
@@ -172,17 +257,15 @@ def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: flo
     value = math.sqrt(squares / degrees)
     std = value / math.sqrt(2.0 * degrees)
     bias = math.sqrt(float(np.mean(np.square(biases))))
-    was = measured.noise
-    noise = Noise(
-        was.speed,
-        was.steering,
-        slip=was.slip,
-        side_slip=was.side_slip,
-        yaw_rate=_digits(math.hypot(value, bias)),
+    rate = _digits(math.hypot(value, bias))
+    noise, beside = (
+        Noise(0.0, 0.0, slip=was.slip, side_slip=was.side_slip, yaw_rate=rate)
+        for was in (measured.noise, measured.beside)
     )
     return replace(
         measured,
         noise=noise,
+        beside=beside,
         yaw_rate=Estimate("yaw_rate", "rad/s", 0.0, value, std, (interval[0], interval[1])),
         gyroscope=Gyroscope(_digits(value), bias_noise=_digits(bias)),
     )
@@ -204,14 +287,15 @@ def _resting(log: Log) -> Iterator[Floats]:
             yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
-def _stacked(found: Sequence[End]) -> tuple[Floats, Floats, Floats]:
-    errors, along, across = ([getattr(end, name) for end in found] for name in ("error", "along", "across"))
-    return np.array(errors), np.array(along), np.array(across)
+def _stacked(found: Sequence[End]) -> Stack:
+    names = ("error", "wheels", "fixed")
+    return Stack(*(np.array([getattr(end, name) for end in found]) for name in names))
 
 
-def _nees(logs: Floats, errors: Floats, along: Floats, across: Floats) -> tuple[Floats, Floats]:
+def _nees(logs: Floats, ends: Weighed) -> tuple[Floats, Floats]:
     """Normalised errors squared, and logarithms of determinants, under logarithms of slip."""
-    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + np.diag(TRUTH**2)
+    errors, along, across, rest = ends
+    spread = math.exp(2.0 * logs[0]) * along + math.exp(2.0 * logs[1]) * across + rest
     solved = np.linalg.solve(spread, errors[:, :, None])[:, :, 0]
     return (errors * solved).sum(axis=1), np.linalg.slogdet(spread)[1]
 

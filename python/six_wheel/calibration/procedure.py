@@ -28,7 +28,6 @@ from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
-from six_wheel.calibration.parameters import Catalogue
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
 from six_wheel.cluster import Journal
@@ -36,6 +35,7 @@ from six_wheel.errors import ArgumentTypeError
 from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
+from six_wheel.odometry.dimensions import Catalogue
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
@@ -227,19 +227,26 @@ def _fit(
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
-    estimates = []
+    estimates, wider = [], np.ones(model.own)
     for number, parameter in enumerate(model.parameters[: model.own]):
         std = float(np.sqrt(covariance[number, number])) if observability.identified[number] else float("nan")
         value = float(solution.values[number])
         half = fitting.quantile(float(degrees[number]), confidence) * std
+        wider[number] = fitting.quantile(float(degrees[number]), fitting.NORMAL) / fitting.quantile(
+            np.inf, fitting.NORMAL
+        )
         interval = (value - half, value + half)
         estimates.append(Estimate(parameter.name, parameter.unit, parameter.value, value, std, interval))
     before, _ = problem.errors(model.start)
+    known = covariance[: model.own, : model.own]
+    widened = known * np.outer(wider, wider)
     return Calibration(
         model.rover(solution.values),
         model.nominal,
         tuple(estimates),
-        covariance[: model.own, : model.own],
+        known,
+        widened,
+        model.deviations(solution.values, widened),
         confidence,
         basis,
         observability,
@@ -275,23 +282,27 @@ def _noise(
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values, solution.scales)
 
-    def ends_of(chosen: Sequence[Log], values: Floats) -> list[noise.End]:
+    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
+        dimensions = model.deviations(values, known)
         offset = model.value(values, "time_offset", 0.0)
         logs = (model.corrected(record, values) for record in chosen)
-        return [end for log in logs for end in noise.ends(rover, log, sensor, offset, pieces)]
+        return [end for log in logs for end in noise.ends(rover, dimensions, log, sensor, offset, pieces)]
 
     groups = []
     for key in dict.fromkeys(keys):
-        values = solution.values
+        values, known = solution.values, np.zeros((model.own, model.own))
         if len(values) and len(set(keys)) > 1:
-            values = fitting.refit(linear.only([other != key for other in keys]), solution)
+            without, fitted = fitting.refit(linear.only([other != key for other in keys]), solution)
+            values, known = fitted.values, fitting.covariance(without, fitted)[0]
         own = [record for record, other in zip(records, keys, strict=True) if other == key]
-        groups.append(ends_of(own, values))
+        groups.append(ends_of(own, values, known[: model.own, : model.own]))
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
-    measured = noise.measure(groups, confidence, f"{count} {what}, {left}")
+    measured = noise.measure(
+        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}"
+    )
     return None if measured is None else noise.with_gyroscope(measured, records, confidence)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,11 @@ class Calibration:
         One per number, in the order of `covariance`.
     covariance : ndarray, shape (p, p)
         Of the values; rows of what is not identified cover only what is.
+    widened : ndarray, shape (p, p)
+        The same, so that a normal distribution has as wide intervals of 95 % as Student's t with the degrees
+        of freedom that there were.
+    dimensions : ndarray, shape (k, wheels, 9)
+        What `rover` may be off by according to `widened`, for ``Odometry(rover, noise, dimensions=...)``.
     confidence : float
         Of the intervals.
     basis : str
@@ -55,6 +61,8 @@ class Calibration:
     nominal: Rover
     parameters: tuple[Estimate, ...]
     covariance: Floats
+    widened: Floats
+    dimensions: Floats
     confidence: float
     basis: str
     observability: Observability
@@ -73,6 +81,13 @@ class Calibration:
     def noise(self) -> Noise:
         """What was measured, for ``Odometry(result.rover, result.noise)``; the default where nothing was."""
         return Noise() if self.measured_noise is None else self.measured_noise.noise
+
+    @property
+    def known(self) -> dict[str, Any]:
+        """All that `rover` may be off by, told apart: ``Odometry(result.rover, **result.known)``."""
+        measured = self.measured_noise
+        noise, wheels = (Noise(), None) if measured is None else (measured.beside, measured.wheel_noise)
+        return {"noise": noise, "wheel_noise": wheels, "dimensions": self.dimensions}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -154,6 +169,13 @@ class Calibration:
             for slip in (measured.slip, measured.side_slip):
                 low, high = slip.interval
                 lines.append(f"| `{slip.name}` | {slip.value:.3g} | {low:.3g} to {high:.3g} |")
+            for wheel in measured.wheels:
+                low, high = wheel.interval
+                lines.append(
+                    f"| times that, of `{wheel.name}` | {wheel.value:.3g} | {low:.3g} to {high:.3g} |"
+                )
+            if not measured.wheels:
+                lines += ["", "These ends do not tell the slip of one wheel from that of another."]
             if (rate := measured.yaw_rate) is not None:
                 low, high = rate.interval
                 said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s ({low:.3g} to {high:.3g})"

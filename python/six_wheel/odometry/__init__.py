@@ -10,6 +10,7 @@ from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
+    from six_wheel.odometry.dimensions import deviations
     from six_wheel.odometry.space import Track3
     from six_wheel.odometry.trace import Trace
     from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
@@ -30,6 +31,7 @@ __all__ = [
     "WheelSlip",
     "dead_reckon",
     "dead_reckon_chunks",
+    "deviations",
     "table_columns",
 ]
 
@@ -37,6 +39,7 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
+        "dimensions": ("deviations",),
         "mounts": (),
         "space": ("Track3",),
         "tables": (),

@@ -209,7 +209,7 @@ class Loop:
             self._controller = settings.controller(steering=last.steering, twist=last.twist)
             self._latest = -math.inf
             self._give_again()
-        if (old.noise, old.odometry) != (new.noise, new.odometry):
+        if (old.noise, old.odometry, old.calibration) != (new.noise, new.odometry, new.calibration):
             state = self._odometry.state
             self._odometry = settings.odometry()
             self._odometry.reset(state.pose, state.covariance)

@@ -108,7 +108,7 @@ class Settings:
         readings = "angles" if self.options.position_feedback else "speeds"
         if said.encoders.get("per_sample"):
             readings = "increments"
-        options: dict[str, Any] = dict(said.odometry)
+        options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
         if said.encoders:
             _, scale = corrections(rover, said.encoders)
             known = encoders_of(rover, "wheel", said.encoders) or dict.fromkeys(rover.wheel_names, Encoder())

@@ -97,6 +97,16 @@ class Parameters:
     controller: str | None = None
     asked: str | None = None
 
+    @property
+    def dimensions(self) -> Any:
+        """What the dimensions may be off by, as `Odometry` takes it; None where nobody calibrated them."""
+        known = self.calibration
+        if not known.get("covariance"):
+            return None
+        from six_wheel.odometry.dimensions import deviations
+
+        return deviations(self.rover, known["parameters"], known["covariance"])
+
     def build_controller(self, **changes: Any) -> Controller:
         """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
         return Controller(self.rover, self.limits, **self.control | changes)
@@ -204,7 +214,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
         _check_encoders(found, values, rover, log)
-        _check_covariance(found, values, log)
+        _check_covariance(found, values, rover, log)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
@@ -376,8 +386,8 @@ def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -
                 log.error(section.line_of(at), at, message, remedy)
 
 
-def _check_covariance(section: Section, values: Values, log: _Log) -> None:
-    """A covariance has a row and a column for every parameter."""
+def _check_covariance(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    """A covariance has a row and a column for every parameter, and these are the rover's."""
     given = values.get("calibration", {})
     names, rows = given.get("parameters", []), given.get("covariance", [])
     if rows and [len(row) for row in rows] != [len(names)] * len(names):
@@ -386,6 +396,13 @@ def _check_covariance(section: Section, values: Values, log: _Log) -> None:
             f"calibration.covariance must have {len(names)} rows of as many numbers, got {len(rows)} rows"
         )
         log.error(section.line_of(at), at, message, "give one row and one column for each of the parameters")
+    elif rows:
+        from six_wheel.odometry.dimensions import deviations
+
+        try:
+            deviations(rover, names, rows)
+        except ValueError as error:
+            log.error(section.line_of(at), at, f"calibration.{error}", "calibrate the rover again")
 
 
 def _check_order(section: Section, here: JointList, found: dict[str, str], log: _Log) -> None:

@@ -26,7 +26,7 @@ use crate::convert::{
 use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
-use input::{Columns, build_track, encoders, optional, row, triple};
+use input::{Columns, build_track, by_wheel, deviations, encoders, optional, row, triple};
 use state::{OdometryState, Spares};
 use values::Noise;
 
@@ -69,6 +69,12 @@ use values::Noise;
 /// gyroscope : Gyroscope, optional
 ///     Of the `yaw_rate` that comes with the samples: its bias is a state, learnt while wheels and gyroscope agree that the
 ///     rover stands, in which case the pose is held. Its noise stands for that of `noise.yaw_rate`.
+/// wheel_noise : array_like of shape (wheels,), or dict of str to float, optional
+///     How many times as much as `noise` says each wheel slips, in the order of the wheels or by name; default 1.
+/// dimensions : array_like, shape (k, wheels, 9), optional
+///     What the dimensions may be off by all along, as k independent errors of one standard deviation each: of every wheel
+///     its radius, x, y [m], heading [rad], scrub, trail [m], roller angle [rad], and as shares of what is read its turns
+///     and its steering angle. `Calibration.dimensions` and that of a parameter file are such. Steps then take longer.
 ///
 /// Raises
 /// ------
@@ -130,8 +136,8 @@ impl Odometry {
 impl Odometry {
     #[new]
     #[pyo3(
-        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None),
-        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None)"
+        signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None, wheel_noise=None, dimensions=None),
+        text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
@@ -150,6 +156,8 @@ impl Odometry {
         lag: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::history)] history: usize,
         #[pyo3(from_py_with = given::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
+        wheel_noise: Option<&Bound<'_, PyAny>>,
+        dimensions: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
         let wheels: Vec<&str> = core
@@ -162,6 +170,8 @@ impl Odometry {
         let settings = Settings {
             noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
             gyroscope: gyroscope.map(|known| known.get().0),
+            wheel_noise: by_wheel("wheel_noise", wheel_noise, &wheels)?,
+            dimensions: deviations(dimensions, wheels.len())?,
             readings,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,

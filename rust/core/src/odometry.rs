@@ -5,6 +5,7 @@
 //! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
 
 mod arithmetic;
+pub mod dimensions;
 pub mod encoder;
 pub mod gyroscope;
 pub mod health;
@@ -20,6 +21,7 @@ mod step;
 mod tolerant;
 mod uncertainty;
 
+pub use dimensions::Deviations;
 pub use encoder::Encoder;
 pub use gyroscope::Gyroscope;
 pub use health::Health;
@@ -110,7 +112,8 @@ impl Odometry {
         settings.check(&rover)?;
         let from_rates = settings.readings == Readings::Speeds;
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
-        let mut uncertainty = Uncertainty::new(shared_readings(&rover, from_rates));
+        let shared = shared_readings(&rover, from_rates);
+        let mut uncertainty = Uncertainty::new(shared, settings.dimensions.len());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State {
             walk: Walk::new([0.0; 3]),
@@ -133,7 +136,7 @@ impl Odometry {
             state,
             residual: vec![0.0; wheels],
             health: Health::GOOD,
-            work: Workspace::new(&rover, from_rates),
+            work: Workspace::new(&rover, &settings),
             plan: settings.plan(&rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
@@ -189,7 +192,10 @@ impl Odometry {
         let twist = if rate == f64::INFINITY {
             [f64::INFINITY, 0.0, 0.0, f64::INFINITY, 0.0, f64::INFINITY]
         } else {
-            let total = self.work.noise.total();
+            let mut total = self.work.noise.total();
+            for lasting in &self.work.noise.lasting {
+                total.add(lasting, 1.0);
+            }
             let total = match total.may_be_negative() {
                 true => total.without_negative(),
                 false => total,

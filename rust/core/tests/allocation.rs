@@ -9,8 +9,9 @@ use six_wheel_core::moving::{
     Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told,
     Turns, forward_rows, inverse_rows, traction_rows,
 };
+use six_wheel_core::odometry::dimensions::NUMBERS;
 use six_wheel_core::odometry::spatial::{Attitude, Odometry3, Sample3, Settings3};
-use six_wheel_core::odometry::{Odometry, Sample, Settings};
+use six_wheel_core::odometry::{Deviations, Odometry, Sample, Settings};
 use six_wheel_core::terrain::{Heights, Terrain};
 use six_wheel_core::{
     Error, Inputs, Keep, Measured, Method, RockerBogie, Rover, SteeringRange, Twist, Unseen,
@@ -276,12 +277,20 @@ fn a_sample_of_odometry_in_space_takes_no_memory() -> Result<(), Error> {
 
 #[test]
 fn a_sample_of_odometry_takes_no_memory() -> Result<(), Error> {
-    for rover in rovers()? {
+    for (rover, doubts) in rovers()?
+        .into_iter()
+        .flat_map(|rover| [(rover.clone(), 0), (rover, 2)])
+    {
         let (steering, mut wheels) = (
             vec![0.1; rover.steered().len()],
             vec![0.0; rover.wheels().len()],
         );
-        let mut odometry = Odometry::new(rover, Settings::default())?;
+        let tables = vec![1e-3; doubts * wheels.len() * NUMBERS];
+        let settings = Settings {
+            dimensions: Deviations::new(&tables, wheels.len())?,
+            ..Settings::default()
+        };
+        let mut odometry = Odometry::new(rover, settings)?;
         let mut stamp = 0.0;
         let step = || {
             stamp += 0.1;

@@ -3,10 +3,11 @@
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
-use six_wheel_core::odometry::Encoder as CoreEncoder;
+use six_wheel_core::odometry::dimensions::NUMBERS;
+use six_wheel_core::odometry::{Deviations, Encoder as CoreEncoder};
 
 use super::values::Encoder;
-use crate::convert::{Rows, Scalars, items, number, refuse};
+use crate::convert::{Rows, Scalars, items, number, raise, refuse};
 use crate::given::other_kind;
 
 /// An encoder for all joints, one per joint, or some by name.
@@ -53,6 +54,49 @@ pub fn encoders(
         let rule = format!("be one encoder or {}", names.len());
         Err(refuse(argument, &rule, &all.len().to_string()))
     }
+}
+
+/// A number for every wheel: all of them in their order, or some by name, the others 1.
+pub fn by_wheel(
+    argument: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    names: &[&str],
+) -> PyResult<Vec<f64>> {
+    let Some(value) = value else {
+        return Ok(Vec::new());
+    };
+    let Ok(mapping) = value.cast::<PyMapping>() else {
+        let numbers = Scalars::read(argument, value)?;
+        numbers.fit_exactly(argument, &[names.len()])?;
+        return Ok(numbers.flat().to_vec());
+    };
+    let mut all = vec![1.0; names.len()];
+    for pair in mapping.items()?.iter() {
+        let (name, given): (String, Bound<'_, PyAny>) = pair.extract()?;
+        let Some(place) = names.iter().position(|known| *known == name) else {
+            let rule = format!("name some of {}", names.join(", "));
+            return Err(refuse(argument, &rule, &format!("'{name}'")));
+        };
+        all[place] = number(argument, &given)?;
+    }
+    Ok(all)
+}
+
+/// What the dimensions may be off by: a table of all numbers of the wheels for each deviation.
+pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<Deviations> {
+    let Some(value) = value else {
+        return Ok(Deviations::default());
+    };
+    let rows = Rows::read("dimensions", value, NUMBERS)?;
+    match rows.leading.as_slice() {
+        [0, _] => return Ok(Deviations::default()),
+        [_, each] if *each == wheels => rows.check_finite("dimensions")?,
+        _ => {
+            let rule = format!("have shape (k, {wheels}, {NUMBERS})");
+            return Err(refuse("dimensions", &rule, "another shape"));
+        }
+    }
+    Deviations::new(rows.flat(), wheels).map_err(|error| raise(error, &[]))
 }
 
 /// A number that may be left out.

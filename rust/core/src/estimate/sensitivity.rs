@@ -128,6 +128,11 @@ impl Linearised<'_> {
         self.twist.into()
     }
 
+    /// Which of the steered wheels one is.
+    pub(crate) fn joint(&self, wheel: usize) -> Option<usize> {
+        self.rover.steered().iter().position(|&k| k == wheel)
+    }
+
     /// Derivative of the twist with respect to a quantity of one wheel.
     pub fn derivative(&self, wheel: usize, quantity: Quantity) -> Vector3<f64> {
         self.solve(self.gradient(wheel, quantity))
@@ -150,8 +155,7 @@ impl Linearised<'_> {
             return Vector3::zeros();
         }
         let read = self.measured.speeds[i].is_finite();
-        let joint = || self.rover.steered().iter().position(|&k| k == i);
-        let rate = || match (self.measured.steering_rates, joint()) {
+        let rate = || match (self.measured.steering_rates, self.joint(i)) {
             (Some(rates), Some(joint)) => rates[joint],
             _ => 0.0,
         };

@@ -128,9 +128,10 @@ impl History {
         let Some(entry) = self.entries.first() else {
             return Ok(());
         };
-        let carried = entry.state.uncertainty.carried.len();
-        let numbers = entry.angles.len() + entry.turned.len() + 3 * carried;
-        let each = size_of::<Entry>() + numbers * size_of::<f64>() + 3 * OVERHEAD;
+        let uncertainty = &entry.state.uncertainty;
+        let numbers = entry.angles.len() + entry.turned.len() + 3 * uncertainty.carried.len();
+        let lasting = size_of_val(uncertainty.lasting.as_slice());
+        let each = size_of::<Entry>() + numbers * size_of::<f64>() + lasting + 4 * OVERHEAD;
         let probe = Vec::<u8>::new().try_reserve_exact(each.saturating_mul(more));
         probe.map_err(|_| {
             let total = self.entries.len().saturating_add(more).to_string();
@@ -333,7 +334,9 @@ impl Odometry {
             };
             // It was found the first time and does not depend on the pose: what was taken in is taken in again,
             // however large its noise is said to be by another way of summing it.
-            if let Ok(found) = self.work.displacement(&self.rover, motion, &rules) {
+            let found = self.work.displacement(&self.rover, motion, &rules);
+            let lasting = self.work.find_lasting(&self.rover, motion, rules.method);
+            if let (Ok(found), Ok(())) = (found, lasting) {
                 follow(
                     found,
                     motion,

@@ -105,6 +105,10 @@ impl Preintegrated {
                 number(rules.attitude_noise),
             ));
         }
+        if !rules.settings.dimensions.is_empty() {
+            let rule = "be left out: a motion answers to each of them";
+            return Err(Error::value("dimensions", rule, "some"));
+        }
         let odometry = Odometry::new(rover, rules.settings.clone())?;
         Ok(Self {
             fresh: odometry.clone(),

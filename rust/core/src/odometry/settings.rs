@@ -1,5 +1,6 @@
 //! How odometry works: all that does not change while it does.
 
+use super::dimensions::Deviations;
 use super::encoder::Encoder;
 use super::gyroscope::Gyroscope;
 use super::noise::Noise;
@@ -32,6 +33,10 @@ pub struct Settings {
     pub noise: Noise,
     /// The gyroscope whose rates come with the samples, its bias a state; None: rates are as the noise says.
     pub gyroscope: Option<Gyroscope>,
+    /// How many times as much as the noise says each wheel slips; empty: all alike.
+    pub wheel_noise: Vec<f64>,
+    /// What the dimensions may be off by; none: they are known.
+    pub dimensions: Deviations,
     /// What the readings of the wheels are.
     pub readings: Readings,
     /// One for all wheels or one per wheel; empty: they read radians.
@@ -64,6 +69,8 @@ impl Default for Settings {
         Self {
             noise: Noise::default(),
             gyroscope: None,
+            wheel_noise: Vec::new(),
+            dimensions: Deviations::default(),
             readings: Readings::Angles,
             wheel_encoders: Vec::new(),
             steering_encoders: Vec::new(),
@@ -94,6 +101,18 @@ impl Settings {
     pub(super) fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
+        self.dimensions.check_for(wheels)?;
+        if !(self.wheel_noise.is_empty() || self.wheel_noise.len() == wheels) {
+            let rule = format!("hold {wheels} numbers");
+            let got = self.wheel_noise.len().to_string();
+            return Err(Error::value("wheel_noise", rule, got));
+        }
+        for share in &self.wheel_noise {
+            if !(share.is_finite() && *share >= 0.0) {
+                let rule = "be finite and not negative";
+                return Err(Error::value("wheel_noise", rule, number(*share)));
+            }
+        }
         let encoders = [
             ("wheel_encoders", &self.wheel_encoders, wheels),
             ("steering_encoders", &self.steering_encoders, joints),
@@ -154,7 +173,7 @@ impl Settings {
             .or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
-    /// How steps are made by registers: totals, every wheel weighed alike.
+    /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
     pub(super) fn plan(&self, rover: &Rover) -> Option<Plan> {
         let castors = || {
             rover
@@ -165,6 +184,8 @@ impl Settings {
         let is_plain = self.readings == Readings::Angles
             && self.method == Method::LeastSquares
             && !self.inflate
+            && self.dimensions.is_empty()
+            && self.wheel_noise.is_empty()
             && (self.max_speed.is_none() || !castors());
         let encoders = (
             |wheel| self.wheel_encoder(wheel),

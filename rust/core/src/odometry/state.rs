@@ -77,7 +77,11 @@ pub(super) fn advance(
     let kept = [work.noise.own, work.noise.ends];
     let found = work
         .displacement(rover, motion, rules)
-        .and_then(|found| check_step(found, motion, &work.noise));
+        .and_then(|found| check_step(found, motion, &work.noise))
+        .and_then(|found| {
+            let lasting = work.find_lasting(rover, motion, rules.method);
+            lasting.map(|()| found)
+        });
     match found {
         Ok(displacement) => {
             follow(displacement, motion, work, state, habits);

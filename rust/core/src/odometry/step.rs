@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::arithmetic::{Apart, Arithmetic};
+use super::dimensions::Deviations;
 use super::noise::Noise;
+use super::settings::{Readings, Settings};
 use super::spread::Spread;
 use super::uncertainty::{StepJacobian, StepNoise};
 use crate::batch::one_row::step::COLUMNS;
@@ -62,6 +64,9 @@ pub(crate) struct Workspace {
     /// How far each wheel's contact slid [m].
     pub slid: Vec<f64>,
     pub noise: StepNoise,
+    deviations: Deviations,
+    /// How many times the noise's variance of slip each wheel has.
+    shares: Vec<f64>,
     /// Whether a wheel slid further than the noise explains.
     pub slips: bool,
     /// The displacement before a gyroscope had its say, and what that say made of it.
@@ -102,9 +107,14 @@ fn joint_columns(rover: &Rover) -> usize {
 }
 
 impl Workspace {
-    pub fn new(rover: &Rover, from_rates: bool) -> Self {
+    pub fn new(rover: &Rover, settings: &Settings) -> Self {
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
+        let from_rates = settings.readings == Readings::Speeds;
         let shared = vec![Vector3::zeros(); shared_readings(rover, from_rates)];
+        let mut shares = vec![1.0; wheels];
+        for (share, times) in shares.iter_mut().zip(&settings.wheel_noise) {
+            *share = times * times;
+        }
         Self {
             readings: vec![Reading::NONE; wheels],
             inverse: rover
@@ -119,7 +129,10 @@ impl Workspace {
                 ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
+                lasting: vec![Vector3::zeros(); settings.dimensions.len()],
             },
+            deviations: settings.dimensions.clone(),
+            shares,
             slips: false,
             by_wheels: Vector3::zeros(),
             fusion: Fusion::none(),
@@ -196,7 +209,7 @@ impl Workspace {
             &inverse,
             motion,
             rules,
-            &self.slid,
+            [&self.slid, &self.shares],
             &mut self.noise,
         );
         self.by_wheels = displacement;
@@ -255,14 +268,29 @@ impl Workspace {
         Ok(())
     }
 
+    /// What the deviations of the dimensions make of the displacement of the last step, given its motion.
+    pub fn find_lasting(
+        &mut self,
+        rover: &Rover,
+        motion: Motion<'_>,
+        method: Method,
+    ) -> Result<(), Error> {
+        if self.deviations.is_empty() {
+            return Ok(());
+        }
+        let deviations = std::mem::take(&mut self.deviations);
+        let mut found = std::mem::take(&mut self.noise.lasting);
+        let asked = self.derivatives(rover, motion, method, |linearised, fusion| {
+            deviations.of_step(linearised, fusion, motion.dt, &mut found);
+        });
+        self.noise.lasting = found;
+        self.deviations = deviations;
+        asked
+    }
+
     /// How a gyroscope shared the last step.
     pub fn fusion(&self) -> &Fusion {
         &self.fusion
-    }
-
-    /// How far a wheel rolled over the last step [m].
-    pub fn rolled(&self, wheel: usize) -> f64 {
-        self.readings[wheel].rolled
     }
 
     /// The displacement that wheels and a gyroscope agree on, each by its noise.
@@ -302,7 +330,7 @@ fn errors(
     inverse: &Matrix3<f64>,
     motion: Motion<'_>,
     rules: &Rules,
-    slid: &[f64],
+    [slid, shares]: [&[f64]; 2],
     into: &mut StepNoise,
 ) -> bool {
     let (rover, noise, dt) = (linearised.rover, &rules.noise, motion.dt);
@@ -330,6 +358,7 @@ fn errors(
             displacement.at(wheel.x, wheel.y).norm()
         };
         let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
+        let distance = shares[i] * distance;
         let along = noise.slip * noise.slip * distance;
         let across = noise.side_slip * noise.side_slip * distance;
         let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);

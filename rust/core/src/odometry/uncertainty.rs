@@ -9,6 +9,8 @@
 //! settled' = F settled Fᵀ + L Q Lᵀ + Σ (F carried + L old) (F carried + L old)ᵀ
 //! carried' = L new
 //! ```
+//!
+//! What dimensions are off by enters every step: it has columns too, which are never settled (`lasting`).
 
 use std::ops::Neg;
 
@@ -82,6 +84,8 @@ pub(crate) struct StepNoise {
     pub old: Vec<Vector3<f64>>,
     /// The same at the end.
     pub new: Vec<Vector3<f64>>,
+    /// Per deviation of the dimensions: what it makes of the displacement.
+    pub lasting: Vec<Vector3<f64>>,
 }
 
 impl StepNoise {
@@ -95,6 +99,7 @@ impl StepNoise {
         (self.own, self.ends) = (Spread::default(), Spread::default());
         self.old.fill(Vector3::zeros());
         self.new.fill(Vector3::zeros());
+        self.lasting.fill(Vector3::zeros());
     }
 
     /// Adds up the columns.
@@ -137,11 +142,19 @@ pub(crate) struct Bias {
     pub cross: Vector3<f64>,
 }
 
+/// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lasting {
+    pub pose: Vector3<f64>,
+    pub yaw_zero: f64,
+}
+
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
 pub(crate) struct Uncertainty {
     pub settled: Spread,
     pub carried: Vec<[f64; 3]>,
+    pub lasting: Vec<Lasting>,
     /// Sum over the columns of their products with themselves.
     open: Spread,
     pub yaw_offset: Option<YawOffset>,
@@ -149,10 +162,11 @@ pub(crate) struct Uncertainty {
 }
 
 impl Uncertainty {
-    pub fn new(shared_readings: usize) -> Self {
+    pub fn new(shared_readings: usize, deviations: usize) -> Self {
         Self {
             settled: Spread::default(),
             carried: vec![[0.0; 3]; shared_readings],
+            lasting: vec![Lasting::default(); deviations],
             open: Spread::default(),
             yaw_offset: None,
             bias: None,
@@ -163,6 +177,7 @@ impl Uncertainty {
     pub fn copy_from(&mut self, other: &Self) {
         self.settled = other.settled;
         self.carried.copy_from_slice(&other.carried);
+        self.lasting.copy_from_slice(&other.lasting);
         self.open = other.open;
         self.yaw_offset = other.yaw_offset;
         self.bias = other.bias;
@@ -172,6 +187,7 @@ impl Uncertainty {
     pub fn set(&mut self, covariance: Matrix3<f64>) {
         self.settled = Spread::of(&covariance);
         self.close();
+        self.lasting.fill(Lasting::default());
         self.yaw_offset = None;
         if let Some(bias) = &mut self.bias {
             bias.cross = Vector3::zeros();
@@ -180,7 +196,7 @@ impl Uncertainty {
 
     /// No reading before is shared with a step to come.
     pub fn let_go(&mut self) {
-        self.settled = self.covariance();
+        self.settled.add_spread(&self.open);
         self.close();
         self.yaw_offset = None;
     }
@@ -192,7 +208,11 @@ impl Uncertainty {
 
     /// Covariance of the pose.
     pub fn covariance(&self) -> Spread {
-        self.settled.and(self.open)
+        let mut covariance = self.settled.and(self.open);
+        for lasting in &self.lasting {
+            covariance.add(&lasting.pose, 1.0);
+        }
+        covariance
     }
 
     /// The same without a negative variance in any direction, rounding or not.
@@ -206,6 +226,9 @@ impl Uncertainty {
 
     /// Goes along one step.
     pub fn propagate(&mut self, step: &StepJacobian, noise: &StepNoise) {
+        for (lasting, by) in self.lasting.iter_mut().zip(&noise.lasting) {
+            lasting.pose = carry(step.lever(), &lasting.pose) + step.map(by);
+        }
         let mut settled = self.settled.swung(Apart, step.lever());
         settled.add_spread(&noise.own.image(&step.matrix()));
         let ends = noise.old.iter().zip(&noise.new);
@@ -297,12 +320,20 @@ impl Uncertainty {
             variance,
             cross,
         });
+        for lasting in &mut self.lasting {
+            lasting.yaw_zero = -lasting.pose.z;
+        }
     }
 
     /// A reading of the yaw sensor with this variance: by how much its innovation moves the pose.
     pub fn correct_yaw(&mut self, offset: YawOffset, variance: f64) -> Vector3<f64> {
-        let along = self.covariance().with_z() + offset.cross;
-        let spread = along.z + offset.cross.z + offset.variance + variance;
+        let (mut cross, mut of_zero) = (offset.cross, offset.variance);
+        for lasting in &self.lasting {
+            cross += lasting.pose * lasting.yaw_zero;
+            of_zero += lasting.yaw_zero * lasting.yaw_zero;
+        }
+        let along = self.covariance().with_z() + cross;
+        let spread = along.z + cross.z + of_zero + variance;
         let gain = if spread > 0.0 {
             along / spread
         } else {
@@ -311,6 +342,9 @@ impl Uncertainty {
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
+        for lasting in &mut self.lasting {
+            lasting.pose -= gain * lasting.yaw_zero;
+        }
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
         self.settled = Spread::of(&settled);
         self.settled.add(&gain, variance + offset.variance);
@@ -357,6 +391,9 @@ impl Uncertainty {
         self.open = self.open.image(rest);
         for column in &mut self.carried {
             *column = (rest * Vector3::from(*column)).into();
+        }
+        for lasting in &mut self.lasting {
+            lasting.pose = rest * lasting.pose;
         }
         if let Some(offset) = &mut self.yaw_offset {
             offset.cross = rest * offset.cross;

@@ -25,8 +25,50 @@ pub enum Column {
     Slip(usize),
     /// The way a wheel slipped to its left, as a share of the way its pivot went.
     SideSlip(usize),
+    /// Share by which a wheel turned more than was read.
+    Turned(usize),
+    /// Share by which a wheel is steered farther than was read.
+    Steered(usize),
     /// The bias of the gyroscope [rad/s].
     Bias,
+}
+
+impl Column {
+    /// What it makes of the displacement of a step: the derivative, wheels and gyroscope having had their say.
+    pub(in crate::odometry) fn of_step(
+        self,
+        linearised: &Linearised<'_>,
+        fusion: &Fusion,
+        dt: f64,
+    ) -> Vector3<f64> {
+        let by_wheels = match self {
+            Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),
+            Self::Slip(wheel) => {
+                linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled
+            }
+            Self::SideSlip(wheel) => {
+                let pivot = &linearised.rover.wheels()[wheel];
+                let way = linearised.twist().at(pivot.x, pivot.y).norm();
+                linearised.derivative(wheel, Quantity::SideSlip) * way
+            }
+            Self::Turned(wheel) => match linearised.measured.speeds[wheel] {
+                turned if turned.is_nan() => Vector3::zeros(),
+                turned => linearised.derivative(wheel, Quantity::Speed) * turned,
+            },
+            Self::Steered(wheel) => {
+                let Some(joint) = linearised.joint(wheel) else {
+                    return Vector3::zeros();
+                };
+                let angle = linearised.measured.steering[joint];
+                let rates = linearised.measured.steering_rates;
+                let rate = rates.map_or(0.0, |rates| rates[joint]);
+                linearised.derivative(wheel, Quantity::Steering) * angle
+                    + linearised.derivative(wheel, Quantity::SteeringRate) * rate
+            }
+            Self::Bias => return fusion.gain * -dt,
+        };
+        fusion.rest * by_wheels
+    }
 }
 
 /// Dimensions of a wheel the motion answers to.
@@ -210,17 +252,15 @@ impl Sums {
             self.settled += whole * whole.transpose();
             *carried = by_plane * new;
         }
-        let rover = &odometry.rover;
-        let rolled: Vec<f64> = (0..rover.wheels().len())
-            .map(|wheel| odometry.work.rolled(wheel))
-            .collect();
         let mut gain = Vector3::zeros();
         let (columns, rover) = (&mut self.columns, &odometry.rover);
         odometry
             .work
             .derivatives(rover, given, rules.method, |linearised, fusion| {
                 gain = fusion.gain;
-                answer_to(linearised, fusion, &rolled, dt, &by_plane, columns);
+                for (column, sum) in columns {
+                    *sum += by_plane * column.of_step(linearised, fusion, dt);
+                }
             })?;
         if of.rules.in_space {
             let by_turn = if from_attitude {
@@ -259,33 +299,5 @@ impl Sums {
             self.settled += whole * whole.transpose();
             *carried = new;
         }
-    }
-}
-
-/// Adds what one step's displacement answers to.
-fn answer_to(
-    linearised: &Linearised<'_>,
-    fusion: &Fusion,
-    rolled: &[f64],
-    dt: f64,
-    by_plane: &Matrix6x3<f64>,
-    columns: &mut [(Column, Vector6<f64>)],
-) {
-    let by_wheels = by_plane * fusion.rest;
-    for (column, sum) in columns {
-        *sum += match *column {
-            Column::Dimension(quantity, wheel) => {
-                by_wheels * linearised.derivative(wheel, quantity)
-            }
-            Column::Slip(wheel) => {
-                by_wheels * linearised.derivative(wheel, Quantity::Slip) * rolled[wheel]
-            }
-            Column::SideSlip(wheel) => {
-                let pivot = &linearised.rover.wheels()[wheel];
-                let way = linearised.twist().at(pivot.x, pivot.y).norm();
-                by_wheels * linearised.derivative(wheel, Quantity::SideSlip) * way
-            }
-            Column::Bias => by_plane * fusion.gain * -dt,
-        };
     }
 }

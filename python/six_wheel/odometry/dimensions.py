@@ -1,4 +1,4 @@
-"""What can be calibrated: names, what each number does to the wheels, and how far it may plausibly be off.
+"""The numbers of a rover: names, what each does to the wheels, how far it may be off.
 
 A parameter of the rover is a linear change of what its wheels hold (place, heading, radius, scrub, trail)
 or of what their readings mean. So any vehicle can be calibrated: nothing here knows one from another.
@@ -9,10 +9,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
-from six_wheel.poses import Floats
+
+Floats = NDArray[np.float64]
 
 # Off by this share of itself, a length or a gain is a mistake in the drawing, not something to calibrate.
 PLAUSIBLE_SHARE = 0.2
@@ -27,7 +28,9 @@ MEASURED = 0.1
 # Sides and angles smaller than this share are rounding.
 LEVEL = 1e-9
 
-WHEEL_QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
+WHEEL_QUANTITIES = ("radius", "x", "y", "heading", "scrub", "trail", "roller_angle")  # in the core's order
+# Where these are among the numbers that may be off, with the turns of a wheel and its steering as shares.
+PLACE, HEADING, TURNED, STEERED, NUMBERS = slice(1, 3), 3, 7, 8, 9
 FRAME = ("x", "y", "yaw")
 
 
@@ -240,3 +243,80 @@ class Catalogue:
             Parameter(f"{kind}_y", "m", 0.0, reach),
             Parameter(f"{kind}_yaw", "rad", 0.0, PLAUSIBLE_ANGLE),
         ]
+
+
+def deviations(rover: Rover, parameters: Sequence[str], covariance: ArrayLike) -> Floats:
+    """What the dimensions of a rover may be off by, as `Odometry` takes it for `dimensions`.
+
+    Parameters
+    ----------
+    rover : Rover
+        With the dimensions that are known by so much.
+    parameters : sequence of str
+        Names of single numbers, as `Calibration.names`; ``sensor_x`` and ``time_offset`` are no numbers of
+        the rover and move nothing.
+    covariance : array_like, shape (p, p)
+        Of their values; of factors (``encoder_scale``, ``steering_gain``) as shares of themselves, of the
+        origin in the axes of this rover.
+
+    Returns
+    -------
+    ndarray, shape (k, wheels, 9)
+        Independent errors of one standard deviation.
+
+    Raises
+    ------
+    ValueError
+        If the rover has no such parameter, or the covariance is none.
+    """
+    names = list(parameters)
+    known = np.asarray(covariance, dtype=np.float64)
+    square = known.shape == (len(names), len(names))
+    if not square or not np.isfinite(known).all() or (np.diagonal(known) < 0.0).any():
+        rule = f"must be a finite covariance of {len(names)} values"
+        raise ValueError(f"covariance {rule}, got shape {known.shape}")
+    found = Catalogue(rover, with_encoders(rover, names)).find(names)
+    if len(found) != len(names):
+        raise ValueError(f"parameters must be single ones, got {', '.join(names)}")
+    return apart([moves(rover, one) for one in found], known)
+
+
+def with_encoders(rover: Rover, names: Iterable[str] = ()) -> list[bool]:
+    """Which wheels have an encoder, where no log tells: those with a motor, and whose radius is named."""
+    return [wheel.driven or f"wheel_radius[{wheel.name}]" in names for wheel in rover.wheels]
+
+
+def moves(rover: Rover, parameter: Parameter, value: float = 1.0) -> Floats:
+    """By how much the numbers of every wheel move with a parameter, shape (wheels, 9).
+
+    `value` is that of a factor of readings.
+    """
+    moved = np.zeros((len(rover.wheels), NUMBERS))
+    for number, quantity in enumerate(WHEEL_QUANTITIES):
+        moved[:, number] = parameter.wheels.get(quantity, 0.0)
+    match parameter.name:
+        case "encoder_scale":
+            moved[:, TURNED] = 1.0 / value
+        case "origin_x":
+            moved[:, PLACE.start] = -1.0
+        case "origin_y":
+            moved[:, PLACE.start + 1] = -1.0
+        case "origin_yaw":
+            moved[:, PLACE] = [(wheel.y, -wheel.x) for wheel in rover.wheels]
+            moved[:, HEADING] = -1.0
+    if parameter.gain is not None:
+        moved[[wheel.steered for wheel in rover.wheels], STEERED] = parameter.gain / value
+    return moved
+
+
+def apart(moved: Sequence[Floats], covariance: Floats) -> Floats:
+    """Errors that are independent (k, wheels, 9), from moves (p, wheels, 9) whose sizes have a covariance."""
+    if not len(moved):
+        return np.empty((0, 1, NUMBERS))
+    variances = np.diagonal(covariance)
+    usual = np.sqrt(np.where(variances > 0.0, variances, 1.0))  # so that units do not count
+    sizes, directions = np.linalg.eigh(covariance / np.outer(usual, usual))
+    shares = usual[:, None] * directions * np.sqrt(np.maximum(sizes, 0.0))
+    errors = np.einsum("pk,pwn->kwn", shares, np.array(moved))
+    some: Floats = errors[errors.any(axis=(1, 2))]
+    return some
