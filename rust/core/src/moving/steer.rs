@@ -460,8 +460,9 @@ mod tests {
                     let Some(joint) = contact.steering else {
                         continue;
                     };
-                    let normal = footing.rotation().inverse() * Vector3::from(normals[wheel]);
-                    let share = normal.cross(&placed.wheel(wheel).axle).norm();
+                    // To the left of where it rolls: on the far side of a rim that is the wheel's right.
+                    let left = Vector3::new(contact.side[0], contact.side[1], contact.side[2]);
+                    let share = left.dot(&placed.wheel(wheel).axle);
                     let aside: f64 = contact.side.iter().zip(&rates).map(|(a, b)| a * b).sum();
                     sums[joint] += share * aside;
                 }
