@@ -4,6 +4,8 @@ A parameter of the rover is a linear change of what its wheels hold (place, head
 or of what their readings mean. So any vehicle can be calibrated: nothing here knows one from another.
 """
 
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
