@@ -18,7 +18,7 @@ GOOD = f"""\
 encoders: {{{ENCODERS}, steering_gain: {{front: 0.98}}}}
 steering_encoders: {{resolution: 4096, gear: -1.0, modulus: 4096, reversed: [front], offsets: {{front: 0.1}}}}
 odometry: {{method: robust, inflate: true, slip_threshold: 0.1, max_gap: 1.0, max_speed: 2.0,
-  max_steering_rate: 3.0}}
+  max_steering_rate: 3.0, wheel_noise: {{rear: 1.5}}}}
 """
 
 
