@@ -45,6 +45,14 @@ def indented(text: str) -> str:
         ("noise: {speed: wide}", "noise.speed must be a number, got 'wide'"),
         ("noise: {sped: 1.0}", "unknown key noise.sped (did you mean speed?)"),
         ("noise: 0.1", "noise must be a mapping, got 0.1"),
+        (
+            "odometry: {wheel_noise: {rear: -1.0}}",
+            "odometry.wheel_noise.rear must be finite and not negative, got -1",
+        ),
+        (
+            "odometry: {wheel_noise: {reer: 1.0}}",
+            "names reer, which is no such wheel or joint (did you mean rear?)",
+        ),
         ("encoders: {resolution: 0}", "encoders.resolution must be finite and positive, got 0"),
         ("encoders: {gear: 0}", "encoders.gear must be finite and not 0, got 0"),
         ("encoders: {per_sample: 1}", "encoders.per_sample must be true or false, got 1"),

@@ -213,7 +213,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     values = form.complete(found, values)
     rover = without_questions(lambda: _rover(found, form, values, log))  # they become findings
     if rover is not None:
-        _check_encoders(found, values, rover, log)
+        _check_wheels(found, values, rover, log)
         _check_covariance(found, values, rover, log)
     if rover is None or log.has_errors:
         raise log.failure()
@@ -366,14 +366,15 @@ def _joints(
     return joints
 
 
-def _check_encoders(section: Section, values: Values, rover: Rover, log: _Log) -> None:
-    """The wheels that the keys of encoders name are there."""
+def _check_wheels(section: Section, values: Values, rover: Rover, log: _Log) -> None:
+    """The wheels that the keys of encoders and odometry name are there."""
     steered = (rover.steered_names, rover.steering_joints)
     for group, key, (wheels, joints) in (
         ("encoders", "reversed", (rover.wheel_names, rover.traction_joints)),
         ("encoders", "steering_gain", steered),
         ("steering_encoders", "reversed", steered),
         ("steering_encoders", "offsets", steered),
+        ("odometry", "wheel_noise", (rover.wheel_names, ())),
     ):
         given = values.get(group, {}).get(key, ())
         places = [(name, name) for name in given] if isinstance(given, dict) else enumerate(given)

@@ -195,7 +195,9 @@ class OdometryKeys(BaseModel):
     method: Annotated[Name, asks_core(Odometry, "method", **_AXLE)] = optional(
         "least_squares, middle_wheels or robust"
     )
-    wheel_noise: dict[str, Finite] = optional("a mapping of wheel to how many times the noise it slips by")
+    wheel_noise: dict[str, Annotated[Number, asks_core(Noise, "slip")]] = optional(
+        "a mapping of wheel to how many times the noise it slips by"
+    )
     inflate: Flag = optional("whether wheels that disagree widen the covariance")
     slip_threshold: Annotated[Number, asks_core(Odometry, "slip_threshold", **_AXLE)] = optional(
         "a residual in m/s"
