@@ -100,8 +100,10 @@ impl Spread {
     }
 
     pub fn is_below(&self, bound: f64) -> bool {
-        // No covariance is larger than the larger of its variances.
-        self.diagonal().iter().all(|variance| *variance < bound)
+        // No covariance is larger than the larger of its variances. Of what is far too large rounding may make the sign.
+        self.diagonal()
+            .iter()
+            .all(|variance| variance.abs() < bound)
     }
 
     /// Adds `share v vᵀ`.

@@ -465,7 +465,7 @@ fn step<S: Vector>(
     );
     let own = total(sums, parts);
     for variance in [own[0], own[3], own[5]] {
-        usual = usual & variance.below(huge);
+        usual = usual & variance.abs().below(huge);
     }
     if (!usual).any() {
         return false;
