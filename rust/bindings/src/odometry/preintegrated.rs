@@ -14,10 +14,10 @@ use six_wheel_core::odometry::{Preintegrated as Core, Recording, Settings};
 use six_wheel_core::{Error, Method};
 
 use super::gyroscope::Gyroscope;
-use super::input::{encoders, optional, steering_left_out, triple};
+use super::input::{encoders, optional, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
-use crate::convert::{Rows, Scalars, compute, number, raise, refuse};
+use crate::convert::{Rows, Scalars, compute, number, numbers, raise, refuse};
 use crate::given;
 use crate::rover::Rover;
 
@@ -176,19 +176,16 @@ impl Preintegrated {
 
     fn pose_of(&self, argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Motion3> {
         if !self.in_space() {
-            let pose = triple(argument, value)?;
+            let pose = numbers(argument, value)?;
             if pose.iter().any(|part| !part.is_finite()) {
                 return Err(refuse(argument, "be finite", &format!("{pose:?}")));
             }
             return Ok(Motion3::planar(pose));
         }
         let rows = Rows::read(argument, value, 4)?;
-        match (rows.leading.as_slice(), rows.flat().as_chunks::<4>().0) {
-            ([4], [a, b, c, d]) => {
-                Motion3::from_matrix(argument, &[*a, *b, *c, *d]).map_err(|error| raise(error, &[]))
-            }
-            _ => Err(refuse(argument, "have shape (4, 4)", "another shape")),
-        }
+        rows.check_leading(argument, &[4])?;
+        let matrix = std::array::from_fn(|row| rows.flat().as_chunks::<4>().0[row]);
+        Motion3::from_matrix(argument, &matrix).map_err(|error| raise(error, &[]))
     }
 
     fn written<'py>(&self, py: Python<'py>, motion: &Motion3, yaw: f64) -> Bound<'py, PyAny> {
