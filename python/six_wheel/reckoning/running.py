@@ -4,6 +4,7 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 """
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Noise, Odometry, Rover
+from six_wheel._core import Gyroscope, Noise, Odometry, Rover
 from six_wheel.evaluation.paths import Evaluation, evaluate
 from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
@@ -39,11 +40,27 @@ COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 @dataclass(frozen=True)
 class Settings:
-    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad]."""
+    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad].
+
+    `gyroscope` is what one in the log errs by, of readings `period` [s] apart, if that is known; without it
+    none is used.
+    """
 
     noise: Noise = field(default_factory=Noise)
     options: Mapping[str, Any] = field(default_factory=dict)
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    gyroscope: Gyroscope | None = None
+    period: float | None = None
+
+    def options_for(self, chunk: JointRows) -> dict[str, Any]:
+        """Options of `Odometry` for a log that begins so: the longer a row's mean, the less white noise."""
+        options, known = dict(self.options), self.gyroscope
+        if known is None or chunk.yaw_rate is None:
+            return options
+        apart = float(np.median(np.diff(chunk.stamps))) if len(chunk.stamps) > 1 else self.period
+        noise = known.noise * (math.sqrt(self.period / apart) if self.period and apart else 1.0)
+        bias = {name: getattr(known, name) for name in ("bias", "bias_noise", "bias_walk")}
+        return options | {"gyroscope": Gyroscope(noise, **bias)}
 
 
 @dataclass
@@ -90,6 +107,8 @@ class Reckoned:
         Against the truth, if it is known.
     estimate, truth : ndarray, shape (n, 3)
         Poses where the truth is known, for `evaluation`.
+    gyroscope_bias : tuple of float or None
+        Of a gyroscope that was used, at the end, and how sure that is [rad/s].
     warnings : list of str
     elapsed : float
         How long it took [s].
@@ -109,6 +128,7 @@ class Reckoned:
     evaluation: Evaluation | None = None
     estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
     truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    gyroscope_bias: tuple[float, float] | None = None
     warnings: list[str] = field(default_factory=list)
     elapsed: float = 0.0
     _trace: Trace = field(default_factory=Trace)
@@ -140,6 +160,12 @@ REMARKS = {
 }
 
 
+UNUSED = (
+    "the gyroscope is not used, for nobody said what it errs by: "
+    "the key gyroscope of a parameter file does, as six-wheel calibrate writes it"
+)
+
+
 class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
@@ -149,8 +175,8 @@ class _Run:
         self._options = options
         self._gains, self._scale = corrections(log.rover, options.encoders)
         self.result = Reckoned(log.path.name, log.rover)
-        self._odometry = Odometry(log.rover, settings.noise, **settings.options)
-        self._odometry.reset(settings.start)
+        self._settings = settings
+        self._odometry: Odometry | None = None  # until it is known what the log holds
         self._last = np.array(settings.start)
         self._begin: float | None = None
         self._slip = SlipSum()
@@ -174,8 +200,13 @@ class _Run:
     def advance(self, chunk: JointRows, truth: Truth | None) -> list[NDArray[Any]]:
         """Reckon the rows of a chunk; one array (n,) for each of `units`."""
         result = self.result
+        if self._odometry is None:
+            options = self._settings.options_for(chunk)
+            self._odometry = Odometry(self.log.rover, self._settings.noise, **options)
+            self._odometry.reset(self._settings.start)
         steering = None if chunk.steering is None else chunk.steering * self._gains
-        track = self._reckon(chunk, steering, chunk.wheel_angles * self._scale)
+        track = self._reckon(self._odometry, chunk, steering, chunk.wheel_angles * self._scale)
+        result.gyroscope_bias = self._odometry.gyroscope_bias
         covariances, residuals = track.covariances, track.residuals
         if covariances is None or residuals is None:
             raise RuntimeError("a track without covariances or residuals")  # they were not declined
@@ -195,16 +226,18 @@ class _Run:
         times = self._times(chunk.stamps)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
 
-    def _reckon(self, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
+    def _reckon(self, odometry: Odometry, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
         """The track of a chunk; into the record as well, if there is one."""
+        rates = None if odometry.gyroscope_bias is None else chunk.yaw_rate
         if self.record is None:
-            return self._odometry.run(steering, angles, chunk.stamps)
+            return odometry.run(steering, angles, chunk.stamps, yaw_rate=rates)
         parts, covariances = [], []
         for k in range(len(chunk.stamps)):  # row by row: only a state has the covariance of the twist
             row = slice(k, k + 1)
             steered = None if steering is None else steering[row]
-            parts.append(self._odometry.run(steered, angles[row], chunk.stamps[row]))
-            state = self._odometry.state
+            rate = None if rates is None else rates[row]
+            parts.append(odometry.run(steered, angles[row], chunk.stamps[row], yaw_rate=rate))
+            state = odometry.state
             covariances.append((state.covariance_6x6(), state.twist_covariance_6x6()))
         track = _joined(parts)
         self.record.write(chunk, track, covariances)
@@ -258,6 +291,8 @@ class _Run:
             by_reader.setdefault(reason, Count()).add(rows)
         result.left_out = by_reader | result.left_out
         result.warnings += self.log.warnings
+        if self.log.has_gyroscope and self._settings.gyroscope is None:
+            result.warnings.append(f"{path}: {UNUSED}")
         if self._used < 2:
             reasons = [f"; {reason}: {count}" for reason, count in result.left_out.items()]
             why = "".join([*reasons, *(f"; {warning}" for warning in self.log.warnings)])
