@@ -120,8 +120,8 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Takes a row over; how many there are then.
-    pub fn take(&mut self, other: &Block<'_>, k: usize) -> usize {
+    /// Takes over the `k`th row of those left to another block.
+    pub fn take(&mut self, other: &Block<'_>, k: usize) {
         let (from, to) = (other.active[k] % BLOCK, self.left % BLOCK);
         let move_to = |column: &mut Column, other: &Column| column.0[to] = other.0[from];
         for (seen, other) in self.kept.seen.iter_mut().zip(&*other.kept.seen) {
@@ -140,7 +140,6 @@ impl<'a> Block<'a> {
         self.active[to] = to;
         self.rounds = other.rounds;
         self.left += 1;
-        self.left
     }
 
     /// The row of the block that is the `k`th of those left.

@@ -245,7 +245,10 @@ impl<S: Vector> Rounds<S> {
         let mut rest = left.saturating_sub(SPARE) / SPARE * SPARE;
         while rest > 0 {
             if rest % 2 == 1 {
-                power = Some(power.map_or(step, |power| product(power, step)));
+                power = match power {
+                    Some(power) => Some(product(power, step)),
+                    None => Some(step),
+                };
             }
             rest /= 2;
             if rest > 0 {
