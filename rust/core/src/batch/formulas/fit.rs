@@ -188,10 +188,8 @@ impl Kernel for Solve<'_, '_> {
             weave(simd, now.weights, &mut self.fits.weights[of_wheels]);
             self.fits.ranks[at.clone()].fill(plan.rank as i64);
             self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
-            let doubts = (0..count).filter(|k| !sure && now.kept.doubts.0[*k] != 0.0);
-            done = doubts
-                .map(|k| plan.solve_row(self.log, first + k, self.fits))
-                .collect();
+            let mut doubts = (0..count).filter(|k| !sure && now.kept.doubts.0[*k] != 0.0);
+            done = doubts.try_for_each(|k| plan.solve_row(self.log, first + k, self.fits));
             if done.is_err() {
                 break;
             }
