@@ -96,12 +96,17 @@ class LogOptions:
     gyroscope: Mapping[str, Any] = field(default_factory=dict)
     frame: str = ""
 
+    @property
+    def sensor(self) -> Floats:
+        """Where what a truth follows sits in the body, x, y, yaw (3,)."""
+        return np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
+
     def of_body(self, truth: Truth) -> Truth:
         """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file.
 
         Positions alone stay those of the sensor: without a heading none tells where the body is.
         """
-        sensor = np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
+        sensor = self.sensor
         offset = self.truth.get("time_offset", 0.0)
         if not (sensor.any() or offset):
             return truth

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Rover
-from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
 from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.joints import JointRows, read_truth
@@ -26,7 +26,7 @@ from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
 from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.onboard.settings import text_of
-from six_wheel.poses import Floats
+from six_wheel.poses import Floats, joined
 from six_wheel.reckoning.recording import TrackRecord
 from six_wheel.reckoning.slip import SlipSum
 
@@ -104,7 +104,9 @@ class Reckoned:
     lost : tuple of Stretch
         When the wheels did not say what the rover did, if the truth is known.
     evaluation : Evaluation or None
-        Against the truth, if it is known.
+        Against the truth, if it is known with headings.
+    placed : AbsoluteError or None
+        After the best rigid alignment, of what the truth follows, where that has positions alone.
     estimate, truth : ndarray, shape (n, 3)
         Poses where the truth is known, for `evaluation`.
     gyroscope_bias : tuple of float or None
@@ -126,6 +128,7 @@ class Reckoned:
     slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
     lost: tuple[Stretch, ...] = ()
     evaluation: Evaluation | None = None
+    placed: AbsoluteError | None = None
     estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
     truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
     gyroscope_bias: tuple[float, float] | None = None
@@ -183,6 +186,7 @@ class _Run:
         self._known: list[tuple[Floats, Floats, Floats]] = []
         self._own: list[tuple[Floats, Floats]] = []
         self._reckoned: list[tuple[Floats, Floats]] = []
+        self._places: list[tuple[Floats, Floats]] = []
         self._used = 0
 
     def units(self) -> dict[str, str]:
@@ -251,8 +255,22 @@ class _Run:
             self._reckoned.append((chunk.stamps, poses))
             return
         wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
+        if truth is not None and wanted is not None and not truth.has_headings:
+            there = np.isfinite(wanted[:, 0])
+            self._places.append((poses[there], wanted[there]))
+            return
         if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
             self._known.append((chunk.stamps[there], poses[there], wanted[there]))
+
+    def _place(self) -> None:
+        """The track of what the truth follows, against positions alone."""
+        estimate, wanted = (np.concatenate(part) for part in zip(*self._places, strict=True))
+        if len(estimate) < 2:
+            return
+        seen = joined(estimate, self._options.sensor)
+        wanted = np.column_stack((wanted[:, :2], np.zeros(len(wanted))))
+        wanted[:, 2] = align(seen, wanted)[:, 2]  # nobody knows it: it counts as right
+        self.result.placed = absolute_error(seen, wanted, "se2")
 
     def _compare(self) -> None:
         """What was kept for the end."""
@@ -304,7 +322,9 @@ class _Run:
         if self._known:
             stamps, result.estimate, result.truth = map(np.concatenate, zip(*self._known, strict=True))
             result.lost = lost_stretches(stamps, result.estimate, result.truth, reach(result.rover))
-        if truth is not None and len(result.truth) < 2:
+        if self._places:
+            self._place()
+        if truth is not None and len(result.truth) < 2 and result.placed is None:
             ours = (
                 f"{self._begin:g} to {self._begin + result.duration:g} s" if self._begin is not None else ""
             )
@@ -412,9 +432,6 @@ def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) 
             f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
         )
     try:
-        truth = Truth(stamps, poses)
-        if not truth.has_headings:
-            raise ValueError("the truth must have headings to judge a track by, got positions alone")
-        return options.of_body(truth)
+        return options.of_body(Truth(stamps, poses))
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None
