@@ -5,6 +5,9 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
+use super::stand::all;
+use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::vector::Vector;
 use crate::error::{Error, ErrorKind};
 use crate::terrain::Terrain;
 use crate::wheels::Direction;
@@ -26,24 +29,15 @@ pub struct Pyramid {
     spacing: [f64; 2],
     origin: [f64; 2],
     turn: Direction,
-    /// Per level the cells, row after row.
-    levels: Vec<Box<[Extremes]>>,
+    /// Level after level the cells, row after row.
+    windows: Box<[Extremes]>,
 }
 
-/// What a box of cells holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    /// Lowest height [m]; minus infinity where one is not known.
-    pub lowest: f64,
-    /// Highest height [m]; infinity where one is not known.
-    pub highest: f64,
-}
-
-/// A box of cells, both ends included.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cells {
-    pub first: [usize; 2],
-    pub last: [usize; 2],
+/// Boxes of cells, both ends included, a box in every lane.
+#[derive(Clone, Copy)]
+pub(super) struct Boxes<S: Vector> {
+    pub first: [Lanes<S>; 2],
+    pub last: [Lanes<S>; 2],
 }
 
 impl Pyramid {
@@ -67,40 +61,35 @@ impl Pyramid {
             [rounded_down(low), rounded_down(minus_high)]
         };
         let count = cells[0] * cells[1];
-        let room = || {
-            let mut windows = Vec::new();
-            windows.try_reserve_exact(count).map_err(|_| {
-                let heights = format!("{rows} x {columns} heights");
-                let rule = "leave memory for the extremes of its windows";
-                Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
-            })?;
-            Ok(windows)
-        };
-        let mut lowest = room()?;
-        lowest.extend((0..count).map(corners));
-        let mut levels: Vec<Box<[Extremes]>> = vec![lowest.into()];
+        let mut windows: Vec<Extremes> = Vec::new();
+        let all = count.saturating_mul(LEVELS as usize);
+        windows.try_reserve_exact(all).map_err(|_| {
+            let heights = format!("{rows} x {columns} heights");
+            let rule = "leave memory for the extremes of its windows";
+            Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
+        })?;
+        windows.extend((0..count).map(corners));
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
-            let below = &levels[level as usize - 1];
+            let below = windows.len() - count;
             // Beside the last rows and columns a window holds what there is.
-            let mut windows = room()?;
             for row in 0..cells[1] {
                 let next = (row + step).min(cells[1] - 1);
-                let [row, next] = [row, next].map(|row| &below[row * cells[0]..][..cells[0]]);
+                let [row, next] = [row, next].map(|row| below + row * cells[0]);
                 for column in 0..cells[0] {
                     let across = (column + step).min(cells[0] - 1);
-                    let lower = least(row[column], row[across]);
-                    windows.push(least(lower, least(next[column], next[across])));
+                    let [a, b, c, d] = [row + column, row + across, next + column, next + across]
+                        .map(|k| windows[k]);
+                    windows.push(least(least(a, b), least(c, d)));
                 }
             }
-            levels.push(windows.into());
         }
         Ok(Self {
             cells,
             spacing: ground.spacing(),
             origin: ground.origin(),
             turn: ground.turn(),
-            levels,
+            windows: windows.into(),
         })
     }
 
@@ -121,40 +110,61 @@ impl Pyramid {
         self.turn
     }
 
-    /// Extremes over a box of cells on the map, its ends in order.
+    /// Extremes over boxes of cells on the map, whole numbers with their ends in order, and of what is in `span`: as
+    /// [`Vector::gather_pairs`] has them.
+    ///
+    /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.
     #[inline(always)]
-    pub(super) fn span(&self, Cells { first, last }: Cells, span: &mut Extremes) {
-        let (width, height) = (last[0] - first[0] + 1, last[1] - first[1] + 1);
-        let level = width.min(height).ilog2().min(LEVELS - 1);
-        let size = 1_usize << level;
-        let table = &self.levels[level as usize];
-        let end = [last[0] + 1 - size, last[1] + 1 - size];
-        let window = |column: usize, row: usize| {
-            let window = table.get(row * self.cells[0] + column);
-            window.copied().unwrap_or(UNKNOWN)
-        };
-        // Four loads at once, without a branch to guess between them, are what most boxes take.
-        if width.max(height) <= 2 * size {
-            let low = least(window(first[0], first[1]), window(end[0], first[1]));
-            let high = least(window(first[0], end[1]), window(end[0], end[1]));
-            *span = least(*span, least(low, high));
-            return;
+    pub(super) fn spans<S: Vector>(&self, boxes: Boxes<S>, span: Lanes<S>) -> Lanes<S> {
+        let simd = span.simd();
+        let one = all(simd, 1.0);
+        let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
+        let (width, height) = ((x_last - x) + one, (y_last - y) + one);
+        let (short, long) = (width.min(height), width.max(height));
+        // The largest windows that are in the box, and where their level begins.
+        let (mut size, mut level) = (one, all(simd, 0.0));
+        let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
+        for k in 1..LEVELS {
+            let larger = all(simd, f64::from(1 << k));
+            let fits = larger.at_most(short);
+            size = fits.select(larger, size);
+            level = fits.select(level + count, level);
         }
-        let mut row = first[1];
+        let columns = all(simd, self.cells[0] as f64);
+        let end = [(x_last + one) - size, (y_last + one) - size];
+        let [first, last] = [
+            y.mul_add(columns, level),
+            end[1].mul_add(columns, level),
+        ];
+        let (a, b) = (self.at(first + x), self.at(first + end[0]));
+        let (c, d) = (self.at(last + x), self.at(last + end[0]));
+        let mut span = span
+            .least_pairs(a.least_pairs(b))
+            .least_pairs(c.least_pairs(d));
+        if !(size + size).below(long).any() {
+            return span;
+        }
+        let mut row = y;
         loop {
-            let mut column = first[0];
+            let mut column = x;
+            let first = row.mul_add(columns, level);
             loop {
-                *span = least(*span, window(column, row));
-                if column == end[0] {
+                span = span.least_pairs(self.at(first + column));
+                if !column.below(end[0]).any() {
                     break;
                 }
                 column = (column + size).min(end[0]);
             }
-            if row == end[1] {
-                break;
+            if !row.below(end[1]).any() {
+                return span;
             }
             row = (row + size).min(end[1]);
         }
+    }
+
+    #[inline(always)]
+    fn at<S: Vector>(&self, place: Lanes<S>) -> Lanes<S> {
+        place.gather_pairs(&self.windows)
     }
 }
 
@@ -162,23 +172,40 @@ impl Pyramid {
     /// Highest height over a box of cells on the map, both ends included [m]; infinity where one is not known.
     #[inline(always)]
     pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
+        let (width, height) = (last[0] - first[0] + 1, last[1] - first[1] + 1);
+        let level = width.min(height).ilog2().min(LEVELS - 1);
+        let size = 1_usize << level;
+        let table = &self.windows[level as usize * self.cells[0] * self.cells[1]..];
+        let end = [last[0] + 1 - size, last[1] + 1 - size];
         let mut span = NOTHING;
-        self.span(Cells { first, last }, &mut span);
-        Span::from(span).highest
-    }
-}
-
-impl From<Extremes> for Span {
-    fn from([lowest, minus_highest]: Extremes) -> Self {
-        Self {
-            lowest: f64::from(lowest),
-            highest: -f64::from(minus_highest),
+        let mut row = first[1];
+        loop {
+            let mut column = first[0];
+            loop {
+                let window = table.get(row * self.cells[0] + column);
+                span = least(span, window.copied().unwrap_or(UNKNOWN));
+                if column == end[0] {
+                    break;
+                }
+                column = (column + size).min(end[0]);
+            }
+            if row == end[1] {
+                return -f64::from(span[1]);
+            }
+            row = (row + size).min(end[1]);
         }
     }
 }
 
-/// What [`Pyramid::span`] starts with: nothing yet.
-pub(super) const NOTHING: Extremes = [f32::INFINITY; 2];
+/// Nothing yet.
+const NOTHING: Extremes = [f32::INFINITY; 2];
+
+/// What [`Pyramid::spans`] starts with: nothing yet.
+#[inline(always)]
+pub(super) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
+    let bits = u64::from(f32::INFINITY.to_bits());
+    all(simd, f64::from_bits(bits | bits << 32))
+}
 
 #[inline(always)]
 fn least(a: Extremes, b: Extremes) -> Extremes {

@@ -217,6 +217,33 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.gather(table, self.values))
     }
 
+    /// [`Vector::gather_pairs`] at these places.
+    #[inline(always)]
+    pub fn gather_pairs(self, table: &[[f32; 2]]) -> Self {
+        self.with(self.simd.gather_pairs(table, self.values))
+    }
+
+    /// [`Vector::least_pairs`].
+    #[inline(always)]
+    pub fn least_pairs(self, other: Self) -> Self {
+        self.with(self.simd.least_pairs(self.values, other.values))
+    }
+
+    /// [`Vector::unpair`].
+    #[inline(always)]
+    pub fn unpair(self) -> [Self; 2] {
+        let [first, second] = self.simd.unpair(self.values);
+        [self.with(first), self.with(second)]
+    }
+
+    /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`, into as many numbers.
+    #[inline(always)]
+    pub fn zip([a, b]: [Self; 2], pairs: &mut [f64]) {
+        if let [first, second, ..] = S::as_mut_simd_f64s(pairs).0 {
+            [*first, *second] = a.simd.zip([a.values, b.values]);
+        }
+    }
+
     /// The last lane in every lane.
     #[inline(always)]
     pub fn spread(self, simd: S) -> Self {
