@@ -132,10 +132,7 @@ impl Pyramid {
         }
         let columns = all(simd, self.cells[0] as f64);
         let end = [(x_last + one) - size, (y_last + one) - size];
-        let [first, last] = [
-            y.mul_add(columns, level),
-            end[1].mul_add(columns, level),
-        ];
+        let [first, last] = [y.mul_add(columns, level), end[1].mul_add(columns, level)];
         let (a, b) = (self.at(first + x), self.at(first + end[0]));
         let (c, d) = (self.at(last + x), self.at(last + end[0]));
         let mut span = span

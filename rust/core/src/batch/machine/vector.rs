@@ -657,8 +657,14 @@ mod x86 {
                 self.avx._mm256_extractf128_ps::<1>(cast(pairs)),
             );
             [
-                cast(self.avx._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<EVEN>(low, high))),
-                cast(self.avx._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<ODD>(low, high))),
+                cast(
+                    self.avx
+                        ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<EVEN>(low, high)),
+                ),
+                cast(
+                    self.avx
+                        ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<ODD>(low, high)),
+                ),
             ]
         }
 

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::convert::{Output, refuse};
+use super::{Output, refuse};
 
 /// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
 pub struct Out<'py, const N: usize> {
