@@ -58,4 +58,10 @@ impl<'py, const N: usize> Out<'py, N> {
             false => Ok(output),
         }
     }
+
+    /// Result `k`, finished: a number where it has no axes and the caller has no array for it.
+    pub fn finish(&self, k: usize, output: Output<'py>) -> PyResult<Py<PyAny>> {
+        let result = output.finish_number(self.arrays[k].as_ref())?;
+        Ok(result.unbind())
+    }
 }

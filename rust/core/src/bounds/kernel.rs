@@ -208,13 +208,11 @@ impl Job<'_> {
             self.worth[*row] = worth;
         }
         let apart = rows[rows.len() - 1] - rows[0] >= S::F64_LANES || rows.len() < S::F64_LANES;
-        for k in 0..COUNT {
-            let [low, high] = intervals[k];
+        for (block, [low, high]) in self.blocks.iter_mut().zip(intervals) {
             let interval = [
                 bounded.select(low - more, unknown),
                 bounded.select(high + more, unknown),
             ];
-            let block = &mut self.blocks[k];
             if apart {
                 let mut ends = [[0.0; 2]; MOST];
                 Lanes::zip(interval, ends.as_flattened_mut());
