@@ -8,7 +8,7 @@ use super::stand::{COUNT, Interval, all};
 use super::{Knowledge, Plan};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
 use crate::batch::machine::vector::Vector;
 use crate::batch::{Level, Workers};
 
@@ -310,7 +310,7 @@ impl<S: Vector> Place<S> {
             (self.along * hx + self.across * hy + margin) * self.per_metre[0],
             (self.across * hx + self.along * hy + margin) * self.per_metre[1],
         ];
-        let (zero, less, whole) = (all(simd, 0.0), all(simd, 0.5), all(simd, WHOLE));
+        let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
         let mut on_map = zero.at_most(zero);
         let [mut first, mut last] = [middle; 2];
         for axis in 0..2 {
@@ -318,14 +318,16 @@ impl<S: Vector> Place<S> {
             on_map = on_map & zero.at_most(low) & high.at_most(all(simd, self.cells[axis]));
             // Rounded to the nearest whole number; on a line of the grid either cell has it.
             let end = all(simd, self.cells[axis] - 1.0);
-            first[axis] = ((low - less).max(zero).min(end) + whole) - whole;
-            last[axis] = ((high - less).max(zero).min(end) + whole) - whole;
+            first[axis] = ((low - less).max(zero).min(end) + round) - round;
+            last[axis] = ((high - less).max(zero).min(end) + round) - round;
         }
-        // Off the map any cell will do.
-        for axis in 0..2 {
-            last[axis] = on_map.select(last[axis], first[axis]);
-        }
-        (pyramid.spans(Boxes { first, last }, span), on_map)
+        let boxes = Boxes {
+            first,
+            last,
+            on_map,
+        };
+        // SAFETY: both ends, the second not below the first, are between 0 and the last cell.
+        (unsafe { pyramid.spans(&boxes, span) }, on_map)
     }
 
     /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
@@ -353,9 +355,6 @@ impl<S: Vector> Place<S> {
         ]
     }
 }
-
-/// `2^52`: a number with this added is rounded to a whole one.
-const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 /// The ground under the rover.
 struct Seen<S: Vector> {

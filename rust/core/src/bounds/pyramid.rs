@@ -6,8 +6,8 @@
 //! more where it is long.
 
 use super::stand::all;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::vector::Vector;
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::vector::{Vector, ZEROTH};
 use crate::error::{Error, ErrorKind};
 use crate::terrain::Terrain;
 use crate::wheels::Direction;
@@ -34,10 +34,11 @@ pub struct Pyramid {
 }
 
 /// Boxes of cells, both ends included, a box in every lane.
-#[derive(Clone, Copy)]
 pub(super) struct Boxes<S: Vector> {
     pub first: [Lanes<S>; 2],
     pub last: [Lanes<S>; 2],
+    /// Which lanes matter.
+    pub on_map: Mask<S>,
 }
 
 impl Pyramid {
@@ -110,58 +111,80 @@ impl Pyramid {
         self.turn
     }
 
-    /// Extremes over boxes of cells on the map, whole numbers with their ends in order, and of what is in `span`: as
-    /// [`Vector::gather_pairs`] has them.
+    /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
     ///
     /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.
+    ///
+    /// # Safety
+    ///
+    /// Ends are whole numbers, in order, of cells of the map.
     #[inline(always)]
-    pub(super) fn spans<S: Vector>(&self, boxes: Boxes<S>, span: Lanes<S>) -> Lanes<S> {
+    pub(super) unsafe fn spans<S: Vector>(&self, boxes: &Boxes<S>, span: Lanes<S>) -> Lanes<S> {
         let simd = span.simd();
         let one = all(simd, 1.0);
         let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
         let (width, height) = ((x_last - x) + one, (y_last - y) + one);
         let (short, long) = (width.min(height), width.max(height));
         // The largest windows that are in the box, and where their level begins.
-        let (mut size, mut level) = (one, all(simd, 0.0));
+        let most = short.min(all(simd, f64::from(1 << (LEVELS - 1))));
+        let size = most.power();
         let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
-        for k in 1..LEVELS {
-            let larger = all(simd, f64::from(1 << k));
-            let fits = larger.at_most(short);
-            size = fits.select(larger, size);
-            level = fits.select(level + count, level);
-        }
+        let level = most.exponent().mul_add(count, all(simd, ZEROTH));
         let columns = all(simd, self.cells[0] as f64);
         let end = [(x_last + one) - size, (y_last + one) - size];
-        let [first, last] = [y.mul_add(columns, level), end[1].mul_add(columns, level)];
-        let (a, b) = (self.at(first + x), self.at(first + end[0]));
-        let (c, d) = (self.at(last + x), self.at(last + end[0]));
-        let mut span = span
+        let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
+        // SAFETY: the windows begin at cells between the ends of the box.
+        let (a, b, c, d) = unsafe {
+            (
+                (first + x).pairs(&self.windows),
+                (first + end[0]).pairs(&self.windows),
+                (last + x).pairs(&self.windows),
+                (last + end[0]).pairs(&self.windows),
+            )
+        };
+        let span = span
             .least_pairs(a.least_pairs(b))
             .least_pairs(c.least_pairs(d));
-        if !(size + size).below(long).any() {
+        let longer = boxes.on_map & (size + size).below(long);
+        if !longer.any() {
             return span;
         }
+        // One more in the middle of both long sides, unless that is not enough either.
+        let wide = height.below(width);
+        let middle = [
+            wide.select((x + size).min(end[0]), x),
+            wide.select(y, (y + size).min(end[1])),
+        ];
+        let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];
+        let [first, last] = [
+            middle[1].mul_add(columns, level) + middle[0],
+            other[1].mul_add(columns, level) + other[0],
+        ];
+        // SAFETY: as above.
+        let (a, b) = unsafe { (first.pairs(&self.windows), last.pairs(&self.windows)) };
+        let span = span.least_pairs(a.least_pairs(b));
+        let large = (size + size).below(short) | ((size + size) + size).below(long);
+        if !(boxes.on_map & large).any() {
+            return span;
+        }
+        let mut span = span;
         let mut row = y;
         loop {
             let mut column = x;
             let first = row.mul_add(columns, level);
             loop {
-                span = span.least_pairs(self.at(first + column));
-                if !column.below(end[0]).any() {
+                // SAFETY: as above.
+                span = span.least_pairs(unsafe { (first + column).pairs(&self.windows) });
+                if !(boxes.on_map & column.below(end[0])).any() {
                     break;
                 }
                 column = (column + size).min(end[0]);
             }
-            if !row.below(end[1]).any() {
+            if !(boxes.on_map & row.below(end[1])).any() {
                 return span;
             }
             row = (row + size).min(end[1]);
         }
-    }
-
-    #[inline(always)]
-    fn at<S: Vector>(&self, place: Lanes<S>) -> Lanes<S> {
-        place.gather_pairs(&self.windows)
     }
 }
 

@@ -217,10 +217,28 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.gather(table, self.values))
     }
 
-    /// [`Vector::gather_pairs`] at these places.
+    /// [`Vector::pairs`] at these places.
+    ///
+    /// # Safety
+    ///
+    /// As there.
     #[inline(always)]
-    pub fn gather_pairs(self, table: &[[f32; 2]]) -> Self {
-        self.with(self.simd.gather_pairs(table, self.values))
+    pub unsafe fn pairs(self, table: &[[f32; 2]]) -> Self {
+        // SAFETY: by the caller.
+        self.with(unsafe { self.simd.pairs(table, self.values) })
+    }
+
+    /// [`Vector::exponent`].
+    #[inline(always)]
+    pub fn exponent(self) -> Self {
+        self.with(self.simd.exponent(self.values))
+    }
+
+    /// The power of two of [`Self::exponent`].
+    #[inline(always)]
+    pub fn power(self) -> Self {
+        let bits = self.simd.splat_f64s(f64::INFINITY);
+        self.with(self.simd.and_f64s(self.values, bits))
     }
 
     /// [`Vector::least_pairs`].

@@ -48,8 +48,16 @@ pub(crate) trait Vector: Simd {
     /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
     fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
 
-    /// Pairs of singles of a table at places as in [`Self::gather`], each as it is in the bits of its lane.
-    fn gather_pairs(self, table: &[[f32; 2]], places: Self::f64s) -> Self::f64s;
+    /// Pairs of singles of a table, each as it is in the bits of its lane. Places are counted from `2^52`, with whose
+    /// bits they are as they are.
+    ///
+    /// # Safety
+    ///
+    /// The table has all the places.
+    unsafe fn pairs(self, table: &[[f32; 2]], places: Self::f64s) -> Self::f64s;
+
+    /// Of positive numbers above 1e-300 the largest whole power of two that they reach, as its exponent.
+    fn exponent(self, register: Self::f64s) -> Self::f64s;
 
     /// Of two pairs in every lane the lesser first numbers and the lesser second ones, none of them NaN.
     fn least_pairs(self, a: Self::f64s, b: Self::f64s) -> Self::f64s;
@@ -139,13 +147,21 @@ fn of_pair(pair: f64) -> [f32; 2] {
     [bits as u32, (bits >> 32) as u32].map(f32::from_bits)
 }
 
-/// What a lane of [`Vector::gather_pairs`] holds.
+/// What a lane of [`Vector::pairs`] holds.
 #[inline(always)]
 fn pair_at(table: &[[f32; 2]], place: f64) -> f64 {
-    let last = table.len().saturating_sub(1);
-    let found = table.get((place as usize).min(last)); // NaN is 0
+    let found = table.get((place.to_bits() ^ ZEROTH.to_bits()) as usize);
     pair(found.copied().unwrap_or([f32::NAN; 2]))
 }
+
+/// What [`Vector::exponent`] is of one number.
+#[inline(always)]
+fn exponent_of(number: f64) -> f64 {
+    (number.to_bits() >> 52) as f64 - 1023.0
+}
+
+/// Whole numbers below 2^52 added to this are in its last bits.
+pub(crate) const ZEROTH: f64 = 4_503_599_627_370_496.0; // 2^52
 
 #[inline(always)]
 fn least_pair(a: f64, b: f64) -> f64 {
@@ -217,8 +233,13 @@ impl Vector for Scalar {
     }
 
     #[inline(always)]
-    fn gather_pairs(self, table: &[[f32; 2]], place: f64) -> f64 {
+    unsafe fn pairs(self, table: &[[f32; 2]], place: f64) -> f64 {
         pair_at(table, place)
+    }
+
+    #[inline(always)]
+    fn exponent(self, number: f64) -> f64 {
+        exponent_of(number)
     }
 
     #[inline(always)]
@@ -243,7 +264,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use pulp::{f32x8, f32x16, f64x4, f64x8};
 
-    use super::Vector;
+    use super::{Vector, ZEROTH};
 
     /// Lanes of two registers, those of the second counted from 8.
     #[inline(always)]
@@ -360,7 +381,7 @@ mod x86 {
             let Some(last) = table.len().checked_sub(1) else {
                 return self.splat_f64x8(f64::NAN);
             };
-            let (simd, offset) = (self.avx512f, self.splat_f64x8(WHOLE));
+            let (simd, offset) = (self.avx512f, self.splat_f64x8(ZEROTH));
             // The second operand where the first is NaN.
             let low = simd._mm512_max_pd(cast(places), cast(self.splat_f64x8(0.0)));
             let near = simd._mm512_min_pd(low, cast(self.splat_f64x8(last as f64)));
@@ -371,18 +392,16 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather_pairs(self, table: &[[f32; 2]], places: f64x8) -> f64x8 {
-            let Some(last) = table.len().checked_sub(1) else {
-                return self.splat_f64x8(f64::NAN);
-            };
-            let (simd, offset) = (self.avx512f, self.splat_f64x8(WHOLE));
-            // As in `gather`.
-            let low = simd._mm512_max_pd(cast(places), cast(self.splat_f64x8(0.0)));
-            let near = simd._mm512_min_pd(low, cast(self.splat_f64x8(last as f64)));
-            let whole = simd._mm512_add_pd(near, cast(offset));
-            let places = simd._mm512_xor_si512(cast(whole), cast(offset));
-            // SAFETY: every place is one of the table's, by the two comparisons, and a pair is as large as a double.
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x8) -> f64x8 {
+            let simd = self.avx512f;
+            let places = simd._mm512_xor_si512(cast(places), cast(self.splat_f64x8(ZEROTH)));
+            // SAFETY: the caller sees to the places, and a pair is as large as a double.
             cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr().cast()) })
+        }
+
+        #[inline(always)]
+        fn exponent(self, register: f64x8) -> f64x8 {
+            cast(self.avx512f._mm512_getexp_pd(cast(register)))
         }
 
         #[inline(always)]
@@ -463,9 +482,6 @@ mod x86 {
             }
         }
     }
-
-    /// Whole numbers below 2^52 added to this are in its last bits.
-    const WHOLE: f64 = 4_503_599_627_370_496.0; // 2^52
 
     /// The columns of four registers of four pairs each.
     #[inline(always)]
@@ -617,7 +633,7 @@ mod x86 {
             let Some(last) = table.len().checked_sub(1) else {
                 return self.splat_f64x4(f64::NAN);
             };
-            let (simd, offset) = (self.avx, self.splat_f64x4(WHOLE));
+            let (simd, offset) = (self.avx, self.splat_f64x4(ZEROTH));
             // The second operand where the first is NaN.
             let low = simd._mm256_max_pd(cast(places), cast(self.splat_f64x4(0.0)));
             let near = simd._mm256_min_pd(low, cast(self.splat_f64x4(last as f64)));
@@ -628,21 +644,20 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn gather_pairs(self, table: &[[f32; 2]], places: f64x4) -> f64x4 {
-            let Some(last) = table.len().checked_sub(1) else {
-                return self.splat_f64x4(f64::NAN);
-            };
-            let (simd, offset) = (self.avx, self.splat_f64x4(WHOLE));
-            // As in `gather`.
-            let low = simd._mm256_max_pd(cast(places), cast(self.splat_f64x4(0.0)));
-            let near = simd._mm256_min_pd(low, cast(self.splat_f64x4(last as f64)));
-            let whole = simd._mm256_add_pd(near, cast(offset));
-            let places = self.avx2._mm256_xor_si256(cast(whole), cast(offset));
-            // SAFETY: every place is one of the table's, by the two comparisons, and a pair is as large as a double.
-            cast(unsafe {
-                self.avx2
-                    ._mm256_i64gather_pd::<8>(table.as_ptr().cast(), places)
-            })
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x4) -> f64x4 {
+            let simd = self.avx2;
+            let places = simd._mm256_xor_si256(cast(places), cast(self.splat_f64x4(ZEROTH)));
+            // SAFETY: the caller sees to the places, and a pair is as large as a double.
+            cast(unsafe { simd._mm256_i64gather_pd::<8>(table.as_ptr().cast(), places) })
+        }
+
+        #[inline(always)]
+        fn exponent(self, register: f64x4) -> f64x4 {
+            let zeroth = self.splat_f64x4(ZEROTH);
+            let shifted = self.avx2._mm256_srli_epi64::<52>(cast(register));
+            let whole = self.avx2._mm256_xor_si256(shifted, cast(zeroth));
+            let bias = self.splat_f64x4(ZEROTH + 1023.0);
+            cast(self.avx._mm256_sub_pd(cast(whole), cast(bias)))
         }
 
         #[inline(always)]
@@ -718,7 +733,7 @@ mod aarch64 {
     use pulp::aarch64::Neon;
     use pulp::f64x2;
 
-    use super::{Vector, least_pair, of_pair, pair_at};
+    use super::{Vector, exponent_of, least_pair, of_pair, pair_at};
 
     impl Vector for Neon {
         #[inline(always)]
@@ -783,8 +798,13 @@ mod aarch64 {
         }
 
         #[inline(always)]
-        fn gather_pairs(self, table: &[[f32; 2]], places: f64x2) -> f64x2 {
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x2) -> f64x2 {
             f64x2(pair_at(table, places.0), pair_at(table, places.1))
+        }
+
+        #[inline(always)]
+        fn exponent(self, numbers: f64x2) -> f64x2 {
+            f64x2(exponent_of(numbers.0), exponent_of(numbers.1))
         }
 
         #[inline(always)]
