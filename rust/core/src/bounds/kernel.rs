@@ -159,36 +159,30 @@ impl Job<'_> {
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
-        let mut columns = [[0.0; MOST]; 5];
-        let mut here = [1.0; MOST];
-        for lane in 0..S::F64_LANES {
-            let k = rows[lane.min(rows.len() - 1)];
-            let [x, y, yaw] = self.poses[k];
-            let near = x.abs() < FAR && y.abs() < FAR;
-            if !near {
-                here[lane] = 0.0;
+        let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
+        let pose = if apart {
+            let mut columns = [[0.0; MOST]; 3];
+            for lane in 0..S::F64_LANES {
+                let pose = self.poses[rows[lane.min(rows.len() - 1)]];
+                for (column, value) in columns.iter_mut().zip(pose) {
+                    column[lane] = value;
+                }
             }
-            let [yaw_margin, position_margin] = self.margins.at(self.first + k);
-            let turned = if yaw.abs() > LARGEST_ANGLE {
-                yaw % std::f64::consts::TAU
-            } else {
-                yaw
-            };
-            let row = [
-                if near { x } else { 0.0 },
-                if near { y } else { 0.0 },
-                turned,
-            ];
-            let chord = chord(yaw_margin);
-            for (column, value) in
-                columns
-                    .iter_mut()
-                    .zip([row[0], row[1], row[2], chord, position_margin])
-            {
-                column[lane] = value;
-            }
-        }
-        let place = Place::new(simd, self.ground.pyramid, &columns);
+            [
+                load(simd, &columns[0]),
+                load(simd, &columns[1]),
+                load(simd, &columns[2]),
+            ]
+        } else {
+            let poses = &self.poses[rows[0]..][..S::F64_LANES];
+            Lanes::unbraid(simd, poses.as_flattened())
+        };
+        let (zero, far) = (all(simd, 0.0), all(simd, FAR));
+        let near = pose[0].abs().below(far) & pose[1].abs().below(far);
+        let yaw = within_turns(simd, pose[2]);
+        let [chord, margin] = self.spread(simd, rows);
+        let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
+        let place = Place::new(simd, self.ground.pyramid, pose, [chord, margin]);
         let seen = Seen::new(simd, plan, self.ground, &place);
         let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
         // The first that does not hold is said, so it is looked at last.
@@ -197,8 +191,7 @@ impl Job<'_> {
             says = holds.select(says, code(simd, knowledge));
         }
         says = seen.known.select(says, code(simd, Knowledge::UnknownCells));
-        let on_map = seen.on_map & all(simd, 0.5).below(load(simd, &here));
-        says = on_map.select(says, code(simd, Knowledge::OffMap));
+        says = (seen.on_map & near).select(says, code(simd, Knowledge::OffMap));
         let bounded = says.below(all(simd, 0.5));
         let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
         let mut said = [0.0; MOST];
@@ -207,7 +200,6 @@ impl Job<'_> {
         for (row, worth) in rows.iter().zip(worth) {
             self.worth[*row] = worth;
         }
-        let apart = rows[rows.len() - 1] - rows[0] >= S::F64_LANES || rows.len() < S::F64_LANES;
         for (block, [low, high]) in self.blocks.iter_mut().zip(intervals) {
             let interval = [
                 bounded.select(low - more, unknown),
@@ -227,6 +219,40 @@ impl Job<'_> {
     }
 }
 
+impl Job<'_> {
+    /// How far a point one metre from the origin goes over the interval of yaw, and how far all points go [m].
+    #[inline(always)]
+    fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
+        let Margins { yaw, position } = self.margins;
+        if let ([yaw], [position]) = (yaw, position) {
+            return [all(simd, chord(*yaw)), all(simd, *position)];
+        }
+        let mut columns = [[0.0; MOST]; 2];
+        for lane in 0..S::F64_LANES {
+            let row = rows[lane.min(rows.len() - 1)];
+            let [yaw, position] = self.margins.at(self.first + row);
+            (columns[0][lane], columns[1][lane]) = (chord(yaw), position);
+        }
+        [load(simd, &columns[0]), load(simd, &columns[1])]
+    }
+}
+
+/// Angles of which sines and cosines can be had.
+#[inline(always)]
+fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
+    if !all(simd, LARGEST_ANGLE).below(yaw.abs()).any() {
+        return yaw;
+    }
+    let mut turned = [0.0; MOST];
+    store(yaw, &mut turned);
+    for yaw in &mut turned {
+        if yaw.abs() > LARGEST_ANGLE {
+            *yaw %= std::f64::consts::TAU;
+        }
+    }
+    load(simd, &turned)
+}
+
 /// What is known, by its number.
 const KNOWLEDGE: [Knowledge; 6] = [
     Knowledge::Bounded,
@@ -244,53 +270,48 @@ fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
 
 /// Where the poses are, in cells of the map.
 struct Place<S: Vector> {
-    /// Cosine and sine of the heading against the map's rows, and their sizes.
-    cos: Lanes<S>,
-    sin: Lanes<S>,
-    along: Lanes<S>,
-    across: Lanes<S>,
     origin: [Lanes<S>; 2],
-    /// Cells per metre.
-    per_metre: [Lanes<S>; 2],
+    /// Cells along the map's rows and columns per metre ahead and per metre to the left.
+    ahead: [Lanes<S>; 2],
+    left: [Lanes<S>; 2],
+    /// How far a point one metre from the origin goes over the interval of yaw, and all points go, in cells.
+    chord: [Lanes<S>; 2],
+    margin: [Lanes<S>; 2],
     /// Number of cells.
     cells: [f64; 2],
-    /// How far a point one metre from the origin goes over the interval of yaw [m], and all points go [m].
-    chord: Lanes<S>,
-    margin: Lanes<S>,
     simd: S,
 }
 
 impl<S: Vector> Place<S> {
     #[inline(always)]
-    fn new(simd: S, pyramid: &Pyramid, columns: &[Column; 5]) -> Self {
+    fn new(
+        simd: S,
+        pyramid: &Pyramid,
+        [x, y, yaw]: [Lanes<S>; 3],
+        [chord, margin]: [Lanes<S>; 2],
+    ) -> Self {
         let turn = pyramid.turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
-        let (sin, cos) = sin_cos(simd, load(simd, &columns[2]));
+        let (sin, cos) = sin_cos(simd, yaw);
         let (cos, sin) = (
             turned_cos * cos + turned_sin * sin,
             turned_cos * sin - turned_sin * cos,
         );
         let [x0, y0] = pyramid.origin();
-        let (x, y) = (
-            load(simd, &columns[0]) - all(simd, x0),
-            load(simd, &columns[1]) - all(simd, y0),
-        );
+        let (x, y) = (x - all(simd, x0), y - all(simd, y0));
         let [dx, dy] = pyramid.spacing();
-        let per_metre = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
-        let [columns_of_map, rows] = pyramid.cells();
+        let [across, along] = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
+        let [columns, rows] = pyramid.cells();
         Self {
-            cos,
-            sin,
-            along: cos.abs(),
-            across: sin.abs(),
             origin: [
-                (turned_cos * x + turned_sin * y) * per_metre[0],
-                (turned_cos * y - turned_sin * x) * per_metre[1],
+                (turned_cos * x + turned_sin * y) * across,
+                (turned_cos * y - turned_sin * x) * along,
             ],
-            per_metre,
-            cells: [columns_of_map as f64, rows as f64],
-            chord: load(simd, &columns[3]),
-            margin: load(simd, &columns[4]),
+            ahead: [cos * across, sin * along],
+            left: [-sin * across, cos * along],
+            chord: [chord * across, chord * along],
+            margin: [margin * across, margin * along],
+            cells: [columns as f64, rows as f64],
             simd,
         }
     }
@@ -301,20 +322,16 @@ impl<S: Vector> Place<S> {
         let simd = self.simd;
         let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));
         let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
-        let margin = self.chord.mul_add(all(simd, patch.reach), self.margin);
-        let middle = [
-            (self.cos * cx - self.sin * cy).mul_add(self.per_metre[0], self.origin[0]),
-            (self.sin * cx + self.cos * cy).mul_add(self.per_metre[1], self.origin[1]),
-        ];
-        let half = [
-            (self.along * hx + self.across * hy + margin) * self.per_metre[0],
-            (self.across * hx + self.along * hy + margin) * self.per_metre[1],
-        ];
+        let reach = all(simd, patch.reach);
         let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
         let mut on_map = zero.at_most(zero);
-        let [mut first, mut last] = [middle; 2];
+        let [mut first, mut last] = [self.origin; 2];
         for axis in 0..2 {
-            let (low, high) = (middle[axis] - half[axis], middle[axis] + half[axis]);
+            let (ahead, left) = (self.ahead[axis], self.left[axis]);
+            let middle = ahead.mul_add(cx, left.mul_add(cy, self.origin[axis]));
+            let margin = self.chord[axis].mul_add(reach, self.margin[axis]);
+            let half = ahead.abs().mul_add(hx, left.abs().mul_add(hy, margin));
+            let (low, high) = (middle - half, middle + half);
             on_map = on_map & zero.at_most(low) & high.at_most(all(simd, self.cells[axis]));
             // Rounded to the nearest whole number; on a line of the grid either cell has it.
             let end = all(simd, self.cells[axis] - 1.0);

@@ -155,7 +155,10 @@ impl Pyramid {
             wide.select((x + size).min(end[0]), x),
             wide.select(y, (y + size).min(end[1])),
         ];
-        let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];
+        let other = [
+            wide.select(middle[0], end[0]),
+            wide.select(end[1], middle[1]),
+        ];
         let [first, last] = [
             middle[1].mul_add(columns, level) + middle[0],
             other[1].mul_add(columns, level) + other[0],
@@ -241,5 +244,89 @@ fn rounded_down(height: f64) -> f32 {
         near.next_down()
     } else {
         near
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::Level;
+    use crate::batch::machine::level::Kernel;
+    use crate::terrain::Heights;
+
+    /// Extremes over one box, in every lane.
+    struct Look<'a>(&'a Pyramid, [[f64; 2]; 2]);
+
+    impl Kernel for Look<'_> {
+        type Output = [f64; 2];
+
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> [f64; 2] {
+            let Self(pyramid, ends) = self;
+            let [first, last] = ends.map(|end| end.map(|cell| all(simd, cell)));
+            let on_map = all(simd, 0.0).at_most(all(simd, 0.0));
+            let boxes = Boxes {
+                first,
+                last,
+                on_map,
+            };
+            // SAFETY: the test asks for boxes of the map.
+            let span = unsafe { pyramid.spans(&boxes, nothing(simd)) };
+            span.unpair().map(|end| end.last(simd))
+        }
+    }
+
+    #[test]
+    fn boxes_have_the_extremes_of_their_nodes() -> Result<(), Error> {
+        const SHAPE: [usize; 2] = [75, 141];
+        let mut seed = 1_u32;
+        let mut draw = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as usize % below
+        };
+        let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1])
+            .map(|_| draw(1000) as f64 / 7.0 - 60.0)
+            .collect();
+        heights[40 * SHAPE[1] + 77] = f64::NAN;
+        let ground = Terrain::new(
+            Heights::Double(heights.clone().into()),
+            SHAPE[1],
+            [1.0, 1.0],
+            [0.0, 0.0],
+            0.0,
+        )?;
+        let pyramid = Pyramid::new(&ground)?;
+        for _ in 0..3000 {
+            let longest = [1, 3, 8, 40, 140][draw(5)];
+            let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {
+                let first = draw(cells);
+                [first, (first + draw(longest)).min(cells - 1)]
+            });
+            let [[left, right], [low, high]] = ends;
+            let nodes = (low..=high + 1)
+                .flat_map(|row| (left..=right + 1).map(move |column| row * SHAPE[1] + column))
+                .map(|k| heights[k]);
+            let known = nodes.clone().all(|height| !height.is_nan());
+            let least = nodes.clone().fold(f64::INFINITY, f64::min);
+            let most = nodes.fold(f64::NEG_INFINITY, f64::max);
+            let expected = if known {
+                [rounded_down(least), rounded_down(-most)].map(f64::from)
+            } else {
+                [f64::NEG_INFINITY; 2]
+            };
+            let look = || {
+                Look(
+                    &pyramid,
+                    [[left, low], [right, high]].map(|end| end.map(|k| k as f64)),
+                )
+            };
+            for level in Level::available() {
+                let found = level.run_any(look());
+                assert_eq!(found, expected, "{level:?} {ends:?}");
+            }
+            let top = pyramid.highest([left, low], [right, high]);
+            assert_eq!(top, -expected[1], "{ends:?}");
+        }
+        Ok(())
     }
 }
