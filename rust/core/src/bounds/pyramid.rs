@@ -34,7 +34,7 @@ pub struct Pyramid {
 }
 
 /// Boxes of cells, both ends included, a box in every lane.
-pub(super) struct Boxes<S: Vector> {
+pub(crate) struct Boxes<S: Vector> {
     pub first: [Lanes<S>; 2],
     pub last: [Lanes<S>; 2],
     /// Which lanes matter.
@@ -119,7 +119,7 @@ impl Pyramid {
     ///
     /// Ends are whole numbers, in order, of cells of the map.
     #[inline(always)]
-    pub(super) unsafe fn spans<S: Vector>(&self, boxes: &Boxes<S>, span: Lanes<S>) -> Lanes<S> {
+    pub(crate) unsafe fn spans<S: Vector>(&self, boxes: &Boxes<S>, span: Lanes<S>) -> Lanes<S> {
         let simd = span.simd();
         let one = all(simd, 1.0);
         let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
@@ -191,41 +191,9 @@ impl Pyramid {
     }
 }
 
-impl Pyramid {
-    /// Highest height over a box of cells on the map, both ends included [m]; infinity where one is not known.
-    #[inline(always)]
-    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
-        let (width, height) = (last[0] - first[0] + 1, last[1] - first[1] + 1);
-        let level = width.min(height).ilog2().min(LEVELS - 1);
-        let size = 1_usize << level;
-        let table = &self.windows[level as usize * self.cells[0] * self.cells[1]..];
-        let end = [last[0] + 1 - size, last[1] + 1 - size];
-        let mut span = NOTHING;
-        let mut row = first[1];
-        loop {
-            let mut column = first[0];
-            loop {
-                let window = table.get(row * self.cells[0] + column);
-                span = least(span, window.copied().unwrap_or(UNKNOWN));
-                if column == end[0] {
-                    break;
-                }
-                column = (column + size).min(end[0]);
-            }
-            if row == end[1] {
-                return -f64::from(span[1]);
-            }
-            row = (row + size).min(end[1]);
-        }
-    }
-}
-
-/// Nothing yet.
-const NOTHING: Extremes = [f32::INFINITY; 2];
-
 /// What [`Pyramid::spans`] starts with: nothing yet.
 #[inline(always)]
-pub(super) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
+pub(crate) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
     let bits = u64::from(f32::INFINITY.to_bits());
     all(simd, f64::from_bits(bits | bits << 32))
 }
@@ -324,8 +292,6 @@ mod tests {
                 let found = level.run_any(look());
                 assert_eq!(found, expected, "{level:?} {ends:?}");
             }
-            let top = pyramid.highest([left, low], [right, high]);
-            assert_eq!(top, -expected[1], "{ends:?}");
         }
         Ok(())
     }
