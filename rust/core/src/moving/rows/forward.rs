@@ -11,7 +11,7 @@ use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
 use crate::batch::{Level, Workers};
 use crate::moving::contact::{COLUMNS, Contacts};
-use crate::moving::motion::{Readings, weights};
+use crate::moving::motion::{PLAN, Readings, weights};
 use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
@@ -207,7 +207,7 @@ impl InLanes<'_> {
         let everywhere = !(!exactly).any();
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, contacts.len());
         let nan = all(simd, f64::NAN);
-        let mut rows = [[zero; 4]; 3 * MAX_WHEELS];
+        let mut rows = [[zero; 4]; 3 * MAX_WHEELS + 1];
         let mut told = [[([zero; 3], zero); 3]; MAX_WHEELS];
         // What the wheels do along the normals comes last: then rows of nothing, in lanes where it is nothing, are as none.
         let lifts = if everywhere { 0 } else { contacts.len() };
@@ -263,7 +263,13 @@ impl InLanes<'_> {
                 ];
             }
         }
-        let rows = &mut rows[..filled + lifts];
+        let mut last = filled + lifts;
+        if let Known::Somewhere(here, _) = known[PLAN[2]] {
+            // Nothing is missing of what is known.
+            rows[last][2] = here;
+            last += 1;
+        }
+        let rows = &mut rows[..last];
         triangular(simd, rows, 3, 4);
         doubt = doubt | (dependent(simd, rows) & !standing.nowhere);
         let solution: [[Lanes<S>; 1]; 3] = back(simd, rows, 3);
@@ -327,18 +333,11 @@ impl InLanes<'_> {
         let mut contacts = [blank; MAX_WHEELS];
         for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
             let joint = plan.steering(wheel);
-            let at_angle = |angles: &[Lanes<S>; MAX_WHEELS]| match joint {
-                Some(joint) => {
-                    let turned = direction(simd, angles[joint % MAX_WHEELS]);
-                    placing.steered(simd, wheel, turned)
-                }
-                None => placing.wheels[wheel],
-            };
-            let tread = at_angle(&angles);
+            let tread = at_angle(simd, plan, placing, wheel, &angles);
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
-                let stands = at_angle(&standing.steering);
+                let stands = at_angle(simd, plan, placing, wheel, &standing.steering);
                 let (forward, up) = (dot(stands.forward, normal), dot(stands.up, normal));
                 // The far side of the rim.
                 *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
@@ -426,6 +425,24 @@ impl InLanes<'_> {
         span.write(simd, &twist, 6, movings.twists.as_flattened_mut());
         span.write(simd, &joints, free, movings.joint_rates);
         span.write(simd, residuals, 3 * wheels, movings.residuals);
+    }
+}
+
+/// A wheel where its joint is turned like this.
+#[inline(always)]
+fn at_angle<S: Vector>(
+    simd: S,
+    plan: &Plan,
+    placing: &Placing<'_, S>,
+    wheel: usize,
+    angles: &[Lanes<S>; MAX_WHEELS],
+) -> WheelAt<S> {
+    match plan.steering(wheel) {
+        Some(joint) => {
+            let turned = direction(simd, angles[joint % MAX_WHEELS]);
+            placing.steered(simd, wheel, turned)
+        }
+        None => placing.wheels[wheel],
     }
 }
 
