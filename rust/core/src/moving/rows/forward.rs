@@ -1,15 +1,16 @@
 //! [`Contacts::forward`](super::super::Contacts::forward) for many rows.
 
 use super::Prepared;
-use super::columns::{Span, truths};
+use super::columns::Span;
 use super::follow::{Follow, Known, Row, Touch, row, swivel};
 use super::footings::{Footings, Standing, on_plane};
+use super::run::{InLanes, Rows, through};
 use super::solve::{back, triangular};
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
+use crate::error::Error;
 use crate::moving::contact::{COLUMNS, Contacts};
 use crate::moving::motion::{PLAN, Readings, weights};
 use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot};
@@ -73,15 +74,7 @@ pub fn forward_rows(
             },
         });
     // A job does not fail.
-    let _ = workers.each(jobs, |mut job| {
-        match &prepared.plan {
-            Some(plan) if workers.level != Level::Plain => {
-                workers.level.run(InLanes { plan, job });
-            }
-            _ => (0..job.movings.twists.len()).for_each(|row| job.one(row)),
-        }
-        Ok(())
-    });
+    let _ = workers.each(jobs, |job| through(prepared, workers.level, job));
 }
 
 /// Rows that one thread takes.
@@ -94,9 +87,22 @@ struct Job<'a> {
     movings: Movings<'a>,
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
-    fn one(&mut self, row: usize) {
+impl Rows for Job<'_> {
+    fn count(&self) -> usize {
+        self.movings.twists.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+    ) -> Mask<S> {
+        lanes.some(simd, span, placing)
+    }
+
+    fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
         let (wheels, free, steered) = (
             chain.wheels().len(),
@@ -134,38 +140,7 @@ impl Job<'_> {
         self.movings.joint_rates[row * free..][..free].copy_from_slice(&rates[..free]);
         self.movings.residuals[row * 3 * wheels..][..3 * wheels]
             .copy_from_slice(residual[..wheels].as_flattened());
-    }
-}
-
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) {
-        let rows = self.job.movings.twists.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let span = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, span, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..span.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane);
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
+        Ok(())
     }
 }
 
@@ -183,7 +158,7 @@ struct Contact<S: Vector> {
     swivel: [Lanes<S>; 3],
 }
 
-impl InLanes<'_> {
+impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {

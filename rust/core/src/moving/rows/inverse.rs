@@ -2,19 +2,19 @@
 
 use super::Prepared;
 use super::aim::{Local, aimed};
-use super::columns::{Span, finite, truths, within};
+use super::columns::{Span, finite, within};
 use super::follow::{Follow, Known, Row, Touch, row};
 use super::footings::{Footings, Standing, on_plane};
+use super::run::{InLanes, Rows, through};
 use super::solve::{back, triangular};
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{Command, PLAN, View, Wanted, inverse};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Turned, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
@@ -75,13 +75,7 @@ pub fn inverse_rows(
                 scales,
             },
         });
-    workers.each(jobs, |mut job| match &prepared.plan {
-        Some(plan) if workers.level != Level::Plain => {
-            let done = workers.level.run(InLanes { plan, job });
-            done.unwrap_or(Ok(()))
-        }
-        _ => (0..job.commands.scales.len()).try_for_each(|row| job.one(row)),
-    })
+    workers.each(jobs, |job| through(prepared, workers.level, job))
 }
 
 /// Rows that one thread takes.
@@ -96,8 +90,21 @@ struct Job<'a> {
     commands: Commands<'a>,
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
+impl Rows for Job<'_> {
+    fn count(&self) -> usize {
+        self.commands.scales.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+    ) -> Mask<S> {
+        lanes.some(simd, span, placing)
+    }
+
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
         let (wheels, free, steered) = (
@@ -127,39 +134,6 @@ impl Job<'_> {
     }
 }
 
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = Result<(), Error>;
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.commands.scales.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let span = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, span, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..span.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-        Ok(())
-    }
-}
-
 /// Where steering joints point [rad], how far from where they are, and whether they are elsewhere.
 struct Steered<S: Vector> {
     angles: [Lanes<S>; MAX_WHEELS],
@@ -167,7 +141,7 @@ struct Steered<S: Vector> {
     moved: Mask<S>,
 }
 
-impl InLanes<'_> {
+impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {

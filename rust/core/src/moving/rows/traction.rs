@@ -1,15 +1,15 @@
 //! [`traction`] for many rows.
 
 use super::Prepared;
-use super::columns::{Span, Way, angle_of, finite, truths, way, within};
+use super::columns::{Span, Way, angle_of, finite, way, within};
+use super::run::{InLanes, Rows, through};
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Turned, Vectors, WheelAt, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, WheelAt, all, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What turning is commanded, one number or one per row.
@@ -90,13 +90,7 @@ pub fn traction_rows(
                 vertical,
             },
         });
-    workers.each(jobs, |mut job| match &prepared.plan {
-        Some(plan) if workers.level != Level::Plain => {
-            let done = workers.level.run(InLanes { plan, job });
-            done.unwrap_or(Ok(()))
-        }
-        _ => (0..job.drives.vertical.len()).try_for_each(|row| job.one(row)),
-    })
+    workers.each(jobs, |job| through(prepared, workers.level, job))
 }
 
 /// Rows that one thread takes.
@@ -117,8 +111,21 @@ fn at(values: &[f64], row: usize) -> f64 {
     }
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
+impl Rows for Job<'_> {
+    fn count(&self) -> usize {
+        self.drives.vertical.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+    ) -> Mask<S> {
+        lanes.some(simd, span, placing)
+    }
+
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (all, driving) = (self.first + row, self.driving);
         let (wheels, free, steered) = (
@@ -161,39 +168,6 @@ impl Job<'_> {
     }
 }
 
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = Result<(), Error>;
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.drives.vertical.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let some = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, some, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..some.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-        Ok(())
-    }
-}
-
 /// What is wanted of the body, and what it and the free angles do.
 struct Wanted<S: Vector> {
     body: [Vectors<S>; 2],
@@ -229,7 +203,7 @@ impl<S: Vector> Centre<S> {
     }
 }
 
-impl InLanes<'_> {
+impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
