@@ -68,6 +68,8 @@ struct Wheel {
     steering: Option<usize>,
     /// Parts that carry it, innermost first.
     movers: Vec<usize>,
+    /// Bits of the free angles that move it.
+    moved: u32,
 }
 
 /// Where a part that steers is in its parent, and its joint.
@@ -79,6 +81,8 @@ pub(crate) struct Plan {
     parts: Vec<Part>,
     wheels: Vec<Wheel>,
     joints: usize,
+    /// The free angles, those first that move few wheels.
+    order: Vec<usize>,
 }
 
 impl Plan {
@@ -88,6 +92,7 @@ impl Plan {
             parts: Vec::new(),
             wheels: Vec::new(),
             joints: chain.joints().len(),
+            order: (0..chain.joints().len()).collect(),
         };
         // The frame that a part is, or for one that steers that of its parent, with its origin there.
         let mut frames: Vec<(usize, Option<Knuckle>)> = Vec::new();
@@ -124,15 +129,22 @@ impl Plan {
             };
             let parents = |&frame: &usize| Some(plan.parts[frame - 1].parent).filter(|&k| k > 0);
             let carriers = std::iter::successors(Some(frame).filter(|&k| k > 0), parents);
+            let movers: Vec<usize> = carriers.map(|frame| frame - 1).collect();
+            let bit = |part: &usize| 1 << plan.parts[*part].joint;
             plan.wheels.push(Wheel {
                 frame,
                 pivot,
                 offset,
                 radius: wheel.radius,
                 steering,
-                movers: carriers.map(|frame| frame - 1).collect(),
+                moved: movers.iter().map(bit).fold(0, std::ops::BitOr::bitor),
+                movers,
             });
         }
+        let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
+        let wheels = &plan.wheels;
+        plan.order
+            .sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
         Some(plan)
     }
 
@@ -150,6 +162,16 @@ impl Plan {
 
     pub fn steering(&self, wheel: usize) -> Option<usize> {
         self.wheels[wheel].steering
+    }
+
+    /// Bits of the free angles that move a wheel.
+    pub fn moved(&self, wheel: usize) -> u32 {
+        self.wheels[wheel].moved
+    }
+
+    /// The free angles, those first that move few wheels.
+    pub fn order(&self) -> &[usize] {
+        &self.order
     }
 
     /// The centre of a wheel from its steering axis, ahead and to the left where that is straight [m].

@@ -4,8 +4,8 @@ use super::Prepared;
 use super::columns::Span;
 use super::follow::{Follow, Known, Row, Touch, row, swivel};
 use super::footings::{Footings, Standing, on_plane};
-use super::run::{InLanes, Rows, through};
-use super::solve::{back, triangular};
+use super::run::{InLanes, Room, Rows, through};
+use super::solve::Normal;
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
@@ -13,7 +13,9 @@ use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::moving::contact::{COLUMNS, Contacts};
 use crate::moving::motion::{PLAN, Readings, weights};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot};
+use crate::suspension::lanes::{
+    LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot, scaled,
+};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What was measured, row after row: see [`Readings`].
@@ -97,9 +99,12 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        placing: &mut Placing<'_, S>,
+        room: &mut Room<'_, S>,
     ) -> Mask<S> {
-        lanes.some(simd, span, placing)
+        match lanes.measures() {
+            true => lanes.some::<S, 4>(simd, span, room),
+            false => lanes.some::<S, 3>(simd, span, room),
+        }
     }
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
@@ -144,128 +149,130 @@ impl Rows for Job<'_> {
     }
 }
 
-/// Products of the diagonal of a triangle above this share of the cube of its size are sure to come from columns that
-/// do not depend on each other.
-const INDEPENDENT: f64 = 1e-6;
-
-/// What a wheel says: how its contact moves along the normal, along the rim and to the left, by the rates, and what of it
-/// its steering adds.
+/// A wheel at its steering angle, and where it is touched.
 #[derive(Clone, Copy)]
-struct Contact<S: Vector> {
-    normal: Row<S>,
-    rolling: Row<S>,
-    side: Row<S>,
+struct Tread<S: Vector> {
+    at: WheelAt<S>,
+    touch: Touch<S>,
+    left: Vectors<S>,
+    /// What its steering adds along the normal, to the left and to the rate of its encoder.
     swivel: [Lanes<S>; 3],
 }
 
-impl InLanes<'_, Job<'_>> {
-    /// Some rows, and the lanes that are for the plain way.
+/// What a wheel says along a direction: how it answers to the motion in plan, and what is left without any.
+type Told<S> = ([Lanes<S>; 3], Lanes<S>);
+
+impl<S: Vector> Tread<S> {
+    /// Of no wheel.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+    fn none(simd: S) -> Self {
+        let zero = all(simd, 0.0);
+        let nowhere = [zero; 3];
+        Self {
+            at: WheelAt {
+                centre: nowhere,
+                forward: nowhere,
+                axle: nowhere,
+                up: nowhere,
+            },
+            touch: Touch {
+                tangent: nowhere,
+                point: nowhere,
+            },
+            left: nowhere,
+            swivel: nowhere,
+        }
+    }
+}
+
+impl InLanes<'_, Job<'_>> {
+    /// Some rows, and the lanes that are for the plain way. Of right-hand sides there are 4, but 3 where nothing
+    /// is measured beside the wheels.
+    #[inline(always)]
+    fn some<S: Vector, const RIGHT: usize>(
+        &mut self,
+        simd: S,
+        span: Span,
+        room: &mut Room<'_, S>,
+    ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
             first: self.job.first + span.first,
             ..span
         };
-        let zero = all(simd, 0.0);
+        let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let mut doubt = zero.below(zero);
-        let standing = Standing::new(simd, chain, self.job.footings, given, &mut doubt);
-        let contacts = self.contacts(simd, given, &standing, placing, &mut doubt);
-        let contacts = &contacts[..plan.wheels().min(MAX_WHEELS)];
-        let known = self.known(simd, given, &standing);
+        let footings = self.job.footings;
+        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut doubt);
+        room.placing.place(simd, &standing.joints);
+        let (placing, wheels) = (&room.placing, plan.wheels().min(MAX_WHEELS));
+        let mut treads = [Tread::none(simd); MAX_WHEELS];
+        self.treads(simd, given, &standing, placing, &mut treads, &mut doubt);
         let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
-        for (normal, contact) in normals.iter_mut().zip(contacts) {
-            *normal = (contact.normal, contact.swivel[0]);
+        for wheel in 0..wheels {
+            let (tread, normal) = (&treads[wheel], standing.normals[wheel]);
+            let row = row(simd, placing, wheel, tread.touch.point, normal);
+            normals[wheel] = (row, tread.swivel[0]);
         }
-        let follow = Follow::new::<4>(simd, &standing, &known, &normals[..contacts.len()]);
-        let exactly = follow.exactly(simd, &known, contacts.len());
-        let everywhere = !(!exactly).any();
-        let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, contacts.len());
-        let nan = all(simd, f64::NAN);
-        let mut rows = [[zero; 4]; 3 * MAX_WHEELS + 1];
-        let mut told = [[([zero; 3], zero); 3]; MAX_WHEELS];
-        // What the wheels do along the normals comes last: then rows of nothing, in lanes where it is nothing, are as none.
-        let lifts = if everywhere { 0 } else { contacts.len() };
-        let mut filled = 0;
-        for (wheel, contact) in contacts.iter().enumerate() {
-            let [roll, side] = weights(self.job.readings.weights, contacts.len(), wheel);
+        let known = self.known(simd, given, &standing);
+        let equations = &mut room.equations;
+        let follow = Follow::new::<RIGHT>(simd, plan, &standing, &known, &normals, equations);
+        let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
+        let mut fit = Normal::new(simd);
+        let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
+        for (wheel, says) in says.iter_mut().enumerate().take(wheels) {
+            let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
+            let (tread, radius) = (&treads[wheel], plan.radius(wheel));
             let speed = speeds[wheel];
             let measured = speed.at_most(speed);
-            let speed = measured.select(speed, zero);
-            let (root, radius) = (all(simd, roll.sqrt()), plan.radius(wheel));
+            let rolled = all(simd, radius) * measured.select(speed, zero);
+            let rolling = rolling(simd, placing, wheel, &tread.at, tread.touch.tangent, radius);
+            let turned = tread.swivel[2] * all(simd, radius) - rolled;
+            says[0] = follow.told::<RIGHT>(plan, wheel, &rolling, turned);
+            let aside = row(simd, placing, wheel, tread.touch.point, tread.left);
+            says[1] = follow.told::<RIGHT>(plan, wheel, &aside, tread.swivel[1]);
             let touching = standing.touching[wheel];
-            let says = [
-                (&contact.normal, contact.swivel[0], all(simd, 1.0)),
-                (
-                    &contact.rolling,
-                    contact.swivel[2] - speed,
-                    all(simd, radius),
-                ),
-                (&contact.side, contact.swivel[1], all(simd, 1.0)),
-            ];
-            let aside = all(simd, side.sqrt());
-            let roots = [
-                measured.select(all(simd, roll.max(side).sqrt()), aside),
-                measured.select(root, zero),
-                aside,
-            ];
-            for (i, (direction, beside, unit)) in says.into_iter().enumerate() {
-                let mut left = beside;
-                for (part, rate) in direction.iter().zip(&follow.offset) {
-                    left = part.mul_add(*rate, left);
-                }
-                let left = left * unit;
-                let mut columns = follow.plan(direction);
-                for column in &mut columns {
-                    *column = *column * unit;
-                }
-                told[wheel][i] = (columns, left);
-                let mut root = roots[i] * touching;
-                let place = if i > 0 {
-                    filled += 1;
-                    filled - 1
-                } else if everywhere {
-                    continue;
-                } else {
-                    root = exactly.select(zero, root);
-                    2 * contacts.len() + wheel
-                };
-                rows[place] = [
-                    columns[0] * root,
-                    columns[1] * root,
-                    columns[2] * root,
-                    -(left * root),
-                ];
+            let counts = measured.select(all(simd, roll), zero) * touching;
+            fit.add(says[0].0, says[0].1, counts);
+            fit.add(says[1].0, says[1].1, all(simd, side) * touching);
+        }
+        // What the wheels do along the normals comes last: in lanes where it is nothing it is as if there were none.
+        let exactly = follow.exactly(simd, &known, wheels);
+        if (!exactly).any() {
+            for (wheel, (normal, moved)) in normals.iter().enumerate().take(wheels) {
+                let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
+                let measured = speeds[wheel].at_most(speeds[wheel]);
+                let share = measured.select(all(simd, roll.max(side)), all(simd, side));
+                let counts = exactly.select(zero, share * standing.touching[wheel]);
+                let (columns, left) = follow.told::<RIGHT>(plan, wheel, normal, *moved);
+                fit.add(columns, left, counts);
             }
         }
-        let mut last = filled + lifts;
         if let Known::Somewhere(here, _) = known[PLAN[2]] {
-            // Nothing is missing of what is known.
-            rows[last][2] = here;
-            last += 1;
+            fit.know_last(here);
         }
-        let rows = &mut rows[..last];
-        triangular(simd, rows, 3, 4);
-        doubt = doubt | (dependent(simd, rows) & !standing.nowhere);
-        let solution: [[Lanes<S>; 1]; 3] = back(simd, rows, 3);
-        let motion = [
-            standing.nowhere.select(nan, solution[0][0]),
-            standing.nowhere.select(nan, solution[1][0]),
-            standing.nowhere.select(nan, solution[2][0]),
-        ];
+        let (mut motion, sure) = fit.solve(simd);
+        doubt = doubt | (!(sure & follow.sure) & !standing.nowhere);
+        for rate in &mut motion {
+            *rate = standing.nowhere.select(nan, *rate);
+        }
         let rates = follow.rates(motion);
         let mut residuals = [nan; 3 * MAX_WHEELS];
-        for (wheel, told) in told.iter().enumerate().take(contacts.len()) {
+        for (wheel, says) in says.iter().enumerate().take(wheels) {
             let touches = zero.below(standing.touching[wheel]);
-            for (i, (columns, left)) in told.iter().enumerate() {
-                let mut residual = *left;
-                for (column, rate) in columns.iter().zip(motion) {
-                    residual = column.mul_add(rate, residual);
-                }
-                if i == 1 {
-                    let speed = speeds[wheel];
-                    residual = speed.at_most(speed).select(residual, nan);
-                }
+            let (normal, mut lift) = normals[wheel];
+            for (part, rate) in normal.iter().zip(rates) {
+                lift = part.mul_add(rate, lift);
+            }
+            let [mut rolled, aside] = says.map(|(columns, left)| {
+                let [ahead, to_left, turn] = columns;
+                ahead.mul_add(
+                    motion[0],
+                    to_left.mul_add(motion[1], turn.mul_add(motion[2], left)),
+                )
+            });
+            rolled = speeds[wheel].at_most(speeds[wheel]).select(rolled, nan);
+            for (i, residual) in [lift, rolled, aside].into_iter().enumerate() {
                 residuals[3 * wheel + i] = touches.select(residual, nan);
             }
         }
@@ -273,22 +280,24 @@ impl InLanes<'_, Job<'_>> {
         doubt
     }
 
-    /// What the wheels say of the rates, at the steering angles that are given.
+    /// The wheels at the steering angles that are given.
     #[inline(always)]
-    fn contacts<S: Vector>(
+    fn treads<S: Vector>(
         &self,
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        placing: &mut Placing<'_, S>,
+        placing: &Placing<'_, S>,
+        treads: &mut [Tread<S>; MAX_WHEELS],
         doubt: &mut Mask<S>,
-    ) -> [Contact<S>; MAX_WHEELS] {
+    ) {
         let (plan, zero) = (self.plan, all(simd, 0.0));
         let steered = self.job.chain.steering().len().min(MAX_WHEELS);
-        let mut angles = standing.steering;
+        let (mut angles, mut steers) = (standing.steering, standing.steers);
         let mut turned = zero.below(zero);
         if let Some(steering) = self.job.readings.steering {
             angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
+            steers = true;
             for (angle, stands) in angles.iter().zip(standing.steering).take(steered) {
                 turned = turned | !(*angle - stands).abs().at_most(zero);
                 *doubt = *doubt | all(simd, LARGEST_TURN).below(angle.abs());
@@ -297,44 +306,32 @@ impl InLanes<'_, Job<'_>> {
         let any_turned = turned.any();
         let rates = self.job.readings.steering_rates;
         let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, steered));
-        placing.place(simd, &standing.joints);
-        let placing = &*placing;
-        let blank = Contact {
-            normal: [zero; COLUMNS],
-            rolling: [zero; COLUMNS],
-            side: [zero; COLUMNS],
-            swivel: [zero; 3],
-        };
-        let mut contacts = [blank; MAX_WHEELS];
-        for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
-            let joint = plan.steering(wheel);
-            let tread = at_angle(simd, plan, placing, wheel, &angles);
+        for (wheel, tread) in treads.iter_mut().enumerate().take(plan.wheels()) {
+            tread.at = at_angle(simd, plan, placing, wheel, &angles, steers);
+            let (ahead, up) = (tread.at.forward, tread.at.up);
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
-                let stands = at_angle(simd, plan, placing, wheel, &standing.steering);
-                let (forward, up) = (dot(stands.forward, normal), dot(stands.up, normal));
+                let stood = (&standing.steering, standing.steers);
+                let stands = at_angle(simd, plan, placing, wheel, stood.0, stood.1);
+                let (forward, upward) = (dot(stands.forward, normal), dot(up, normal));
                 // The far side of the rim.
-                *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
-                let (forward, up) = (dot(tread.forward, normal), dot(tread.up, normal));
-                let plane = on_plane(simd, forward, up);
+                *doubt = *doubt | (turned & (upward * at.1).below(forward * at.0));
+                let plane = on_plane(simd, dot(ahead, normal), upward);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));
             }
             let radius = plan.radius(wheel);
-            let touch = Touch::new(simd, &tread, radius, at);
-            let left = cross(normal, touch.tangent);
-            contact.normal = row(simd, placing, wheel, touch.point, normal);
-            contact.side = row(simd, placing, wheel, touch.point, left);
-            contact.rolling = rolling(simd, placing, wheel, &tread, touch.tangent, radius);
-            if let (Some(joint), Some(rates)) = (joint, &rates) {
-                let directions = [normal, left];
-                contact.swivel = swivel(simd, placing, wheel, &tread, radius, &touch, directions);
-                for part in &mut contact.swivel {
+            tread.touch = Touch::new(simd, &tread.at, radius, at);
+            tread.left = cross(normal, tread.touch.tangent);
+            if let (Some(joint), Some(rates)) = (plan.steering(wheel), &rates) {
+                let directions = [normal, tread.left];
+                let (at, touch) = (&tread.at, &tread.touch);
+                tread.swivel = swivel(simd, placing, wheel, at, radius, touch, directions);
+                for part in &mut tread.swivel {
                     *part = *part * rates[joint % MAX_WHEELS];
                 }
             }
         }
-        contacts
     }
 
     /// Rates that are no unknowns.
@@ -378,6 +375,17 @@ impl InLanes<'_, Job<'_>> {
         known
     }
 
+    /// Whether anything is measured beside the wheels.
+    fn measures(&self) -> bool {
+        let readings = self.job.readings;
+        let beside = [
+            readings.joint_rates,
+            readings.angular_velocity,
+            readings.steering_rates,
+        ];
+        beside.iter().any(Option::is_some)
+    }
+
     #[inline(always)]
     fn write<S: Vector>(
         &mut self,
@@ -403,7 +411,7 @@ impl InLanes<'_, Job<'_>> {
     }
 }
 
-/// A wheel where its joint is turned like this.
+/// A wheel where its joint is turned like this, if any is.
 #[inline(always)]
 fn at_angle<S: Vector>(
     simd: S,
@@ -411,17 +419,18 @@ fn at_angle<S: Vector>(
     placing: &Placing<'_, S>,
     wheel: usize,
     angles: &[Lanes<S>; MAX_WHEELS],
+    steers: bool,
 ) -> WheelAt<S> {
     match plan.steering(wheel) {
-        Some(joint) => {
+        Some(joint) if steers => {
             let turned = direction(simd, angles[joint % MAX_WHEELS]);
             placing.steered(simd, wheel, turned)
         }
-        None => placing.wheels[wheel],
+        _ => placing.wheels[wheel],
     }
 }
 
-/// The rate of an encoder that does not slip.
+/// The rate of an encoder that does not slip, times the radius.
 #[inline(always)]
 fn rolling<S: Vector>(
     simd: S,
@@ -432,16 +441,13 @@ fn rolling<S: Vector>(
     radius: f64,
 ) -> Row<S> {
     let mut rolling = row(simd, placing, wheel, tread.centre, tangent);
-    let inverse = all(simd, 1.0 / radius);
-    for part in &mut rolling {
-        *part = *part * inverse;
-    }
+    let axle = scaled(tread.axle, all(simd, -radius));
     for k in 0..3 {
-        rolling[3 + k] = rolling[3 + k] - tread.axle[k];
+        rolling[3 + k] = rolling[3 + k] + axle[k];
     }
     for axis in placing.axes(wheel) {
         let place = 6 + axis.joint % MAX_FREE;
-        rolling[place] = rolling[place] - dot(axis.axis, tread.axle);
+        rolling[place] = rolling[place] + dot(axis.axis, axle);
     }
     rolling
 }
@@ -458,21 +464,4 @@ fn measured<S: Vector>(simd: S, rate: Lanes<S>) -> Known<S> {
         let one = all(simd, 1.0);
         Known::Somewhere(here.select(one, zero), here.select(rate, zero))
     }
-}
-
-/// Where the columns of a triangle may depend on each other.
-#[inline(always)]
-fn dependent<S: Vector>(simd: S, rows: &[[Lanes<S>; 4]]) -> Mask<S> {
-    let zero = all(simd, 0.0);
-    let Some([a, b, c]) = rows.first_chunk::<3>() else {
-        return zero.at_most(zero);
-    };
-    let largest = [a[0], a[1], a[2], b[1], b[2], c[2]];
-    let mut size = zero;
-    for value in largest {
-        size = size.max(value.abs());
-    }
-    let product = (a[0] * b[1] * c[2]).abs();
-    let bound = all(simd, INDEPENDENT) * size * size * size;
-    !bound.below(product)
 }

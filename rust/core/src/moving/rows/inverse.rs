@@ -3,10 +3,10 @@
 use super::Prepared;
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Follow, Known, Row, Touch, row};
+use super::follow::{Follow, Known, Normals, Row, Touch, row};
 use super::footings::{Footings, Standing, on_plane};
-use super::run::{InLanes, Rows, through};
-use super::solve::{back, triangular};
+use super::run::{InLanes, Room, Rows, through};
+use super::solve::Equations;
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
@@ -100,9 +100,9 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        placing: &mut Placing<'_, S>,
+        room: &mut Room<'_, S>,
     ) -> Mask<S> {
-        lanes.some(simd, span, placing)
+        lanes.some(simd, span, room)
     }
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
@@ -144,7 +144,7 @@ struct Steered<S: Vector> {
 impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+    fn some<S: Vector>(&mut self, simd: S, span: Span, room: &mut Room<'_, S>) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
             first: self.job.first + span.first,
@@ -152,14 +152,15 @@ impl InLanes<'_, Job<'_>> {
         };
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let mut never = zero.below(zero);
-        let standing = Standing::new(simd, chain, self.job.footings, given, &mut never);
-        placing.place(simd, &standing.joints);
-        let placing = &*placing;
+        let footings = self.job.footings;
+        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut never);
+        room.placing.place(simd, &standing.joints);
+        let placing = &room.placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
         let mut treads = placing.wheels;
         let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
         for wheel in 0..wheels {
-            if let Some(joint) = plan.steering(wheel) {
+            if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
                 treads[wheel] = placing.steered(simd, wheel, turned);
             }
@@ -167,7 +168,8 @@ impl InLanes<'_, Job<'_>> {
             let touch = Touch::new(simd, &treads[wheel], radius, at);
             normals[wheel].0 = row(simd, placing, wheel, touch.point, standing.normals[wheel]);
         }
-        let rates = self.rates(simd, given, &standing, &normals[..wheels]);
+        let (rates, sure) = self.rates(simd, given, &standing, &normals, &mut room.equations);
+        never = never | (!sure & !standing.nowhere);
         let mut total = zero;
         for rate in rates {
             total = total + rate;
@@ -246,8 +248,9 @@ impl InLanes<'_, Job<'_>> {
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        normals: &[(Row<S>, Lanes<S>)],
-    ) -> Row<S> {
+        normals: &Normals<S>,
+        equations: &mut Equations<S>,
+    ) -> (Row<S>, Mask<S>) {
         let zero = all(simd, 0.0);
         let (speed, yaw_rate) = match self.job.wanted {
             [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
@@ -274,11 +277,15 @@ impl InLanes<'_, Job<'_>> {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
                     known[column] = Known::Everywhere(rate);
                 }
-                Follow::new::<1>(simd, standing, &known, normals).offset
+                let follow =
+                    Follow::new::<1>(simd, self.plan, standing, &known, normals, equations);
+                (follow.offset, follow.sure)
             }
             View::Plan => {
-                let follow = Follow::new::<3>(simd, standing, &known, normals);
-                follow.rates(seen_from_above(simd, standing, &follow, plan))
+                let follow =
+                    Follow::new::<3>(simd, self.plan, standing, &known, normals, equations);
+                let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
+                (follow.rates(plan), follow.sure & sure)
             }
         }
     }
@@ -375,7 +382,8 @@ fn seen_from_above<S: Vector>(
     standing: &Standing<S>,
     follow: &Follow<S>,
     wanted: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
+    equations: &mut Equations<S>,
+) -> ([Lanes<S>; 3], Mask<S>) {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
     let ((sr, cr), (sp, cp)) = (standing.roll, standing.pitch);
     let level = [[cp, sp * sr, sp * cr], [zero, cr, -sr]];
@@ -389,7 +397,7 @@ fn seen_from_above<S: Vector>(
     for (column, told) in follow.unknown.iter().zip(&follow.spread).take(follow.count) {
         spread[*column] = *told;
     }
-    let mut system = [[zero; 4]; 3];
+    let mut system = [[zero; 3]; 3];
     for k in 0..3 {
         for (cells, row) in system.iter_mut().zip(&level) {
             for c in 0..3 {
@@ -398,10 +406,12 @@ fn seen_from_above<S: Vector>(
         }
         system[2][k] = turning[0].mul_add(spread[4][k], turning[1] * spread[5][k]);
     }
-    for (cells, value) in system.iter_mut().zip(wanted) {
-        cells[3] = value;
+    equations.clear();
+    for (cells, value) in system.iter().zip(wanted) {
+        let row = equations.add(0b111);
+        row[..3].copy_from_slice(cells);
+        row[3] = value;
     }
-    triangular(simd, &mut system, 3, 4);
-    let solution: [[Lanes<S>; 1]; 3] = back(simd, &system, 3);
-    [solution[0][0], solution[1][0], solution[2][0]]
+    let (solution, sure) = equations.solve::<1>(simd, 3);
+    ([solution[0][0], solution[1][0], solution[2][0]], sure)
 }

@@ -2,12 +2,21 @@
 
 use super::Prepared;
 use super::columns::{Span, truths};
+use super::footings::Eights;
+use super::solve::Equations;
 use crate::batch::Level;
 use crate::batch::machine::lanes::Mask;
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::suspension::lanes::{Placing, Plan};
+
+/// Room for some rows, made once for all of them.
+pub(super) struct Room<'a, S: Vector> {
+    pub placing: Placing<'a, S>,
+    pub eights: Eights,
+    pub equations: Equations<S>,
+}
 
 /// Rows that one thread takes.
 pub(super) trait Rows: Sized {
@@ -19,7 +28,7 @@ pub(super) trait Rows: Sized {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        placing: &mut Placing<'_, S>,
+        room: &mut Room<'_, S>,
     ) -> Mask<S>;
 
     /// One of them, the plain way.
@@ -38,11 +47,15 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
         let rows = self.job.count();
-        let mut placing = Placing::new(simd, self.plan);
+        let mut room = Room {
+            placing: Placing::new(simd, self.plan),
+            eights: Eights::new(),
+            equations: Equations::new(simd),
+        };
         for first in (0..rows).step_by(S::F64_LANES) {
             let count = S::F64_LANES.min(rows - first);
             let span = Span { first, count };
-            let doubt = R::some(&mut self, simd, span, &mut placing);
+            let doubt = R::some(&mut self, simd, span, &mut room);
             if doubt.any() {
                 let doubtful = truths(simd, doubt);
                 for lane in 0..count {

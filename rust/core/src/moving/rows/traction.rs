@@ -2,7 +2,7 @@
 
 use super::Prepared;
 use super::columns::{Span, Way, angle_of, finite, way, within};
-use super::run::{InLanes, Rows, through};
+use super::run::{InLanes, Room, Rows, through};
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
@@ -121,9 +121,9 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        placing: &mut Placing<'_, S>,
+        room: &mut Room<'_, S>,
     ) -> Mask<S> {
-        lanes.some(simd, span, placing)
+        lanes.some(simd, span, room)
     }
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
@@ -206,7 +206,7 @@ impl<S: Vector> Centre<S> {
 impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+    fn some<S: Vector>(&mut self, simd: S, some: Span, room: &mut Room<'_, S>) -> Mask<S> {
         let (plan, driving) = (self.plan, self.job.driving);
         let given = Span {
             first: self.job.first + some.first,
@@ -220,8 +220,8 @@ impl InLanes<'_, Job<'_>> {
             doubt = doubt | all(simd, LARGEST_TURN).below(angle.abs());
         }
         let wanted = self.wanted(simd, given);
-        placing.place(simd, &joints);
-        let placing = &*placing;
+        room.placing.place(simd, &joints);
+        let placing = &room.placing;
         let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
         let mut treads = placing.wheels;
         for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
