@@ -1,6 +1,6 @@
 //! Contacts in lanes, and the suspension that follows the ground: see [`Contacts`](super::super::Contacts).
 
-use super::footings::{Standing, rim};
+use super::footings::{Eights, Standing, rim};
 use super::solve::{Equations, RIGHTS, UNKNOWNS};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
@@ -13,6 +13,23 @@ use crate::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.
 pub(super) type Row<S> = [Lanes<S>; COLUMNS];
+
+/// Room for rows that stand, and what the ground says of them.
+pub(super) struct Room<S: Vector> {
+    pub eights: Eights,
+    pub equations: Equations<S>,
+}
+
+impl<S: Vector> Room<S> {
+    /// Nothing is in it yet.
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        Self {
+            eights: Eights::new(),
+            equations: Equations::new(simd),
+        }
+    }
+}
 
 /// Where a wheel is touched.
 #[derive(Clone, Copy)]

@@ -2,9 +2,9 @@
 
 use super::Prepared;
 use super::columns::Span;
-use super::follow::{Follow, Known, Row, Touch, row, swivel};
+use super::follow::{Follow, Known, Room, Row, Touch, row, swivel};
 use super::footings::{Footings, Standing, on_plane};
-use super::run::{InLanes, Room, Rows, through};
+use super::run::{InLanes, Rows, through};
 use super::solve::Normal;
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
@@ -90,6 +90,13 @@ struct Job<'a> {
 }
 
 impl Rows for Job<'_> {
+    type Room<S: Vector> = Room<S>;
+
+    #[inline(always)]
+    fn room<S: Vector>(simd: S) -> Room<S> {
+        Room::new(simd)
+    }
+
     fn count(&self) -> usize {
         self.movings.twists.len()
     }
@@ -99,11 +106,12 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        room: &mut Room<'_, S>,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
     ) -> Mask<S> {
         match lanes.measures() {
-            true => lanes.some::<S, 4>(simd, span, room),
-            false => lanes.some::<S, 3>(simd, span, room),
+            true => lanes.some::<S, 4>(simd, span, placing, room),
+            false => lanes.some::<S, 3>(simd, span, placing, room),
         }
     }
 
@@ -193,7 +201,8 @@ impl InLanes<'_, Job<'_>> {
         &mut self,
         simd: S,
         span: Span,
-        room: &mut Room<'_, S>,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
     ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
@@ -204,8 +213,8 @@ impl InLanes<'_, Job<'_>> {
         let mut doubt = zero.below(zero);
         let footings = self.job.footings;
         let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut doubt);
-        room.placing.place(simd, &standing.joints);
-        let (placing, wheels) = (&room.placing, plan.wheels().min(MAX_WHEELS));
+        placing.place(simd, &standing.joints);
+        let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
         let mut treads = [Tread::none(simd); MAX_WHEELS];
         self.treads(simd, given, &standing, placing, &mut treads, &mut doubt);
         let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];

@@ -3,9 +3,9 @@
 use super::Prepared;
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Follow, Known, Normals, Row, Touch, row};
+use super::follow::{Follow, Known, Normals, Room, Row, Touch, row};
 use super::footings::{Footings, Standing, on_plane};
-use super::run::{InLanes, Room, Rows, through};
+use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
@@ -91,6 +91,13 @@ struct Job<'a> {
 }
 
 impl Rows for Job<'_> {
+    type Room<S: Vector> = Room<S>;
+
+    #[inline(always)]
+    fn room<S: Vector>(simd: S) -> Room<S> {
+        Room::new(simd)
+    }
+
     fn count(&self) -> usize {
         self.commands.scales.len()
     }
@@ -100,9 +107,10 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        room: &mut Room<'_, S>,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
     ) -> Mask<S> {
-        lanes.some(simd, span, room)
+        lanes.some(simd, span, placing, room)
     }
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
@@ -144,7 +152,13 @@ struct Steered<S: Vector> {
 impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, room: &mut Room<'_, S>) -> Mask<S> {
+    fn some<S: Vector>(
+        &mut self,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
+    ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
             first: self.job.first + span.first,
@@ -154,8 +168,8 @@ impl InLanes<'_, Job<'_>> {
         let mut never = zero.below(zero);
         let footings = self.job.footings;
         let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut never);
-        room.placing.place(simd, &standing.joints);
-        let placing = &room.placing;
+        placing.place(simd, &standing.joints);
+        let placing = &*placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
         let mut treads = placing.wheels;
         let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
@@ -182,14 +196,7 @@ impl InLanes<'_, Job<'_>> {
             [rates[3], rates[4], rates[5]],
         ];
         let mut doubt = zero.below(zero);
-        let blank = Local {
-            normal: [zero; 3],
-            velocity: [zero; 3],
-            turn: [zero; 3],
-            offset: [0.0; 2],
-            radius: 1.0,
-        };
-        let mut locals = [blank; MAX_WHEELS];
+        let mut locals = [Local::none(simd); MAX_WHEELS];
         for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
             let tread = &treads[wheel];
             let own = |vector| {

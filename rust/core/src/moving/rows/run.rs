@@ -2,8 +2,6 @@
 
 use super::Prepared;
 use super::columns::{Span, truths};
-use super::footings::Eights;
-use super::solve::Equations;
 use crate::batch::Level;
 use crate::batch::machine::lanes::Mask;
 use crate::batch::machine::level::Kernel;
@@ -11,15 +9,14 @@ use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::suspension::lanes::{Placing, Plan};
 
-/// Room for some rows, made once for all of them.
-pub(super) struct Room<'a, S: Vector> {
-    pub placing: Placing<'a, S>,
-    pub eights: Eights,
-    pub equations: Equations<S>,
-}
-
 /// Rows that one thread takes.
 pub(super) trait Rows: Sized {
+    /// Room beside the chain for some of them, made once for all.
+    type Room<S: Vector>;
+
+    /// Nothing is in it yet.
+    fn room<S: Vector>(simd: S) -> Self::Room<S>;
+
     /// How many they are.
     fn count(&self) -> usize;
 
@@ -28,7 +25,8 @@ pub(super) trait Rows: Sized {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        room: &mut Room<'_, S>,
+        placing: &mut Placing<'_, S>,
+        room: &mut Self::Room<S>,
     ) -> Mask<S>;
 
     /// One of them, the plain way.
@@ -47,15 +45,12 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
     #[inline(always)]
     fn run<S: Vector>(mut self, simd: S) -> Self::Output {
         let rows = self.job.count();
-        let mut room = Room {
-            placing: Placing::new(simd, self.plan),
-            eights: Eights::new(),
-            equations: Equations::new(simd),
-        };
+        let mut placing = Placing::new(simd, self.plan);
+        let mut room = R::room(simd);
         for first in (0..rows).step_by(S::F64_LANES) {
             let count = S::F64_LANES.min(rows - first);
             let span = Span { first, count };
-            let doubt = R::some(&mut self, simd, span, &mut room);
+            let doubt = R::some(&mut self, simd, span, &mut placing, &mut room);
             if doubt.any() {
                 let doubtful = truths(simd, doubt);
                 for lane in 0..count {

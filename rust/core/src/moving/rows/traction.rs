@@ -2,7 +2,7 @@
 
 use super::Prepared;
 use super::columns::{Span, Way, angle_of, finite, way, within};
-use super::run::{InLanes, Room, Rows, through};
+use super::run::{InLanes, Rows, through};
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
@@ -112,6 +112,10 @@ fn at(values: &[f64], row: usize) -> f64 {
 }
 
 impl Rows for Job<'_> {
+    type Room<S: Vector> = ();
+
+    fn room<S: Vector>(_: S) {}
+
     fn count(&self) -> usize {
         self.drives.vertical.len()
     }
@@ -121,9 +125,10 @@ impl Rows for Job<'_> {
         lanes: &mut InLanes<'_, Self>,
         simd: S,
         span: Span,
-        room: &mut Room<'_, S>,
+        placing: &mut Placing<'_, S>,
+        (): &mut (),
     ) -> Mask<S> {
-        lanes.some(simd, span, room)
+        lanes.some(simd, span, placing)
     }
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
@@ -206,7 +211,7 @@ impl<S: Vector> Centre<S> {
 impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, some: Span, room: &mut Room<'_, S>) -> Mask<S> {
+    fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
         let (plan, driving) = (self.plan, self.job.driving);
         let given = Span {
             first: self.job.first + some.first,
@@ -220,8 +225,8 @@ impl InLanes<'_, Job<'_>> {
             doubt = doubt | all(simd, LARGEST_TURN).below(angle.abs());
         }
         let wanted = self.wanted(simd, given);
-        room.placing.place(simd, &joints);
-        let placing = &room.placing;
+        placing.place(simd, &joints);
+        let placing = &*placing;
         let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
         let mut treads = placing.wheels;
         for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
