@@ -18,6 +18,7 @@ pub(super) type Row<S> = [Lanes<S>; COLUMNS];
 pub(super) struct Room<S: Vector> {
     pub eights: Eights,
     pub equations: Equations<S>,
+    pub contacts: Contacts<S>,
 }
 
 impl<S: Vector> Room<S> {
@@ -27,6 +28,10 @@ impl<S: Vector> Room<S> {
         Self {
             eights: Eights::new(),
             equations: Equations::new(simd),
+            contacts: [Contact {
+                rows: [[all(simd, 0.0); COLUMNS]; 3],
+                swivel: [all(simd, 0.0); 3],
+            }; MAX_WHEELS],
         }
     }
 }
@@ -52,46 +57,55 @@ impl<S: Vector> Touch<S> {
     }
 }
 
-/// How a velocity of a point of a wheel's carrier along a direction answers to the rates.
+/// What a wheel says of how its touching point moves along the normal, along the rim and to the left [m/s].
+#[derive(Clone, Copy)]
+pub(super) struct Contact<S: Vector> {
+    /// By the rates. Along the rim that is what its centre does, less its turning with its carrier.
+    pub rows: [Row<S>; 3],
+    /// What its own steering adds.
+    pub swivel: [Lanes<S>; 3],
+}
+
+/// Contacts of all wheels.
+pub(super) type Contacts<S> = [Contact<S>; MAX_WHEELS];
+
+/// How the velocities of a point of a wheel's carrier along some directions answer to the rates.
 #[inline(always)]
-pub(super) fn row<S: Vector>(
-    simd: S,
+pub(super) fn answers<S: Vector, const N: usize>(
     placing: &Placing<'_, S>,
     wheel: usize,
     point: Vectors<S>,
-    direction: Vectors<S>,
-) -> Row<S> {
-    let mut row = [all(simd, 0.0); COLUMNS];
-    let moment = cross(point, direction);
-    row[..3].copy_from_slice(&direction);
-    row[3..6].copy_from_slice(&moment);
-    for axis in placing.axes(wheel) {
-        let arm = cross(less(point, axis.origin), direction);
-        let place = 6 + axis.joint % MAX_FREE;
-        row[place] = row[place] + dot(axis.axis, arm);
+    directions: [Vectors<S>; N],
+    rows: &mut [Row<S>; N],
+) {
+    for (row, direction) in rows.iter_mut().zip(directions) {
+        row[..3].copy_from_slice(&direction);
+        row[3..6].copy_from_slice(&cross(point, direction));
     }
-    row
+    let mut told = 0_u32;
+    for axis in placing.axes(wheel) {
+        let moved = cross(axis.axis, less(point, axis.origin));
+        let (joint, again) = (axis.joint % MAX_FREE, told >> axis.joint & 1 == 1);
+        told |= 1 << axis.joint;
+        for (row, direction) in rows.iter_mut().zip(directions) {
+            let along = dot(moved, direction);
+            row[6 + joint] = if again { row[6 + joint] + along } else { along };
+        }
+    }
 }
 
-/// What the rate of a wheel's own steering adds: see [`Contact::swivel`](super::super::contact::Contact::swivel).
+/// What the rate of a wheel's own steering adds along some directions.
 #[inline(always)]
 pub(super) fn swivel<S: Vector>(
-    simd: S,
     placing: &Placing<'_, S>,
     wheel: usize,
-    tread: &WheelAt<S>,
-    radius: f64,
-    touch: &Touch<S>,
-    [normal, left]: [Vectors<S>; 2],
+    up: Vectors<S>,
+    point: Vectors<S>,
+    directions: [Vectors<S>; 3],
 ) -> [Lanes<S>; 3] {
-    let arm = less(tread.centre, placing.pivot(wheel));
-    let centre = cross(tread.up, arm);
-    let moved = sum(centre, cross(tread.up, less(touch.point, tread.centre)));
-    [
-        dot(moved, normal),
-        dot(moved, left),
-        dot(centre, touch.tangent) * all(simd, 1.0 / radius) - dot(tread.up, tread.axle),
-    ]
+    let moved = cross(up, less(point, placing.pivot(wheel)));
+    let [normal, ahead, left] = directions;
+    [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
 }
 
 /// What some lanes know of a rate.
@@ -128,9 +142,6 @@ pub(super) struct Follow<S: Vector> {
     pub sure: Mask<S>,
 }
 
-/// What the ground says of a wheel: how its contact moves along the normal, and what its steering adds to that.
-pub(super) type Normals<S> = [(Row<S>, Lanes<S>); MAX_WHEELS];
-
 impl<S: Vector> Follow<S> {
     /// From what is known of every rate, and what the ground says. Of right-hand sides there are the three motions in plan, or
     /// what is known (1), or both (4).
@@ -140,7 +151,7 @@ impl<S: Vector> Follow<S> {
         plan: &Plan,
         standing: &Standing<S>,
         known: &[Known<S>; COLUMNS],
-        normals: &Normals<S>,
+        contacts: &Contacts<S>,
         equations: &mut Equations<S>,
     ) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
@@ -174,7 +185,8 @@ impl<S: Vector> Follow<S> {
         }
         let (count, unknown) = (follow.count.min(UNKNOWNS), follow.unknown);
         equations.clear();
-        for (wheel, (normal, moved)) in normals.iter().enumerate().take(plan.wheels()) {
+        for (wheel, contact) in contacts.iter().enumerate().take(plan.wheels()) {
+            let (normal, moved) = (&contact.rows[0], contact.swivel[0]);
             let mut bits = 0;
             for (k, column) in unknown.iter().enumerate().take(count) {
                 bits |= u32::from(moves(plan, wheel, *column)) << k;
@@ -195,7 +207,7 @@ impl<S: Vector> Follow<S> {
                 }
             }
             if RIGHT != 3 {
-                let mut rest = -*moved;
+                let mut rest = -moved;
                 for (part, value) in normal.iter().zip(&follow.offset) {
                     rest = (-*part).mul_add(*value, rest);
                 }

@@ -58,8 +58,8 @@ pub struct Told<'a> {
 }
 
 /// The numbers of one row, eight and eight, as they are turned into columns: roll, pitch, yaw and the free angles [rad];
-/// the steering angles [rad]; of every wheel its gap [m], sine and cosine of its contact angle and the vector upwards from the
-/// ground, not of unit length where it is settled.
+/// the steering angles [rad]; of every wheel its gap [m], sine and cosine of its contact angle, and the slopes of
+/// the ground where it is settled or else its normal.
 type One = [[f64; MOST]; 2 + MAX_WHEELS];
 
 /// The numbers of as many rows as there are lanes at most.
@@ -116,7 +116,7 @@ impl Footings<'_> {
                 *body = [roll, pitch, poses[place][2], a, b, c, 0.0, 0.0];
                 for (numbers, contact) in contacts.iter_mut().zip(&stand.wheels) {
                     let (at, [x, y]) = (contact.at, contact.gradient);
-                    *numbers = [contact.gap, at.sin, at.cos, -x, -y, 1.0, 0.0, 0.0];
+                    numbers[..5].copy_from_slice(&[contact.gap, at.sin, at.cos, x, y]);
                 }
                 (place, *steering)
             }
@@ -156,7 +156,7 @@ impl Footings<'_> {
             let [gap, sin, cos, x, y, z, ..] = one[2 + wheel];
             angles[wheel] = sin.atan2(cos);
             normals[wheel] = match settled {
-                true => normal([-x, -y]).into(),
+                true => normal([x, y]).into(),
                 false => [x, y, z],
             };
             touching[wheel] = gap.abs() <= HANGING;
@@ -263,7 +263,8 @@ impl<S: Vector> Standing<S> {
             standing.nowhere = standing.nowhere & !touches;
             hangs = hangs | hanging.below(gap);
             standing.at[k] = (sin, cos);
-            let mut normal = standing.in_body(heading, [x, y, z]);
+            let upwards = if settled { [-x, -y, one] } else { [x, y, z] };
+            let mut normal = standing.in_body(heading, upwards);
             if settled {
                 let square = x.mul_add(x, y.mul_add(y, one));
                 plain = plain | all(simd, STEEP).below(square);

@@ -2,7 +2,7 @@
 
 use super::Prepared;
 use super::columns::Span;
-use super::follow::{Follow, Known, Room, Row, Touch, row, swivel};
+use super::follow::{Contact, Contacts, Follow, Known, Room, Row, Touch, answers, swivel};
 use super::footings::{Footings, Standing, on_plane};
 use super::run::{InLanes, Rows, through};
 use super::solve::Normal;
@@ -11,7 +11,7 @@ use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
 use crate::error::Error;
-use crate::moving::contact::{COLUMNS, Contacts};
+use crate::moving::contact::{self, COLUMNS};
 use crate::moving::motion::{PLAN, Readings, weights};
 use crate::suspension::lanes::{
     LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot, scaled,
@@ -138,7 +138,7 @@ impl Rows for Job<'_> {
         let given = some.steering.map(|angles| &angles[of(steered)]);
         let moving = self.footings.with(chain, place, |footing| {
             let turned = given.filter(|angles| *angles != footing.steering);
-            let contacts = Contacts::new(chain, footing, turned);
+            let contacts = contact::Contacts::new(chain, footing, turned);
             contacts.map(|contacts| contacts.forward(&readings, &radii))
         });
         let (twist, rates, residual) = moving.map_or(
@@ -154,42 +154,6 @@ impl Rows for Job<'_> {
         self.movings.residuals[row * 3 * wheels..][..3 * wheels]
             .copy_from_slice(residual[..wheels].as_flattened());
         Ok(())
-    }
-}
-
-/// A wheel at its steering angle, and where it is touched.
-#[derive(Clone, Copy)]
-struct Tread<S: Vector> {
-    at: WheelAt<S>,
-    touch: Touch<S>,
-    left: Vectors<S>,
-    /// What its steering adds along the normal, to the left and to the rate of its encoder.
-    swivel: [Lanes<S>; 3],
-}
-
-/// What a wheel says along a direction: how it answers to the motion in plan, and what is left without any.
-type Told<S> = ([Lanes<S>; 3], Lanes<S>);
-
-impl<S: Vector> Tread<S> {
-    /// Of no wheel.
-    #[inline(always)]
-    fn none(simd: S) -> Self {
-        let zero = all(simd, 0.0);
-        let nowhere = [zero; 3];
-        Self {
-            at: WheelAt {
-                centre: nowhere,
-                forward: nowhere,
-                axle: nowhere,
-                up: nowhere,
-            },
-            touch: Touch {
-                tangent: nowhere,
-                point: nowhere,
-            },
-            left: nowhere,
-            swivel: nowhere,
-        }
     }
 }
 
@@ -215,31 +179,21 @@ impl InLanes<'_, Job<'_>> {
         let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut doubt);
         placing.place(simd, &standing.joints);
         let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
-        let mut treads = [Tread::none(simd); MAX_WHEELS];
-        self.treads(simd, given, &standing, placing, &mut treads, &mut doubt);
-        let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
-        for wheel in 0..wheels {
-            let (tread, normal) = (&treads[wheel], standing.normals[wheel]);
-            let row = row(simd, placing, wheel, tread.touch.point, normal);
-            normals[wheel] = (row, tread.swivel[0]);
-        }
+        let (contacts, equations) = (&mut room.contacts, &mut room.equations);
+        self.contacts(simd, given, &standing, placing, contacts, &mut doubt);
         let known = self.known(simd, given, &standing);
-        let equations = &mut room.equations;
-        let follow = Follow::new::<RIGHT>(simd, plan, &standing, &known, &normals, equations);
+        let follow = Follow::new::<RIGHT>(simd, plan, &standing, &known, contacts, equations);
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
         let mut fit = Normal::new(simd);
         let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
         for (wheel, says) in says.iter_mut().enumerate().take(wheels) {
             let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
-            let (tread, radius) = (&treads[wheel], plan.radius(wheel));
             let speed = speeds[wheel];
             let measured = speed.at_most(speed);
-            let rolled = all(simd, radius) * measured.select(speed, zero);
-            let rolling = rolling(simd, placing, wheel, &tread.at, tread.touch.tangent, radius);
-            let turned = tread.swivel[2] * all(simd, radius) - rolled;
-            says[0] = follow.told::<RIGHT>(plan, wheel, &rolling, turned);
-            let aside = row(simd, placing, wheel, tread.touch.point, tread.left);
-            says[1] = follow.told::<RIGHT>(plan, wheel, &aside, tread.swivel[1]);
+            let rolled = all(simd, plan.radius(wheel)) * measured.select(speed, zero);
+            let Contact { rows, swivel } = &contacts[wheel];
+            says[0] = follow.told::<RIGHT>(plan, wheel, &rows[1], swivel[1] - rolled);
+            says[1] = follow.told::<RIGHT>(plan, wheel, &rows[2], swivel[2]);
             let touching = standing.touching[wheel];
             let counts = measured.select(all(simd, roll), zero) * touching;
             fit.add(says[0].0, says[0].1, counts);
@@ -248,12 +202,12 @@ impl InLanes<'_, Job<'_>> {
         // What the wheels do along the normals comes last: in lanes where it is nothing it is as if there were none.
         let exactly = follow.exactly(simd, &known, wheels);
         if (!exactly).any() {
-            for (wheel, (normal, moved)) in normals.iter().enumerate().take(wheels) {
+            for (wheel, Contact { rows, swivel }) in contacts.iter().enumerate().take(wheels) {
                 let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
                 let measured = speeds[wheel].at_most(speeds[wheel]);
                 let share = measured.select(all(simd, roll.max(side)), all(simd, side));
                 let counts = exactly.select(zero, share * standing.touching[wheel]);
-                let (columns, left) = follow.told::<RIGHT>(plan, wheel, normal, *moved);
+                let (columns, left) = follow.told::<RIGHT>(plan, wheel, &rows[0], swivel[0]);
                 fit.add(columns, left, counts);
             }
         }
@@ -269,8 +223,9 @@ impl InLanes<'_, Job<'_>> {
         let mut residuals = [nan; 3 * MAX_WHEELS];
         for (wheel, says) in says.iter().enumerate().take(wheels) {
             let touches = zero.below(standing.touching[wheel]);
-            let (normal, mut lift) = normals[wheel];
-            for (part, rate) in normal.iter().zip(rates) {
+            let Contact { rows, swivel } = &contacts[wheel];
+            let mut lift = swivel[0];
+            for (part, rate) in rows[0].iter().zip(rates) {
                 lift = part.mul_add(rate, lift);
             }
             let [mut rolled, aside] = says.map(|(columns, left)| {
@@ -289,15 +244,15 @@ impl InLanes<'_, Job<'_>> {
         doubt
     }
 
-    /// The wheels at the steering angles that are given.
+    /// What the wheels say of the rates, at the steering angles that are given.
     #[inline(always)]
-    fn treads<S: Vector>(
+    fn contacts<S: Vector>(
         &self,
         simd: S,
         given: Span,
         standing: &Standing<S>,
         placing: &Placing<'_, S>,
-        treads: &mut [Tread<S>; MAX_WHEELS],
+        contacts: &mut Contacts<S>,
         doubt: &mut Mask<S>,
     ) {
         let (plan, zero) = (self.plan, all(simd, 0.0));
@@ -315,28 +270,25 @@ impl InLanes<'_, Job<'_>> {
         let any_turned = turned.any();
         let rates = self.job.readings.steering_rates;
         let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, steered));
-        for (wheel, tread) in treads.iter_mut().enumerate().take(plan.wheels()) {
-            tread.at = at_angle(simd, plan, placing, wheel, &angles, steers);
-            let (ahead, up) = (tread.at.forward, tread.at.up);
+        for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
+            let tread = at_angle(simd, plan, placing, wheel, &angles, steers);
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
                 let stood = (&standing.steering, standing.steers);
                 let stands = at_angle(simd, plan, placing, wheel, stood.0, stood.1);
-                let (forward, upward) = (dot(stands.forward, normal), dot(up, normal));
+                let (forward, up) = (dot(stands.forward, normal), dot(tread.up, normal));
                 // The far side of the rim.
-                *doubt = *doubt | (turned & (upward * at.1).below(forward * at.0));
-                let plane = on_plane(simd, dot(ahead, normal), upward);
+                *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
+                let plane = on_plane(simd, dot(tread.forward, normal), up);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));
             }
-            let radius = plan.radius(wheel);
-            tread.touch = Touch::new(simd, &tread.at, radius, at);
-            tread.left = cross(normal, tread.touch.tangent);
+            let touch = Touch::new(simd, &tread, plan.radius(wheel), at);
+            let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
+            answers(placing, wheel, touch.point, directions, &mut contact.rows);
             if let (Some(joint), Some(rates)) = (plan.steering(wheel), &rates) {
-                let directions = [normal, tread.left];
-                let (at, touch) = (&tread.at, &tread.touch);
-                tread.swivel = swivel(simd, placing, wheel, at, radius, touch, directions);
-                for part in &mut tread.swivel {
+                contact.swivel = swivel(placing, wheel, tread.up, touch.point, directions);
+                for part in &mut contact.swivel {
                     *part = *part * rates[joint % MAX_WHEELS];
                 }
             }
@@ -437,28 +389,6 @@ fn at_angle<S: Vector>(
         }
         _ => placing.wheels[wheel],
     }
-}
-
-/// The rate of an encoder that does not slip, times the radius.
-#[inline(always)]
-fn rolling<S: Vector>(
-    simd: S,
-    placing: &Placing<'_, S>,
-    wheel: usize,
-    tread: &WheelAt<S>,
-    tangent: Vectors<S>,
-    radius: f64,
-) -> Row<S> {
-    let mut rolling = row(simd, placing, wheel, tread.centre, tangent);
-    let axle = scaled(tread.axle, all(simd, -radius));
-    for k in 0..3 {
-        rolling[3 + k] = rolling[3 + k] + axle[k];
-    }
-    for axis in placing.axes(wheel) {
-        let place = 6 + axis.joint % MAX_FREE;
-        rolling[place] = rolling[place] + dot(axis.axis, axle);
-    }
-    rolling
 }
 
 /// A rate that is NaN where it was not measured.

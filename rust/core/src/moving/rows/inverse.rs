@@ -3,7 +3,7 @@
 use super::Prepared;
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Follow, Known, Normals, Room, Row, Touch, row};
+use super::follow::{Follow, Known, Room, Row, Touch, answers};
 use super::footings::{Footings, Standing, on_plane};
 use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
@@ -172,7 +172,6 @@ impl InLanes<'_, Job<'_>> {
         let placing = &*placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
         let mut treads = placing.wheels;
-        let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
         for wheel in 0..wheels {
             if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
@@ -180,9 +179,16 @@ impl InLanes<'_, Job<'_>> {
             }
             let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
             let touch = Touch::new(simd, &treads[wheel], radius, at);
-            normals[wheel].0 = row(simd, placing, wheel, touch.point, standing.normals[wheel]);
+            let [normal, ..] = room.contacts[wheel].rows.each_mut();
+            answers(
+                placing,
+                wheel,
+                touch.point,
+                [standing.normals[wheel]],
+                std::array::from_mut(normal),
+            );
         }
-        let (rates, sure) = self.rates(simd, given, &standing, &normals, &mut room.equations);
+        let (rates, sure) = self.rates(simd, given, &standing, room);
         never = never | (!sure & !standing.nowhere);
         let mut total = zero;
         for rate in rates {
@@ -255,9 +261,9 @@ impl InLanes<'_, Job<'_>> {
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        normals: &Normals<S>,
-        equations: &mut Equations<S>,
+        room: &mut Room<S>,
     ) -> (Row<S>, Mask<S>) {
+        let (contacts, equations) = (&room.contacts, &mut room.equations);
         let zero = all(simd, 0.0);
         let (speed, yaw_rate) = match self.job.wanted {
             [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
@@ -285,12 +291,12 @@ impl InLanes<'_, Job<'_>> {
                     known[column] = Known::Everywhere(rate);
                 }
                 let follow =
-                    Follow::new::<1>(simd, self.plan, standing, &known, normals, equations);
+                    Follow::new::<1>(simd, self.plan, standing, &known, contacts, equations);
                 (follow.offset, follow.sure)
             }
             View::Plan => {
                 let follow =
-                    Follow::new::<3>(simd, self.plan, standing, &known, normals, equations);
+                    Follow::new::<3>(simd, self.plan, standing, &known, contacts, equations);
                 let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
                 (follow.rates(plan), follow.sure & sure)
             }
