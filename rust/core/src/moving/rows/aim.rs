@@ -186,7 +186,7 @@ impl<S: Vector> Joint<S> {
         *doubt = *doubt | (self.open & !(length.at_most(most) & steep));
         let (sin, cos) = self.turned;
         let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
-        let inverse = all(simd, 1.0).quotient(step.mul_add(step, all(simd, 1.0)).sqrt());
+        let inverse = step.mul_add(step, all(simd, 1.0)).inverse_root();
         self.turned = (
             self.open.select(s * inverse, sin),
             self.open.select(c * inverse, cos),

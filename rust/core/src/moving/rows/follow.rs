@@ -6,9 +6,7 @@ use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{FOLLOWING, PLAN};
-use crate::suspension::lanes::{
-    Placing, Plan, Turned, Vectors, WheelAt, all, cross, dot, less, sum,
-};
+use crate::suspension::lanes::{Placing, Plan, Turned, Vectors, WheelAt, all, cross, dot, less};
 use crate::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.

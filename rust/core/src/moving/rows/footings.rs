@@ -268,7 +268,7 @@ impl<S: Vector> Standing<S> {
             if settled {
                 let square = x.mul_add(x, y.mul_add(y, one));
                 plain = plain | all(simd, STEEP).below(square);
-                normal = scaled(normal, one.quotient(square.sqrt()));
+                normal = scaled(normal, square.inverse_root());
             }
             standing.normals[k] = normal;
         }
@@ -304,7 +304,7 @@ impl<S: Vector> Standing<S> {
 /// sine and cosine of its contact angle.
 #[inline(always)]
 pub(super) fn on_plane<S: Vector>(simd: S, forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
-    let inverse = all(simd, 1.0).quotient(forward.mul_add(forward, up * up).sqrt());
+    let inverse = forward.mul_add(forward, up * up).inverse_root();
     (-(forward * inverse), up * inverse)
 }
 

@@ -13,9 +13,7 @@ use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::moving::contact::{self, COLUMNS};
 use crate::moving::motion::{PLAN, Readings, weights};
-use crate::suspension::lanes::{
-    LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot, scaled,
-};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, WheelAt, all, cross, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What was measured, row after row: see [`Readings`].

@@ -202,6 +202,7 @@ impl InLanes<'_, Job<'_>> {
             [rates[3], rates[4], rates[5]],
         ];
         let mut doubt = zero.below(zero);
+        let flow = placing.moving(simd, body, &joints);
         let mut locals = [Local::none(simd); MAX_WHEELS];
         for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
             let tread = &treads[wheel];
@@ -209,7 +210,7 @@ impl InLanes<'_, Job<'_>> {
                 let [ahead, left, up] = [tread.forward, tread.axle, tread.up];
                 [dot(ahead, vector), dot(left, vector), dot(up, vector)]
             };
-            let [velocity, turn] = placing.carried(wheel, tread.centre, body, &joints);
+            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
             *local = Local {
                 normal: own(standing.normals[wheel]),
                 velocity: own(velocity),

@@ -66,6 +66,7 @@ pub fn traction_rows(
     workers: Workers,
 ) -> Result<(), Error> {
     let workers = workers.here();
+    let steepest = driving.lift.angle.tan();
     let rows = drives.vertical.len();
     let share = workers.share(rows);
     let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
@@ -81,6 +82,7 @@ pub fn traction_rows(
             chain,
             prepared,
             driving,
+            steepest,
             first: k * share,
             drives: Drives {
                 steering: steering.next().unwrap_or_default(),
@@ -98,6 +100,8 @@ struct Job<'a> {
     chain: &'a Chain,
     prepared: &'a Prepared,
     driving: &'a Driving<'a>,
+    /// Slope that is the steepest: see [`Lift`].
+    steepest: f64,
     /// The first of its rows among all.
     first: usize,
     drives: Drives<'a>,
@@ -242,9 +246,10 @@ impl InLanes<'_, Job<'_>> {
             radius: 1.0,
         };
         let mut centres = [none; MAX_WHEELS];
+        let flow = placing.moving(simd, wanted.body, &wanted.rates);
         for wheel in 0..wheels {
             let tread = &treads[wheel];
-            let [velocity, turn] = placing.carried(wheel, tread.centre, wanted.body, &wanted.rates);
+            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
             centres[wheel] = Centre {
                 along: dot(velocity, tread.forward),
                 across: dot(velocity, tread.up),
@@ -261,8 +266,8 @@ impl InLanes<'_, Job<'_>> {
         }
         let mut checked = vertical;
         let (mut speeds, mut contacts) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
-        let mut lifted = [zero; MAX_WHEELS];
-        let steepest = all(simd, driving.lift.angle.tan());
+        let mut lifted = zero;
+        let steepest = all(simd, self.job.steepest);
         for (wheel, centre) in centres.iter().enumerate() {
             let velocity = centre.at(vertical);
             let to: Way<S> = way(velocity, (zero, one), &mut doubt);
@@ -273,11 +278,12 @@ impl InLanes<'_, Job<'_>> {
             let [x, y] = wanted.in_plan(treads[wheel].centre);
             let slope = steepest * x.mul_add(x, y * y).sqrt();
             let most = all(simd, driving.lift.speed).max(slope);
-            lifted[wheel] = most.below(velocity[1].abs()).select(one, zero);
+            let bit = all(simd, f64::from(1_u32 << wheel));
+            lifted = lifted + most.below(velocity[1].abs()).select(bit, zero);
         }
         // What is not finite is not sure to be what the plain way says.
         doubt = doubt | !finite(simd, checked);
-        self.write(some, &angles, &speeds, &contacts, &lifted, vertical);
+        self.write(some, &angles, &speeds, &contacts, lifted, vertical);
         doubt
     }
 
@@ -385,7 +391,7 @@ impl InLanes<'_, Job<'_>> {
         angles: &[Lanes<S>; MAX_WHEELS],
         speeds: &[Lanes<S>; MAX_WHEELS],
         contacts: &[Lanes<S>; MAX_WHEELS],
-        lifted: &[Lanes<S>; MAX_WHEELS],
+        lifted: Lanes<S>,
         vertical: Lanes<S>,
     ) {
         let (wheels, steered) = (self.plan.wheels(), self.job.chain.steering().len());
