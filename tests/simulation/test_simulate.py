@@ -92,6 +92,11 @@ def test_a_path_of_poses_is_driven_through():
     for corner in corners:
         # Where the twist jumps, a row of 2.5 ms at 0.5 m/s has part of both arcs.
         assert np.abs(poses - corner).max(axis=1).min() < 3e-3
+    # A path lies where its poses are, not where the origin is, unless it is moved.
+    there = sw.simulate(rover, sw.compose((10.0, 11.0, 0.7), corners), speed=0.5)
+    np.testing.assert_allclose(there.motion.poses, sw.compose((10.0, 11.0, 0.7), poses), atol=3e-3)
+    moved = sw.simulate(rover, corners, speed=0.5, start=(10.0, 11.0, 0.7))
+    np.testing.assert_allclose(moved.motion.poses, there.motion.poses, atol=3e-3)
 
 
 def test_a_log_is_written_and_read_again(tmp_path):

@@ -1,6 +1,6 @@
 """How a simulated rover is asked to move: stamps and twists, from commands or from a path."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +15,29 @@ LEVER = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Twists `twists` (n, 3) at `stamps` (n,) [s]; between them the twist changes evenly."""
+    """Twists `twists` (n, 3) at `stamps` (n,) [s]; between them the twist changes evenly.
+
+    A path of poses begins at `first` (3,) [m, m, rad], commands at the origin.
+    """
 
     stamps: Floats
     twists: Floats
+    first: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def begin(self, start: ArrayLike | None) -> Floats:
+        """The first pose (3,) [m, m, rad]: the one asked for, or its own.
+
+        Raises
+        ------
+        ValueError
+            If it is not three finite numbers.
+        """
+        if start is None:
+            return self.first
+        first = np.array(start, dtype=np.float64)
+        if first.shape != (3,) or not np.isfinite(first).all():
+            raise ValueError(f"start must be three finite numbers, got {start}")
+        return first
 
     def at(self, stamps: Floats) -> Floats:
         """Twists at other times, (m, 3)."""
@@ -93,4 +112,4 @@ def _through(poses: Floats, rover: Rover, speed: float) -> Course:
     apart = 1e-6 * times
     stamps = np.stack((ends - times + apart, ends - apart), axis=-1).ravel()
     stamps[0] = 0.0
-    return Course(stamps, np.repeat(twists, 2, axis=0))
+    return Course(stamps, np.repeat(twists, 2, axis=0), poses[0])

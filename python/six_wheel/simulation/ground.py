@@ -72,7 +72,7 @@ def simulate_on_ground(
     gyroscope: Gyroscope | None = None,
     rate: float = 10.0,
     speed: float = 0.1,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     seed: int = 0,
     name: str = "",
     session: str = "",
@@ -85,14 +85,11 @@ def simulate_on_ground(
     noise = Noise(0.0, 0.0) if noise is None else noise
     if not (math.isfinite(rate) and rate > 0.0):
         raise ValueError(f"rate must be finite and positive, got {rate}")
-    first = np.array(start, dtype=np.float64)
-    if first.shape != (3,) or not np.isfinite(first).all():
-        raise ValueError(f"start must be three finite numbers, got {first}")
     random = np.random.default_rng(seed)
     planar = arm.planar(0.0, (0.0, 0.0))
     course = read_course(path, planar, speed)
     slips = [slip] if isinstance(slip, Slip) else list(slip)
-    moved = drive(planar, course, noise, slips, 1.0 / (FINER * rate), first, random)
+    moved = drive(planar, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
     stand = arm.settle(ground, moved.poses, moved.steering)
     _check(stand, moved)
     wanted = course.at(moved.stamps)[:, [0, 2]]

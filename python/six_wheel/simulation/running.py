@@ -57,7 +57,7 @@ def simulate(
     jitter: float = 0.0,
     dropped: float = 0.0,
     speed: float = 0.5,
-    start: ArrayLike = (0.0, 0.0, 0.0),
+    start: ArrayLike | None = None,
     truth_noise: tuple[float, float] = (0.0, 0.0),
     seed: int = 0,
     name: str = "",
@@ -93,8 +93,9 @@ def simulate(
         Share of the rows that get lost.
     speed : float, default 0.5
         Along poses [m/s].
-    start : array_like, shape (3,), default (0, 0, 0)
-        First pose [m, m, rad].
+    start : array_like, shape (3,), optional
+        First pose [m, m, rad], default that of the poses, and the origin for commands. Another one moves the
+        whole path there.
     truth_noise : tuple of float, default (0, 0)
         Standard deviation of the truth's places [m] and headings [rad].
     seed : int, default 0
@@ -157,12 +158,9 @@ def simulate(
         raise ValueError(f"rate must be finite and positive, got {rate}")
     if dropped >= 1.0:
         raise ValueError(f"dropped must be below 1, got {dropped}")
-    first = np.array(start, dtype=np.float64)
-    if first.shape != (3,) or not np.isfinite(first).all():
-        raise ValueError(f"start must be three finite numbers, got {first}")
     random = np.random.default_rng(seed)
     course = read_course(path, rover, speed)
-    motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), first, random)
+    motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
     if dropped:
         kept = random.random(len(stamps)) >= dropped

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
+use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::{Method, batch};
 
 use crate::batch::any_workers;
@@ -61,19 +62,12 @@ impl Fit {
         let wheels = residual.as_slice()?.chunks_exact(rover.count());
         rover.names_of(
             py,
-            memory::gathered(wheels.map(worst_wheel))?,
+            memory::gathered(
+                wheels.map(|slid| worst_wheel(slid).map_or(-1, |wheel| wheel as i64)),
+            )?,
             &self.leading,
         )
     }
-}
-
-/// The wheel that disagrees most, if any does: -1 if none.
-fn worst_wheel(residual: &[f64]) -> i64 {
-    let largest = residual.iter().copied().fold(0.0, f64::max);
-    let worst = residual
-        .iter()
-        .position(|slid| *slid == largest && largest > 0.0);
-    worst.map_or(-1, |wheel| wheel as i64)
 }
 
 impl Rover {

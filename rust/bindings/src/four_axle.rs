@@ -11,7 +11,7 @@ use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
 use crate::batch::any_workers;
-use crate::convert::{AnyArray, Output, Rows, compute, number, raise, refuse};
+use crate::convert::{AnyArray, Output, Rows, compute, number, numbers, raise};
 use crate::given;
 use crate::rover::Rover;
 use crate::wheel::{reduce, steering_limit, steering_range};
@@ -73,10 +73,7 @@ impl FourAxle {
         steering_limit: Option<&Bound<'_, PyAny>>,
         tolerance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let hinges = Rows::read("hinges", hinges, 2)?;
-        let &[x, y] = hinges.flat() else {
-            return Err(refuse("hinges", "have shape (2,)", "more rows than one"));
-        };
+        let [x, y] = numbers("hinges", hinges)?;
         let core = core::FourAxle::new(
             [x, y],
             number("axle_length", axle_length)?,

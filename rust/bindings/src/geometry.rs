@@ -1,20 +1,22 @@
 //! Twists and poses.
 
+mod course;
+
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::Error;
-use six_wheel_core::batch::{self, Durations, Table, Workers};
+use six_wheel_core::batch::{self, Table, Workers};
 use six_wheel_core::geometry::{self as core, Steps};
 use six_wheel_core::planner::{self, Present};
 
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;
 use crate::convert::{
-    AnyArray, Asked, Blocks, Broadcast, Output, Precision, Rows, Scalars, compute, joined, joint,
-    memory, named, number, raise, refuse, shape_text, together,
+    AnyArray, Asked, Blocks, Output, Precision, Rows, Scalars, compute, memory, named, number,
+    raise, refuse, shape_text, together,
 };
 use crate::given;
 use crate::rover::Rover;
+pub use course::Course;
 
 /// Poses along a log of twists, each held over its step.
 ///
@@ -172,108 +174,6 @@ pub fn rollout<'py>(
     })
     .map_err(|error| raise(error, &[]))?;
     poses.finish_any()
-}
-
-/// Logs of twists, with what goes with them.
-pub struct Course<'py> {
-    argument: &'static str,
-    pub twists: Blocks<'py>,
-    dt: Scalars<'py>,
-    starts: Option<Rows<'py>>,
-    /// Steps of a log.
-    pub count: usize,
-}
-
-impl<'py> Course<'py> {
-    pub fn read(
-        argument: &'static str,
-        mut twists: Blocks<'py>,
-        dt: &Bound<'py, PyAny>,
-        start: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
-        let Some((&count, logs)) = twists.leading().split_last() else {
-            return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
-        };
-        let mut starts = start
-            .map(|start| Rows::read("start", start, 3))
-            .transpose()?;
-        // One start for all logs is not repeated.
-        if let Some(starts) = starts.as_mut().filter(|starts| !starts.is_single())
-            && starts.leading != logs
-        {
-            let Some(common) = joint(logs, &starts.leading) else {
-                let got = format!("leading axes {}", shape_text(&starts.leading));
-                let rule = format!("be one pose or have leading axes {}", shape_text(logs));
-                return Err(refuse("start", &rule, &got));
-            };
-            starts.spread("start", &common)?;
-            twists.spread(argument, &joined(&common, count))?;
-        }
-        let mut dt = Scalars::read("dt", dt)?;
-        dt.fit("dt", count)?;
-        Ok(Self {
-            argument,
-            twists,
-            dt,
-            starts,
-            count,
-        })
-    }
-
-    /// Reads controls: at least one axis of rollouts before that of the steps.
-    pub fn read_controls(
-        controls: &Bound<'py, PyAny>,
-        dt: &Bound<'py, PyAny>,
-        start: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
-        let controls = Blocks::read("controls", controls, 3)?;
-        if controls.leading().len() < 2 {
-            let got = format!("shape {}", shape_text(&controls.shape()));
-            return Err(refuse("controls", "have shape (..., k, t, 3)", &got));
-        }
-        Self::read("controls", controls, dt, start)
-    }
-
-    /// Leading axes of the logs.
-    pub fn logs(&self) -> &[usize] {
-        let leading = self.twists.leading();
-        &leading[..leading.len() - 1]
-    }
-
-    /// Where the poses go.
-    pub fn poses(
-        &self,
-        py: Python<'py>,
-        argument: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        precision: Option<Precision>,
-    ) -> PyResult<Output<'py>> {
-        let logs = self.logs().iter().copied();
-        let shape: Vec<usize> = logs.chain([self.count + 1, 3]).collect();
-        Output::of(py, argument, out, precision, &shape)
-    }
-
-    pub fn durations(&self) -> Durations<'_> {
-        self.dt.steps().into()
-    }
-
-    /// One start for all logs, or one for each.
-    pub fn starts(&self) -> &[[f64; 3]] {
-        self.starts.as_ref().map_or(&[[0.0; 3]], Rows::triples)
-    }
-
-    /// The exception of a core error.
-    pub fn raise(&self, mut error: Error) -> PyErr {
-        if error.argument == "twists" || error.argument == "twist" {
-            error.argument = self.argument.into();
-        }
-        let leading = if error.argument == "dt" {
-            &[self.count][..]
-        } else {
-            self.twists.leading()
-        };
-        raise(error, leading)
-    }
 }
 
 /// Integrates and writes.

@@ -21,12 +21,12 @@ use six_wheel_core::{Error, Method};
 pub use quick::install;
 
 use crate::convert::{
-    Array, Output, Rows, Scalars, compute, memory, number, one_twist_first, raise, refuse,
+    Array, Output, Rows, Scalars, compute, memory, number, numbers, one_twist_first, raise, refuse,
 };
 use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
-use input::{Columns, build_track, by_wheel, deviations, encoders, optional, row, triple};
+use input::{Columns, build_track, by_wheel, deviations, encoders, optional, row};
 use state::{OdometryState, Spares};
 use values::Noise;
 
@@ -360,7 +360,7 @@ impl Odometry {
         more: &Bound<'_, PyTuple>,
     ) -> PyResult<OdometryState> {
         one_twist_first("Odometry.command((vx, vy, omega), stamp)", twist, 2, more)?;
-        let (twist, stamp) = (triple("twist", twist)?, number("stamp", stamp)?);
+        let (twist, stamp) = (numbers("twist", twist)?, number("stamp", stamp)?);
         self.change(py, |core| core.command(twist.into(), stamp).map(|_| ()))
     }
 
@@ -387,7 +387,7 @@ impl Odometry {
         stamp: &Bound<'_, PyAny>,
         covariance: &Bound<'_, PyAny>,
     ) -> PyResult<OdometryState> {
-        let (pose, stamp) = (triple("pose", pose)?, number("stamp", stamp)?);
+        let (pose, stamp) = (numbers("pose", pose)?, number("stamp", stamp)?);
         let matrix = input::covariance(Some(covariance))?;
         self.change(py, |core| core.correct(pose.into(), stamp, matrix))
     }
@@ -407,7 +407,7 @@ impl Odometry {
         pose: &Bound<'_, PyAny>,
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let (pose, matrix) = (triple("pose", pose)?, input::covariance(covariance)?);
+        let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
         self.change(py, |core| core.set_pose(pose.into(), matrix))?;
         Ok(())
     }
@@ -427,7 +427,7 @@ impl Odometry {
         pose: Option<&Bound<'_, PyAny>>,
         covariance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let pose = pose.map_or(Ok([0.0; 3]), |pose| triple("pose", pose))?;
+        let pose = pose.map_or(Ok([0.0; 3]), |pose| numbers("pose", pose))?;
         let matrix = input::covariance(covariance)?;
         self.change(py, |core| {
             core.set_pose(pose.into(), matrix)?;

@@ -1,21 +1,23 @@
-//! `six_wheel.Mppi`, a sampling planner's whole cycle; the costmaps it reads and the plans it makes.
+//! `six_wheel.Mppi`, a sampling planner's whole cycle.
+
+mod arguments;
+mod plan;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::planner::{
-    Mppi as Core, Options, Outcome, Precision, Situation, State, Stuck, Weights,
-};
+use six_wheel_core::planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
 use crate::batch::any_workers;
 use crate::controller::limits::Limits;
-use crate::convert::{
-    ArgumentTypeError, Array, Output, Rows, compute, memory, number, one_row, raise, refuse,
-};
+use crate::convert::{Array, Output, Rows, compute, number, one_row, raise, refuse};
 use crate::costmap::Costmap;
 use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
+use arguments::{Seen, check_frame, place, points, precision, read_weights, size, whole};
+pub use plan::MppiPlan;
+use plan::triples;
 
 /// Points of a footprint at most.
 const FOOTPRINT: usize = 64;
@@ -483,214 +485,5 @@ impl Mppi {
             twists.copy_from_slice(&motions);
         }
         Ok([poses.finish()?, twists.finish()?])
-    }
-}
-
-/// What a planner found.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct MppiPlan {
-    /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    twist: Py<PyAny>,
-    /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
-    #[pyo3(get)]
-    steering: Py<PyAny>,
-    /// How fast the wheels roll, shape (wheels,) [rad/s].
-    #[pyo3(get)]
-    speeds: Py<PyAny>,
-    /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    twists: Py<PyAny>,
-    /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
-    #[pyo3(get)]
-    poses: Py<PyAny>,
-    /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    controls: Py<PyAny>,
-    /// Lowest cost of a rollout.
-    #[pyo3(get)]
-    cost: f64,
-    /// How many rollouts count: one over the sum of their squared weights.
-    #[pyo3(get)]
-    effective_samples: f64,
-    /// Why the rover has to stay where it is; empty if it has not.
-    #[pyo3(get)]
-    reason: &'static str,
-}
-
-impl MppiPlan {
-    fn of(
-        py: Python<'_>,
-        outcome: &Outcome,
-        state: &State,
-        [steering, speeds]: [Array<'_>; 2],
-    ) -> PyResult<Self> {
-        Ok(Self {
-            twist: PyArray1::from_slice(py, &outcome.twist).into_any().unbind(),
-            steering: steering.into_any().unbind(),
-            speeds: speeds.into_any().unbind(),
-            twists: triples(py, &outcome.twists)?.into_any().unbind(),
-            poses: triples(py, &outcome.poses)?.into_any().unbind(),
-            controls: triples(py, &state.controls)?.into_any().unbind(),
-            cost: outcome.cost,
-            effective_samples: outcome.effective,
-            reason: match outcome.stuck {
-                None => "",
-                Some(Stuck::Rover) => "no motion lets all wheels of this rover roll",
-                Some(Stuck::SteeringLimit) => "a steered wheel has no angle within steering_limit",
-            },
-        })
-    }
-}
-
-#[pymethods]
-impl MppiPlan {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let twist: [f64; 3] = self.twist.bind(py).extract()?;
-        let [vx, vy, omega] = twist;
-        let why = if self.reason.is_empty() {
-            String::new()
-        } else {
-            format!(", reason={:?}", self.reason)
-        };
-        let (cost, effective) = (self.cost, self.effective_samples);
-        Ok(format!(
-            "MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"
-        ))
-    }
-}
-
-/// What an object says about where the rover is.
-struct Seen<'py> {
-    pose: Bound<'py, PyAny>,
-    twist: Option<Bound<'py, PyAny>>,
-    steering: Option<Bound<'py, PyAny>>,
-    frame: Option<String>,
-}
-
-impl<'py> Seen<'py> {
-    fn of(state: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let Some(pose) = state.getattr_opt("pose")? else {
-            return Ok(Self {
-                pose: state.clone(),
-                twist: None,
-                steering: None,
-                frame: None,
-            });
-        };
-        let given =
-            |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
-        Ok(Self {
-            pose,
-            twist: given("twist")?,
-            steering: given("steering")?,
-            frame: given("frame")?.map(|frame| frame.extract()).transpose()?,
-        })
-    }
-}
-
-fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) -> PyResult<()> {
-    let (Some(map), Some(frame)) = (costmap, frame) else {
-        return Ok(());
-    };
-    match &map.get().frame {
-        Some(own) if own != frame => Err(refuse(
-            "costmap",
-            &format!("be in the frame of the state, {frame:?}"),
-            &format!("{own:?}"),
-        )),
-        _ => Ok(()),
-    }
-}
-
-/// Rows of numbers.
-fn triples<'py>(py: Python<'py>, rows: &[[f64; 3]]) -> PyResult<Array<'py>> {
-    let mut output = Output::fresh(py, &[rows.len(), 3])?;
-    output.triples().copy_from_slice(rows);
-    output.finish()
-}
-
-/// A whole number that is not negative.
-fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
-    let py = value.py();
-    let index = value.call_method0("__index__").map_err(|_| {
-        let got = value
-            .repr()
-            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
-        ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
-    })?;
-    let _ = py;
-    index.extract::<u64>().map_err(|_| {
-        let rule = if argument == "seed" {
-            "be 0 to 2^64 - 1"
-        } else {
-            "be a whole number from 0 on"
-        };
-        refuse(argument, rule, &index.to_string())
-    })
-}
-
-fn size(count: u64) -> usize {
-    usize::try_from(count).unwrap_or(usize::MAX)
-}
-
-fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
-    let name = dtype
-        .py()
-        .import("numpy")?
-        .getattr("dtype")?
-        .call1((dtype,));
-    let name = name.and_then(|dtype| dtype.getattr("name")?.extract::<String>());
-    match name.as_deref() {
-        Ok("float32") => Ok(Precision::Single),
-        Ok("float64") => Ok(Precision::Double),
-        _ => Err(refuse(
-            "dtype",
-            "be float32 or float64",
-            &dtype.repr()?.to_string(),
-        )),
-    }
-}
-
-fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
-    let mut values = Weights::default().values();
-    for (key, value) in given.iter() {
-        let name: String = key
-            .extract()
-            .map_err(|_| refuse("weights", "have names", "another key"))?;
-        let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
-            let rule = format!("be of {}", Weights::NAMES.join(", "));
-            return Err(refuse("weights", &rule, &format!("{name:?}")));
-        };
-        values[place] = number(&name, &value)?;
-    }
-    Ok(Weights::of(values))
-}
-
-/// Points of two coordinates, of rows with two or three.
-fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
-    match Rows::read_table(argument, value, 2) {
-        Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
-        Err(error) => {
-            let Ok(rows) = Rows::read_table(argument, value, 3) else {
-                return Err(error);
-            };
-            memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
-        }
-    }
-}
-
-/// A place of two coordinates, or those of a pose.
-fn place(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
-    let first = |rows: Rows<'_>| {
-        rows.check_leading(argument, &[])?;
-        Ok([rows.flat()[0], rows.flat()[1]])
-    };
-    match Rows::read(argument, value, 2) {
-        Ok(rows) => first(rows),
-        Err(error) => match Rows::read(argument, value, 3) {
-            Ok(rows) => first(rows),
-            Err(_) => Err(error),
-        },
     }
 }

@@ -12,7 +12,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
 use six_wheel_core::{Error, RockerBogie as Core};
 
-use crate::convert::{ArgumentTypeError, Rows, number, raise, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, number, numbers, raise, refuse};
 use crate::given;
 use crate::wheel::{reduce, steering_range};
 
@@ -138,18 +138,6 @@ impl Link {
     }
 }
 
-/// Reads three numbers.
-pub fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let row = Rows::read(argument, value, 3)?;
-    match row.triples() {
-        [one] if row.is_single() => Ok(*one),
-        _ => {
-            let got = format!("shape {}", shape_text(&row.shape()));
-            Err(refuse(argument, "hold three numbers", &got))
-        }
-    }
-}
-
 /// An argument that may only be left out where another takes its place.
 fn given<'a, 'py>(
     argument: &str,
@@ -242,8 +230,8 @@ impl RockerBogie {
             return Err(refuse(argument, rule, "a value"));
         }
         let names = bogie.names();
-        let read = |k: usize| vector(names[k + 1], given(names[k + 1], values[k])?);
-        let pivot = vector(names[0], rocker_pivot)?;
+        let read = |k: usize| numbers(names[k + 1], given(names[k + 1], values[k])?);
+        let pivot = numbers(names[0], rocker_pivot)?;
         let (wheel, to_bogie, first, second) = (read(0)?, read(1)?, read(2)?, read(3)?);
         Self::build(Core::new(Dimensions {
             rocker_pivot: pivot,
@@ -259,7 +247,7 @@ impl RockerBogie {
             differential: match differential_bar {
                 None => Differential::Gear,
                 Some(bar) => {
-                    let [half_length, lever, rod] = vector("differential_bar", bar)?;
+                    let [half_length, lever, rod] = numbers("differential_bar", bar)?;
                     Differential::Bar {
                         half_length,
                         lever,

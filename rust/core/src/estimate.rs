@@ -32,6 +32,14 @@ pub(crate) const MEDIANS: f64 = 3.0;
 pub(crate) const SETTLED: f64 = 1e-12;
 pub(crate) const ROUNDS: usize = 100;
 
+/// The wheel that disagrees most: the first of the largest residuals, none where every residual is 0 or unknown.
+pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
+    let largest = residuals.iter().copied().fold(0.0, f64::max);
+    residuals
+        .iter()
+        .position(|residual| *residual == largest && largest > 0.0)
+}
+
 /// How the wheels' readings are weighed against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {

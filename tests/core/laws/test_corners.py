@@ -300,6 +300,8 @@ def test_what_no_rover_has_is_not_taken_in():
     np.testing.assert_array_equal(odometry.state.twist_covariance, before)
     with pytest.raises(ValueError, match="jerk must be at least 1e-60, got 5e-324"):
         sw.Limits(jerk=5e-324)
+    # A rate of 5e303 rad/s turned a wheel with scrub at no number.
+    assert sw.Limits(steering_rate=5e303) == sw.Limits()
     controller = sw.Controller(ROVER)
     assert not controller.command((1e300, 0.0, 0.0), 0.0)
     with pytest.raises(ValueError, match="twist must be small enough for a possible twist beside it"):

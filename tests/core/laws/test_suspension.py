@@ -419,7 +419,7 @@ def test_turns_past_the_steering_limit_are_refused():
         ({"wheel_radius": -0.1}, r"wheel_radius must be finite and positive, got -0\.1"),
         ({"wheel_radius": "big"}, r"wheel_radius must be a number, got 'big'"),
         ({"rocker_pivot": (0.1, 0.2)}, r"rocker_pivot must have shape \(\.\.\., 3\), got shape \(2,\)"),
-        ({"rocker_pivot": [(0.1, 0.2, 0.3)]}, r"rocker_pivot must hold three numbers, got shape \(1, 3\)"),
+        ({"rocker_pivot": [(0.1, 0.2, 0.3)]}, r"rocker_pivot must have shape \(3,\), got shape \(1, 3\)"),
         (
             {"rocker_to_front": (0.1, math.nan, 0.3)},
             r"rocker_to_front must be finite, got \(0\.1, nan, 0\.3\)",

@@ -156,7 +156,7 @@ def _on_a_plane(
         way.path,
         noise=noise,
         rate=rate,
-        start=way.start or (0.0, 0.0, 0.0),
+        start=way.start,
         speed=way.speed,
         seed=seed,
         **encoders,

@@ -9,7 +9,7 @@ use six_wheel_core::Limits as Core;
 use crate::convert::{number, raise};
 use crate::wheel::reduce;
 
-/// What a motion may not exceed. A limit left out, None or infinite is none, and reads as infinity.
+/// What a motion may not exceed. A limit left out, None, or 1e60 and more, is none and reads as infinity.
 ///
 /// Linear limits are of the velocity of the body's origin, angular ones of the yaw rate. Speeding up and
 /// slowing down count along the motion: they mean the same forwards and backwards.

@@ -82,8 +82,13 @@ impl<'py> Rows<'py> {
         if rows.leading.len() == 1 {
             return Ok(rows);
         }
-        let got = format!("shape {}", shape_text(&rows.shape()));
-        Err(refuse(argument, &format!("have shape (n, {width})"), &got))
+        Err(rows.refuse_shape(argument, &format!("(n, {width})")))
+    }
+
+    /// Reads one row.
+    pub fn read_one(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        let row = Self::read(argument, value, width)?;
+        row.check_leading(argument, &[]).map(|()| row)
     }
 
     /// Reads an optional argument that has one row per row of another one.
@@ -128,12 +133,13 @@ impl<'py> Rows<'py> {
         if self.leading == leading {
             return Ok(());
         }
-        let rule = format!("have shape {}", shape_text(&joined(leading, self.width)));
-        Err(refuse(
-            argument,
-            &rule,
-            &format!("shape {}", shape_text(&self.shape())),
-        ))
+        Err(self.refuse_shape(argument, &shape_text(&joined(leading, self.width))))
+    }
+
+    /// The error of rows in another shape than those that are wanted.
+    pub fn refuse_shape(&self, argument: &str, wanted: &str) -> PyErr {
+        let got = format!("shape {}", shape_text(&self.shape()));
+        refuse(argument, &format!("have shape {wanted}"), &got)
     }
 
     /// All numbers as pairs.
@@ -150,6 +156,15 @@ impl<'py> Rows<'py> {
     pub fn is_single(&self) -> bool {
         self.leading.is_empty()
     }
+}
+
+/// Reads so many numbers.
+pub fn numbers<const COUNT: usize>(
+    argument: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<[f64; COUNT]> {
+    let row = Rows::read_one(argument, value, COUNT)?;
+    Ok(std::array::from_fn(|place| row.flat()[place]))
 }
 
 impl Broadcast for Rows<'_> {

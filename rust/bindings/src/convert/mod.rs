@@ -23,7 +23,7 @@ use six_wheel_core::{Error, ErrorKind};
 
 pub use array::{read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
-pub use input::{Blocks, Rows};
+pub use input::{Blocks, Rows, numbers};
 pub use output::{Asked, Output, Precision, scalar_or_array};
 pub use scalars::Scalars;
 

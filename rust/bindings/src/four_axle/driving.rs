@@ -9,7 +9,7 @@ use super::FourAxle;
 use super::values::{
     array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step,
 };
-use crate::convert::{Rows, items, number, refuse};
+use crate::convert::{items, number, numbers};
 use crate::given;
 
 /// Steps of a sequence that are looked at.
@@ -214,12 +214,9 @@ impl FourAxle {
         pivot_rate: Option<&Bound<'py, PyAny>>,
         brake_time: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let point = Rows::read("icr", icr, 2)?;
-        let &[x, y] = point.flat() else {
-            return Err(refuse("icr", "have shape (2,)", "more rows than one"));
-        };
+        let icr = numbers("icr", icr)?;
         let pace = pace(speed, pivot_rate, brake_time)?;
-        let plan = self.core.aim_sequence(read_state(state)?, [x, y], pace);
+        let plan = self.core.aim_sequence(read_state(state)?, icr, pace);
         write_plan(py, &plan.map_err(raised)?)
     }
 

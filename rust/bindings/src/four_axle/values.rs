@@ -5,7 +5,7 @@ use pyo3::types::PyTuple;
 use six_wheel_core::Error;
 use six_wheel_core::four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace, State};
 
-use crate::convert::{ArgumentTypeError, Array, Rows, items, memory, number, raise, refuse};
+use crate::convert::{ArgumentTypeError, Array, items, memory, number, numbers, raise, refuse};
 
 /// A class of `six_wheel.four_axle`.
 pub fn value<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -24,11 +24,7 @@ fn check_class(argument: &str, given: &Bound<'_, PyAny>, class: &str) -> PyResul
 
 /// One angle per axle.
 pub fn axles(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Axles> {
-    let rows = Rows::read(argument, given, 4)?;
-    match (rows.is_single(), rows.flat()) {
-        (true, &[a, b, c, d]) => Ok([a, b, c, d]),
-        _ => Err(refuse(argument, "have shape (4,)", "more rows than one")),
-    }
+    numbers(argument, given)
 }
 
 /// Wheel speeds, of which some may be None.

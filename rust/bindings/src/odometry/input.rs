@@ -28,16 +28,7 @@ pub fn encoders(
             })
     };
     if let Ok(mapping) = given.cast::<PyMapping>() {
-        let mut all = vec![CoreEncoder::default(); names.len()];
-        for pair in mapping.items()?.iter() {
-            let (name, encoder): (String, Bound<'_, PyAny>) = pair.extract()?;
-            let Some(place) = names.iter().position(|known| *known == name) else {
-                let rule = format!("name some of {}", names.join(", "));
-                return Err(refuse(argument, &rule, &format!("'{name}'")));
-            };
-            all[place] = one(&encoder)?;
-        }
-        return Ok(all);
+        return by_name(argument, mapping, names, CoreEncoder::default(), one);
     }
     if given.is_instance_of::<Encoder>() {
         return Ok(vec![one(given)?]);
@@ -70,14 +61,25 @@ pub fn by_wheel(
         numbers.fit_exactly(argument, &[names.len()])?;
         return Ok(numbers.flat().to_vec());
     };
-    let mut all = vec![1.0; names.len()];
-    for pair in mapping.items()?.iter() {
-        let (name, given): (String, Bound<'_, PyAny>) = pair.extract()?;
+    by_name(argument, mapping, names, 1.0, |one| number(argument, one))
+}
+
+/// What some are given by their names, in the order of all names; the others have the usual one.
+fn by_name<T: Clone>(
+    argument: &str,
+    given: &Bound<'_, PyMapping>,
+    names: &[&str],
+    usual: T,
+    read: impl Fn(&Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<Vec<T>> {
+    let mut all = vec![usual; names.len()];
+    for pair in given.items()?.iter() {
+        let (name, value): (String, Bound<'_, PyAny>) = pair.extract()?;
         let Some(place) = names.iter().position(|known| *known == name) else {
             let rule = format!("name some of {}", names.join(", "));
             return Err(refuse(argument, &rule, &format!("'{name}'")));
         };
-        all[place] = number(argument, &given)?;
+        all[place] = read(&value)?;
     }
     Ok(all)
 }
@@ -92,8 +94,8 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
         [0, _] => return Ok(Deviations::default()),
         [_, each] if *each == wheels => rows.check_finite("dimensions")?,
         _ => {
-            let rule = format!("have shape (k, {wheels}, {NUMBERS})");
-            return Err(refuse("dimensions", &rule, "another shape"));
+            let wanted = format!("(k, {wheels}, {NUMBERS})");
+            return Err(rows.refuse_shape("dimensions", &wanted));
         }
     }
     Deviations::new(rows.flat(), wheels).map_err(|error| raise(error, &[]))
@@ -102,15 +104,6 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
 /// A number that may be left out.
 pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
     value.map(|value| number(argument, value)).transpose()
-}
-
-/// A row of three numbers.
-pub fn triple(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    let rows = Rows::read(argument, value, 3)?;
-    match (rows.is_single(), rows.triples()) {
-        (true, [row]) => Ok(*row),
-        _ => Err(refuse(argument, "have shape (3,)", "more rows than one")),
-    }
 }
 
 /// A covariance: three variances or a matrix.
@@ -127,10 +120,7 @@ pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
             }
         }
         ([3], rows) => matrix.copy_from_slice(rows),
-        _ => {
-            let rule = "have shape (3,) or (3, 3)";
-            return Err(refuse("covariance", rule, "another shape"));
-        }
+        _ => return Err(rows.refuse_shape("covariance", "(3,) or (3, 3)")),
     }
     Ok(matrix)
 }
@@ -233,14 +223,5 @@ pub fn row<'py>(
     if value.is_none() && argument == "steering" {
         return steering_left_out(width);
     }
-    let rows = Rows::read(argument, value, width)?;
-    if rows.is_single() {
-        Ok(Some(rows))
-    } else {
-        Err(refuse(
-            argument,
-            &format!("have shape ({width},)"),
-            "more rows than one",
-        ))
-    }
+    Rows::read_one(argument, value, width).map(Some)
 }

@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use six_wheel_core::Method;
+use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::odometry::Odometry;
 
 use crate::fast::is_held_once;
@@ -237,10 +238,11 @@ impl OdometryState {
     /// Name of the wheel that disagrees most; None if none does.
     #[getter]
     fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
-        let residuals = self.residual.iter().enumerate();
-        let (worst, residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
-        let name = &self.rover.get().core.wheels()[worst].name;
-        (*residual > 0.0).then(|| PyString::new(py, name))
+        let worst = worst_wheel(&self.residual)?;
+        Some(PyString::new(
+            py,
+            &self.rover.get().core.wheels()[worst].name,
+        ))
     }
 
     /// Flags of the sample, a `Health`.

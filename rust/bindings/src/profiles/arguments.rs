@@ -9,7 +9,7 @@ use six_wheel_core::{Error, Rover as CoreRover, Twist};
 
 use super::made::class;
 use crate::convert::{
-    Rows, Scalars, compute, memory, number, raise, refuse, scalar_or_array, shape_text,
+    Rows, Scalars, compute, memory, number, numbers, raise, refuse, scalar_or_array,
 };
 use crate::rover::Rover;
 
@@ -20,19 +20,12 @@ pub fn plain(error: Error) -> PyErr {
 
 /// One row of numbers.
 pub fn row(argument: &str, value: &Bound<'_, PyAny>, width: usize) -> PyResult<Vec<f64>> {
-    let rows = Rows::read(argument, value, width)?;
-    if rows.is_single() {
-        return Ok(rows.flat().iter().map(|number| number + 0.0).collect());
-    }
-    let got = format!("shape {}", shape_text(&rows.shape()));
-    Err(refuse(argument, &format!("have shape ({width},)"), &got))
+    let row = Rows::read_one(argument, value, width)?;
+    Ok(row.flat().iter().map(|number| number + 0.0).collect())
 }
 
 pub fn twist(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
-    match row(argument, value, 3)?.as_slice() {
-        &[vx, vy, omega] => Ok([vx, vy, omega]),
-        _ => Err(refuse(argument, "have shape (3,)", "another shape")),
-    }
+    Ok(numbers(argument, value)?.map(|number: f64| number + 0.0))
 }
 
 /// A twist as a tuple, which hashes.

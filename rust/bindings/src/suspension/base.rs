@@ -7,8 +7,8 @@ use six_wheel_core::moving::Prepared;
 use six_wheel_core::suspension::TripleBogie;
 use six_wheel_core::{Chain, Error, SteeringRange};
 
-use super::{joint_range, vector};
-use crate::convert::{Rows, number, raise, refuse, shape_text};
+use super::joint_range;
+use crate::convert::{Rows, number, numbers, raise, refuse, shape_text};
 use crate::given;
 use crate::wheel::{reduce, steering_range};
 
@@ -111,11 +111,11 @@ impl Suspension {
         bogie_limit: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let of = TripleBogie {
-            bogie_pivot: vector("bogie_pivot", bogie_pivot)?,
-            bogie_to_front: vector("bogie_to_front", bogie_to_front)?,
-            bogie_to_middle: vector("bogie_to_middle", bogie_to_middle)?,
-            rear_pivot: vector("rear_pivot", rear_pivot)?,
-            rear_to_wheel: vector("rear_to_wheel", rear_to_wheel)?,
+            bogie_pivot: numbers("bogie_pivot", bogie_pivot)?,
+            bogie_to_front: numbers("bogie_to_front", bogie_to_front)?,
+            bogie_to_middle: numbers("bogie_to_middle", bogie_to_middle)?,
+            rear_pivot: numbers("rear_pivot", rear_pivot)?,
+            rear_to_wheel: numbers("rear_to_wheel", rear_to_wheel)?,
             wheel_radius: number("wheel_radius", wheel_radius)?,
             steered: pairs(steered)?,
             steering: steering_range(steering_limit)?.unwrap_or_default(),

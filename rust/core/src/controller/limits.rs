@@ -1,6 +1,6 @@
 //! What the motion may not exceed: of the body, of the wheels, of the steering.
 
-use crate::error::{Error, TINY, number};
+use crate::error::{Error, HUGE, TINY, number};
 
 /// Number of limits.
 pub const COUNT: usize = 14;
@@ -73,7 +73,7 @@ impl Default for Limits {
 
 impl Limits {
     /// Limits from values in the order of [`Self::NAMES`]; what is not given is unlimited, but slowing down
-    /// is limited as speeding up is. Fails unless every one is positive; infinite is unlimited.
+    /// is limited as speeding up is. Fails unless every one is positive; 1e60 and more is unlimited.
     pub fn new(given: [Option<f64>; COUNT]) -> Result<Self, Error> {
         for (&name, value) in Self::NAMES.iter().zip(given) {
             let Some(value) = value else { continue };
@@ -93,6 +93,8 @@ impl Limits {
             };
             return Err(Error::value(name, rule, number(value)));
         }
+        let given =
+            given.map(|value| value.map(|value| if value < HUGE { value } else { f64::INFINITY }));
         let mut values = given.map(|value| value.unwrap_or(f64::INFINITY));
         for (slower, faster) in [(3, 2), (6, 5)] {
             values[slower] = given[slower].unwrap_or(values[faster]);

@@ -3,6 +3,7 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::odometry::Odometry3;
 use six_wheel_core::odometry::spatial::Pose3;
 use six_wheel_core::suspension::MAX_WHEELS;
@@ -140,9 +141,7 @@ impl Odometry3State {
     /// Name of the wheel that disagrees most; None if none does.
     #[getter]
     fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
-        let residuals = self.residuals().into_iter().enumerate();
-        let known = residuals.filter(|(_, residual)| *residual > 0.0);
-        let (worst, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let worst = worst_wheel(&self.residuals())?;
         Some(PyString::new(
             py,
             &self.arm.get().chain.wheels()[worst].name,
