@@ -303,7 +303,7 @@ impl<S: Vector> Standing<S> {
 /// The direction in which a wheel rolls over a plane, and where it touches, from its axes and the plane's normal: the
 /// sine and cosine of its contact angle.
 #[inline(always)]
-pub(super) fn on_plane<S: Vector>(simd: S, forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
+pub(super) fn on_plane<S: Vector>(forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
     let inverse = forward.mul_add(forward, up * up).inverse_root();
     (-(forward * inverse), up * inverse)
 }

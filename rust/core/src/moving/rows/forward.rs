@@ -278,7 +278,7 @@ impl InLanes<'_, Job<'_>> {
                 let (forward, up) = (dot(stands.forward, normal), dot(tread.up, normal));
                 // The far side of the rim.
                 *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
-                let plane = on_plane(simd, dot(tread.forward, normal), up);
+                let plane = on_plane(dot(tread.forward, normal), up);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));
             }
             let touch = Touch::new(simd, &tread, plan.radius(wheel), at);

@@ -230,7 +230,7 @@ impl InLanes<'_, Job<'_>> {
             // The far side of the rim.
             doubt = doubt | (up * cos).below(forward * sin);
             let [forward, up] = local.upright(to);
-            let plane = on_plane(simd, forward, up);
+            let plane = on_plane(forward, up);
             let at = (
                 steered.moved.select(plane.0, sin),
                 steered.moved.select(plane.1, cos),
