@@ -1,6 +1,7 @@
 """What no fit can mend is recognised, and the remedy said; what wins is what predicts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 pytest.importorskip("scipy")
 
 import six_wheel as sw
-from six_wheel.calibration import Candidate, calibrate
+from six_wheel.calibration import Candidate, calibrate, mistakes
 from six_wheel.calibration.cross_validation import choose
 from tests.calibration.drives import drive
 
@@ -111,3 +112,38 @@ def test_fewer_numbers_unless_more_win_clearly():
     assert choose([nominal, two, candidate(4, 0.1, 0.1, 3.0)]) is two
     # A tenth for every number more is asked.
     assert choose([nominal, two, candidate(4, 0.42, 0.42, 0.5)]) is two
+
+
+def test_a_fit_that_does_not_settle_says_why_and_what_to_do():
+    """Drives that hardly tell, and drives that contradict each other, have different remedies."""
+    log = drive(PAIR, 1, 30.0)
+    result = calibrate(PAIR, [log], parameters=["wheel_radius"], cross_validation=False)
+    assert result.converged
+    spread = {0.0: "stretches fit one another badly; try loss='cauchy'", 1.0: "ask for fewer, or drive turns"}
+    for widest, words in spread.items():
+        ended = SimpleNamespace(converged=False, spread=np.array([widest]))
+        (said,) = mistakes.unsettled(ended)
+        assert words in said
+    assert not mistakes.unsettled(SimpleNamespace(converged=True, spread=np.zeros(1)))
+
+
+def test_what_stays_at_its_nominal_value_has_it():
+    """A message never contradicts the table, whatever the drives leave open."""
+    turned = np.linspace(0.0, 60.0, 300)
+    arc = sw.Rover.differential(0.206, 0.0415)
+    for shares in ((1.0, 1.0), (1.0, 0.8), (1.0, -1.0)):
+        angles = turned[:, None] * np.array(shares)
+        poses = sw.integrate(arc.forward(None, np.diff(angles, axis=0)), 1.0)
+        log = sw.Log(0.05 * np.arange(300), None, angles, poses)
+        names = ["wheel_radius", "track_width", "encoder_scale"]
+        result = calibrate(PAIR, log, parameters=names, cross_validation=False)
+        assert result.observability.messages
+        for name in names:
+            stays = any(f"{name} stays at its nominal" in one for one in result.observability.messages)
+            moved = any(f"{name} went from" in one for one in result.observability.messages)
+            value, nominal = result[name].value, result[name].nominal
+            assert not (stays and moved)
+            if stays:
+                assert value == pytest.approx(nominal, rel=2e-3)
+            if moved:
+                assert value != nominal

@@ -19,15 +19,19 @@ encoders: {{{ENCODERS}, steering_gain: {{front: 0.98}}}}
 steering_encoders: {{resolution: 4096, gear: -1.0, modulus: 4096, reversed: [front], offsets: {{front: 0.1}}}}
 odometry: {{method: robust, inflate: true, slip_threshold: 0.1, max_gap: 1.0, max_speed: 2.0,
   max_steering_rate: 3.0, wheel_noise: {{rear: 1.5}}}}
+gyroscope: {{noise: 0.002, period: 0.01, bias: 0.01, bias_noise: 0.02, bias_walk: 1.0e-4, scale: 1.01,
+  roll: 3.14, pitch: -0.1, time_offset: 0.02, topic: imu/data}}
 """
 
 
 def test_every_key_is_read_and_taken_by_the_library() -> None:
     found = parse_parameters(GOOD)
     assert found.warnings == ()
-    for group in ("noise", "encoders", "steering_encoders", "odometry"):
+    for group in ("noise", "encoders", "steering_encoders", "odometry", "gyroscope"):
         assert set(getattr(found, group)) == set(GROUPS[group].model_fields)
-    sw.Odometry(found.rover, sw.Noise(**found.noise), **found.odometry)
+    sw.Odometry(found.rover, sw.Noise(**found.noise), gyroscope=found.known_gyroscope, **found.odometry)
+    assert found.known_gyroscope == sw.Gyroscope(0.002, bias=0.01, bias_noise=0.02, bias_walk=1e-4)
+    assert parse_parameters(f"{BICYCLE}gyroscope: {{scale: 1.01}}\n").known_gyroscope is None
     again = parse_parameters(f"base:\n  ros__parameters:\n{indented(GOOD)}", node="base")
     assert (again.noise, again.encoders, again.odometry) == (found.noise, found.encoders, found.odometry)
     assert parse_parameters(f"{BICYCLE}noise.speed: 0.02\n").noise == {"speed": 0.02}
@@ -61,6 +65,9 @@ def indented(text: str) -> str:
         ("encoders: {steering_gain: {rear: 1.0}}", "encoders.steering_gain names rear"),
         ("encoders: {steering_gain: {front: 0.0}}", "must be finite and positive, got 0"),
         ("steering_encoders: {offsets: {fornt: 0.1}}", "(did you mean front?)"),
+        ("gyroscope: {noise: -1}", "gyroscope.noise must be finite and not negative, got -1"),
+        ("gyroscope: {scale: 0.0}", "gyroscope.scale must be finite and positive, got 0"),
+        ("gyroscope: {nois: 0.1}", "unknown key gyroscope.nois (did you mean noise?)"),
         ("odometry: {method: robst}", "or 'robust', got \"robst\""),
         ("odometry: {max_gap: 0}", "odometry.max_gap must be positive, got 0"),
         ("odometry: {inflate: 0.5}", "odometry.inflate must be true or false, got 0.5"),

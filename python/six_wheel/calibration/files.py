@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import Rover, __version__
-from six_wheel.calibration.drives import moving
+from six_wheel.calibration.drives import heard, moving
 from six_wheel.calibration.procedure import calibrate
 from six_wheel.calibration.result import Calibration
 from six_wheel.calibration.values import Estimate
@@ -23,7 +23,7 @@ from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import replacing
 from six_wheel.odometry.dead_reckoning import dead_reckon
 from six_wheel.odometry.dimensions import FRAME
-from six_wheel.parameters.file import Parameters, parse_parameters
+from six_wheel.parameters.file import GYROSCOPE, Parameters, parse_parameters
 from six_wheel.parameters.mending import text_for
 from six_wheel.poses import Floats, joined
 
@@ -36,11 +36,13 @@ MANY = 8  # logs from which on it is worth starting processes
 
 @dataclass(frozen=True)
 class Calibrated:
-    """A calibration and what it came from: `result`, the `logs` and what is to be said of them."""
+    """A calibration and what it came from: `result`, the `logs` and what is to be said of them, and whether a
+    gyroscope was all the truth."""
 
     result: Calibration
     logs: tuple[Log, ...]
     warnings: tuple[str, ...]
+    by_gyroscope: bool = False
 
     @property
     def shown(self) -> int:
@@ -101,14 +103,15 @@ def calibrate_files(
     reading = log_options or LogOptions()
     with contextlib.ExitStack() as stack:
         target = stack.enter_context(replacing(output, sources)) if output else None
-        logs, warnings = [], []
+        logs, warnings, by_gyroscope = [], [], True
         for number, path in enumerate(paths):
             if progress is not None:
                 progress(number, len(paths), f"reading {path.name}")
             truth = truths[number if len(truths) > 1 else 0] if truths else None
             log, reader = read_log(path, rover, reading, truth=truth)
             _check_truth(path, log, truth)
-            logs.append(log)
+            by_gyroscope &= log.truth is None
+            logs.append(heard(log, number))
             warnings += _said(reader)
         moves = moving(rover, logs)
         still = [log.name for log, moved in zip(logs, moves, strict=True) if not moved]
@@ -126,8 +129,8 @@ def calibrate_files(
         finally:
             if journal is not None and not journal.done:
                 journal.discard()  # nothing to go on from
-        done = Calibrated(result, tuple(logs), tuple(warnings))
-        text = text_for(result.rover, parameters, _beside(result, parameters), _remarks(done))
+        done = Calibrated(result, tuple(logs), tuple(warnings), by_gyroscope)
+        text = text_for(result.rover, parameters, _beside(done, parameters), _remarks(done))
         done = replace(done, warnings=(*done.warnings, *_read_back(text, parameters)))
         if target is not None:
             target.write_text(text, encoding="utf-8")
@@ -162,6 +165,8 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
 
 
 def _check_truth(path: Path, log: Log, truth: Path | None) -> None:
+    if log.truth is None and log.yaw_rate is not None:
+        return  # which tells how it turned
     if log.truth is None:
         remedy = "give --truth, or columns x, y and yaw"
         raise TableError(f"{path}: a calibration needs to know where the rover really was; {remedy}")
@@ -200,13 +205,15 @@ def _encoders(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return encoders | ({"steering_gain": gains} if gains else {})
 
 
-def _beside(result: Calibration, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
+def _beside(done: Calibrated, parameters: Parameters | None) -> dict[str, dict[str, Any] | None]:
     """What was found beside the rover, by the keys of every parameter file."""
+    result = done.result
     return {
         "encoders": _encoders(result, parameters),
         "noise": _noise(result, parameters),
         "odometry": _odometry(result, parameters),
-        "truth": _truth(result, parameters),
+        "gyroscope": _gyroscope(done, parameters),
+        "truth": None if done.by_gyroscope else _truth(done, parameters),
         "calibration": _known(result),
     }
 
@@ -228,12 +235,30 @@ def _odometry(result: Calibration, parameters: Parameters | None) -> dict[str, A
     return others | ({"wheel_noise": wheels} if wheels else {}) if result.measured_noise else None
 
 
-def _truth(result: Calibration, parameters: Parameters | None) -> dict[str, float] | None:
+def _gyroscope(done: Calibrated, parameters: Parameters | None) -> dict[str, Any] | None:
+    """The key ``gyroscope``: what one errs by, and its scale and clock on top of what the file had."""
+    kept = {} if parameters is None else parameters.gyroscope
+    measured, offset = done.result.gyroscope, done.result.time_offset if done.by_gyroscope else 0.0
+    found: dict[str, Any] = {}
+    if measured is not None:
+        found = {name: getattr(measured.known, name) for name in GYROSCOPE} | {"period": measured.period}
+        if (scale := measured.scale) is not None and not scale.interval[0] <= 1.0 <= scale.interval[1]:
+            found["scale"] = kept.get("scale", 1.0) * scale.value
+    if offset:
+        found["time_offset"] = kept.get("time_offset", 0.0) + offset
+    return kept | found if found else None
+
+
+def _truth(done: Calibrated, parameters: Parameters | None) -> dict[str, float] | None:
     """The key ``truth``: what was found counts on top of what the file had, with which the logs were read."""
+    result = done.result
     if not (np.any(result.sensor) or result.time_offset):
         return None
     kept = {} if parameters is None else parameters.truth
-    pose = joined(result.sensor, np.array([kept.get(axis, 0.0) for axis in FRAME]))
+    # Positions alone were read where the sensor is, wherever the file has it.
+    turned = all(log.truth is not None and log.truth.has_headings for log in done.logs)
+    place = np.array([kept.get(axis, 0.0) for axis in FRAME]) if turned else np.zeros(3)
+    pose = joined(result.sensor, place)
     offset = result.time_offset + kept.get("time_offset", 0.0)
     return dict(zip(FRAME, pose.tolist(), strict=True)) | {"time_offset": offset}
 
@@ -307,6 +332,8 @@ def paths_of(done: Calibrated, number: int) -> tuple[dict[str, Floats], Floats]:
         tracks.append(joined(track.poses, sensor))
     truth = log.truth.at(log.stamps + result.time_offset)
     there = np.isfinite(truth[:, :2]).all(axis=1)
+    if not log.truth.has_positions:  # nothing to lay the tracks over
+        return dict(zip(("nominal", "calibrated"), tracks, strict=True)), truth[:0]
     known, shown = np.nan_to_num(truth[there]), [track[there] for track in tracks]
     if not log.truth.has_headings:
         shown = [align(track, known, "se2") for track in shown]

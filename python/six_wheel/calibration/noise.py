@@ -7,8 +7,8 @@ dimensions whose errors are counted by themselves, it holds the rest.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -17,7 +17,6 @@ from scipy.optimize import brentq, minimize
 from scipy.special import chdtri, fdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
-from six_wheel.calibration.drives import RESTED, at_rest
 from six_wheel.calibration.values import Estimate
 from six_wheel.calibration.wheel_noise import told_apart
 from six_wheel.logs import Log
@@ -161,7 +160,12 @@ def _end(
 
 
 def measure(
-    groups: Sequence[Sequence[End]], names: Sequence[str], sessions: int, confidence: float, basis: str
+    groups: Sequence[Sequence[End]],
+    names: Sequence[str],
+    sessions: int,
+    confidence: float,
+    basis: str,
+    wholes: Sequence[Sequence[End]] = (),
 ) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
@@ -177,6 +181,9 @@ def measure(
         Of the wheels.
     sessions : int
         How many there were.
+    wholes : sequence of sequence of End
+        The same of whole runs, where `groups` are of their parts. Errors that last add up over a run to more
+        than those of its parts, and the size is that of the larger.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
@@ -188,7 +195,8 @@ def measure(
     whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
     usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
     logs, cost = _likeliest(whole.weighed(alike))
-    noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
+    longer = [_stacked(group) for group in wholes if group]
+    noise, wide = _sized(logs, [[one.weighed(alike) for one in kind] for kind in (stacks, longer)], usual)
     nees = _nees(wide, whole.weighed(alike))[0]
     along_wheels, across_wheels = (
         _estimate(name, logs, place, cost, confidence)
@@ -201,7 +209,7 @@ def measure(
     told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
     times = alike if told is None else np.array([_digits(one) for one in told[0]])
     logs, _ = _likeliest(whole.weighed(times, 1.0))
-    beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)
+    beside, _ = _sized(logs, [[one.weighed(times, 1.0) for one in kind] for kind in (stacks, longer)], usual)
     wheels = []
     for number, name in enumerate(names if told is not None else ()):
         low, high = told[1][number].tolist()  # type: ignore[index]
@@ -225,12 +233,14 @@ def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:
     return np.clip(best.x, math.log(LEAST), math.log(MOST)), cost
 
 
-def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Noise, Floats]:
+def _sized(logs: Floats, kinds: Sequence[Sequence[Weighed]], wanted: float) -> tuple[Noise, Floats]:
     """Noise with logarithms of slip moved alike so that normalised errors squared come to what is wanted, in
-    the mean over groups."""
+    the mean over groups, of the kind of ends for which that takes most."""
+    kinds = [groups for groups in kinds if groups]
 
     def excess(by: float) -> float:
-        return math.log(np.mean([_nees(logs + by, group)[0].mean() for group in groups]) / wanted)
+        means = [np.mean([_nees(logs + by, group)[0].mean() for group in groups]) for groups in kinds]
+        return math.log(max(means) / wanted)
 
     low, high = math.log(LEAST), math.log(MOST)
     if excess(low) <= 0.0:
@@ -238,53 +248,8 @@ def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Nois
     else:
         wide = logs + (float(brentq(excess, low, high)) if excess(high) < 0.0 else high)
     slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
-    sides = any(np.any(group[2]) for group in groups)
+    sides = any(np.any(group[2]) for group in kinds[0])
     return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
-
-
-def with_gyroscope(measured: MeasuredNoise, logs: Sequence[Log], confidence: float) -> MeasuredNoise:
-    """What was measured, and what a gyroscope errs by about its mean where the rover stands for a second."""
-    squares, degrees, biases = 0.0, 0, []
-    for log in logs:
-        for rates in _resting(log):
-            squares += float(np.square(rates - rates.mean()).sum())
-            degrees += len(rates) - 1
-            biases.append(rates.mean())
-    if degrees < 1 or squares == 0.0:
-        return measured
-    chance = (1.0 - confidence) / 2.0
-    interval = [math.sqrt(squares / float(chdtri(degrees, one))) for one in (chance, 1.0 - chance)]
-    value = math.sqrt(squares / degrees)
-    std = value / math.sqrt(2.0 * degrees)
-    bias = math.sqrt(float(np.mean(np.square(biases))))
-    rate = _digits(math.hypot(value, bias))
-    noise, beside = (
-        Noise(0.0, 0.0, slip=was.slip, side_slip=was.side_slip, yaw_rate=rate)
-        for was in (measured.noise, measured.beside)
-    )
-    return replace(
-        measured,
-        noise=noise,
-        beside=beside,
-        yaw_rate=Estimate("yaw_rate", "rad/s", 0.0, value, std, (interval[0], interval[1])),
-        gyroscope=Gyroscope(_digits(value), bias_noise=_digits(bias)),
-    )
-
-
-def _resting(log: Log) -> Iterator[Floats]:
-    """Readings of a gyroscope (k,) inside each stretch in which no wheel turns for a second or more."""
-    if log.yaw_rate is None:
-        return
-    rows = np.flatnonzero(np.isfinite(log.yaw_rate) & np.isfinite(log.stamps))
-    rows = rows[np.concatenate(([True], np.diff(log.stamps[rows]) > 0.0))] if len(rows) else rows
-    if len(rows) < 2:
-        return
-    dt = np.diff(log.stamps[rows])
-    still = at_rest(np.diff(log.wheel_angles[rows], axis=0) / dt[:, None])
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(int)))
-    for first, last in edges.reshape(-1, 2).tolist():
-        if dt[first:last].sum() >= RESTED and last - first > 2:
-            yield log.yaw_rate[rows[first + 1 : last]]  # at its ends the rover may already move
 
 
 def _stacked(found: Sequence[End]) -> Stack:

@@ -25,6 +25,8 @@ from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cros
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
+from six_wheel.calibration.gyroscope import noise as gyroscope
+from six_wheel.calibration.gyroscope.scale import mistaken, scale
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
@@ -195,10 +197,25 @@ def calibrate(
         progress(0, 1, "fitting all drives")
     model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
-    result = replace(result, slips=tuple(map(str, slipped)))
+    result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
+
+
+def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
+    """What a gyroscope in the logs errs by, and what is odd about it."""
+    measured = gyroscope.measure(logs, result.confidence)
+    messages = tuple(mistaken(result.nominal, logs))
+    if messages:
+        seen = result.observability
+        result = replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
+    if measured is None:
+        return result
+    measured = replace(measured, scale=scale(logs, result.time_offset, result.confidence))
+    noises = result.measured_noise
+    noises = None if noises is None else gyroscope.with_gyroscope(noises, measured)
+    return replace(result, measured_noise=noises, gyroscope=measured)
 
 
 def _slides(slipped: Sequence[mistakes.Slip], number: int) -> list[Stretch]:
@@ -282,28 +299,31 @@ def _noise(
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values, solution.scales)
 
-    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats) -> list[noise.End]:
+    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats, pieces: int) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
         dimensions = model.deviations(values, known)
         offset = model.value(values, "time_offset", 0.0)
         logs = (model.corrected(record, values) for record in chosen)
         return [end for log in logs for end in noise.ends(rover, dimensions, log, sensor, offset, pieces)]
 
-    groups = []
+    groups, wholes = [], []
     for key in dict.fromkeys(keys):
         values, known = solution.values, np.zeros((model.own, model.own))
         if len(values) and len(set(keys)) > 1:
             without, fitted = fitting.refit(linear.only([other != key for other in keys]), solution)
             values, known = fitted.values, fitting.covariance(without, fitted)[0]
         own = [record for record, other in zip(records, keys, strict=True) if other == key]
-        groups.append(ends_of(own, values, known[: model.own, : model.own]))
+        known = known[: model.own, : model.own]
+        groups.append(ends_of(own, values, known, pieces))
+        if pieces > 1 and len(set(keys)) > 1:  # else the fit knows where its own run ends
+            wholes.append(ends_of(own, values, known, 1))
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
     measured = noise.measure(
-        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}"
+        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}", wholes
     )
-    return None if measured is None else noise.with_gyroscope(measured, records, confidence)
+    return measured
 
 
 def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 
 from six_wheel._core import Noise, Rover
 from six_wheel.calibration.cross_validation import CrossValidation
+from six_wheel.calibration.gyroscope.noise import MeasuredGyroscope
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
 from six_wheel.calibration.values import Estimate, RunErrors, Windows
@@ -55,6 +56,8 @@ class Calibration:
         How far dead reckoning with `rover` errs, with intervals and what they rest on.
     slips : tuple of str
         Where the drives slipped and were left out, a sentence for each log.
+    gyroscope : MeasuredGyroscope or None
+        What that of the logs errs by; None where there is none, or the rover never stands for a second.
     """
 
     rover: Rover
@@ -76,6 +79,7 @@ class Calibration:
     converged: bool = True
     measured_noise: MeasuredNoise | None = None
     slips: tuple[str, ...] = ()
+    gyroscope: MeasuredGyroscope | None = None
 
     @property
     def noise(self) -> Noise:
@@ -87,7 +91,8 @@ class Calibration:
         """All that `rover` may be off by, told apart: ``Odometry(result.rover, **result.known)``."""
         measured = self.measured_noise
         noise, wheels = (Noise(), None) if measured is None else (measured.beside, measured.wheel_noise)
-        return {"noise": noise, "wheel_noise": wheels, "dimensions": self.dimensions}
+        known = {"noise": noise, "wheel_noise": wheels, "dimensions": self.dimensions}
+        return known if self.gyroscope is None else known | {"gyroscope": self.gyroscope.known}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -176,10 +181,8 @@ class Calibration:
                 )
             if not measured.wheels:
                 lines += ["", "These ends do not tell the slip of one wheel from that of another."]
-            if (rate := measured.yaw_rate) is not None:
-                low, high = rate.interval
-                said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s ({low:.3g} to {high:.3g})"
-                lines += ["", f"{said}: `{measured.gyroscope!r}`."]
+        if self.gyroscope is not None:
+            lines += ["", *_of_gyroscope(self.gyroscope)]
         if self.observability.messages:
             lines += ["", "## What the drives do not tell", ""]
             lines += [f"- {message}" for message in self.observability.messages]
@@ -215,3 +218,17 @@ class Calibration:
             ]
             lines.append(self.cross_validation.to_markdown())
         return "\n".join(lines) + "\n"
+
+
+def _of_gyroscope(found: MeasuredGyroscope) -> list[str]:
+    """What was measured of it, as sentences."""
+    rate, walk = found.noise, found.bias_walk
+    said = f"A reading of the gyroscope errs by {rate.value:.3g} rad/s "
+    said += f"({rate.interval[0]:.3g} to {rate.interval[1]:.3g}), "
+    said += f"{found.period:.3g} s after the one before, about a bias that was {found.bias:.3g} rad/s and "
+    said += f"wanders by {walk.value:.3g} rad/s per root s ({walk.interval[0]:.3g} to {walk.interval[1]:.3g})"
+    lines = [f"{said}: `{found.known!r}`."]
+    if (scale := found.scale) is not None:
+        low, high = scale.interval
+        lines.append(f"Its readings are to be multiplied by {scale.value:.5g} ({low:.5g} to {high:.5g}).")
+    return lines

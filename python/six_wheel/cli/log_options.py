@@ -70,6 +70,8 @@ def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
         given["topic"] or (),
         given["truth_topic"],
         chosen.parameters.truth if chosen.parameters else {},
+        chosen.parameters.gyroscope if chosen.parameters else {},
+        chosen.parameters.base_frame_id if chosen.parameters else "",
     )
 
 

@@ -4,9 +4,10 @@ Joints come in any order, in messages of their own, with positions or velocities
 message of the first wheel that has any; what comes in other messages is interpolated between the two around.
 """
 
+import itertools
 import math
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -133,7 +134,26 @@ class Bag:
             raise TableError(f"{self.path}: the topic must be one of {listed} ({kinds}), got {got}")
         self._topics = [c for c in there if c.topic in wanted]
 
-    def _messages(self) -> Iterator[tuple[int, int, Any]]:
+    @property
+    def connections(self) -> Sequence[Any]:
+        """Topics with their types."""
+        return self._reader.connections
+
+    def read_topics(self, topics: Collection[str]) -> None:
+        """From here on `messages` are those of these topics."""
+        self._topics = [c for c in self.connections if c.topic in topics]
+
+    def transforms(self) -> Iterator[Any]:
+        """Those of every chain, the lasting ones first, then of as many messages as tell all that move."""
+        kept = self._topics
+        there = sorted({c.topic for c in self.connections if c.msgtype == TRANSFORMS and c.msgcount})
+        for topic in sorted(there, key=lambda name: (not name.endswith("static"), name)):
+            self.read_topics({topic})
+            for _, _, message in itertools.islice(self.messages(), LOOK_AHEAD):
+                yield from message.transforms
+        self._topics = kept
+
+    def messages(self) -> Iterator[tuple[int, int, Any]]:
         """Number from 1, stamp [ns] and content of every message; its own stamp, or when it was received."""
         number = 0
         try:
@@ -194,7 +214,7 @@ class JointBag(Bag):
         """Which joints there are, and what is known of every wheel."""
         kinds: dict[str, set[Reading]] = {}
         strangers: dict[str, None] = {}
-        for number, _, message in self._messages():
+        for number, _, message in self.messages():
             for joint, position, velocity in self._states(message):
                 if (name := self._joints.get(joint)) is None:
                     strangers[joint] = None
@@ -244,7 +264,7 @@ class JointBag(Bag):
         """Rows at the messages of the first wheel, numbered as those messages are."""
         series = {name: _Series() for name in self.names}
         first = next(name for name in self.names if name.startswith("wheel "))
-        for number, stamp, message in self._messages():
+        for number, stamp, message in self.messages():
             self.position = number
             for joint, position, velocity in self._states(message):
                 if (name := self._joints.get(joint)) in series:
@@ -362,7 +382,7 @@ class TruthBag(Bag):
                 each.clear()
             return made
 
-        for number, stamp, message in self._messages():
+        for number, stamp, message in self.messages():
             self.position = number
             found = [(stamp, _pose(message))] if not hasattr(message, "transforms") else self._moved(message)
             for when, pose in found:

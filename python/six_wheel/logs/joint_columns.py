@@ -23,6 +23,7 @@ from six_wheel.logs.columns import (
     unit,
     words,
 )
+from six_wheel.logs.gyroscope.sources import rate_columns
 
 Reading: TypeAlias = Literal["angle", "speed", "ticks"]
 READINGS: tuple[Reading, ...] = get_args(Reading)
@@ -88,7 +89,8 @@ class JointColumns:
     Attributes
     ----------
     columns : dict
-        ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, and those of the truth.
+        ``"time"``, ``"steering NAME"`` and ``"wheel NAME"`` of the rover's wheels, those of the truth and of
+        a gyroscope.
     reading : {"angle", "speed", "ticks"}
         What the wheels' columns are.
     silent : tuple of str
@@ -129,7 +131,7 @@ def joint_columns(
     """
     if reading is not None and reading not in READINGS:
         raise ValueError(f'reading must be one of {", ".join(READINGS)}, got "{reading}"')
-    found = find_columns(headers, (TIME,)) | truth_columns(headers)
+    found = find_columns(headers, (TIME,)) | truth_columns(headers) | rate_columns(headers, field_units)
     taken = {column.index for column in found.values()}
     steering = _stems(rover.steered_names, rover.steering_joints, _STEERING_FORMS)
     wheels = _stems(rover.wheel_names, rover.traction_joints, _WHEEL_FORMS)

@@ -7,7 +7,8 @@ constant memory. A row that cannot be used is left out and reported with its num
 import contextlib
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Self, TypeAlias
 
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
+from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
+from six_wheel.logs.gyroscope.sources import RateBag, rate_table, readings_of
 from six_wheel.logs.joint_columns import Reading, joint_columns, position_columns, truth_columns
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
@@ -46,6 +49,8 @@ class JointRows:
         Running totals in the order of `Rover.wheel_names` [rad]; NaN for a wheel without a reading.
     truth : array, shape (n, 3), or None
         Poses x, y, yaw [m, m, rad], NaN in rows without one; None if the log has no such columns.
+    yaw_rate : array, shape (n,), or None
+        Of a gyroscope about the rover's z [rad/s], NaN in rows without one; None if the log has none.
     """
 
     rows: NDArray[np.int64]
@@ -53,6 +58,7 @@ class JointRows:
     steering: Floats | None
     wheel_angles: Floats
     truth: Floats | None
+    yaw_rate: Floats | None = None
 
 
 class JointLog:
@@ -74,6 +80,11 @@ class JointLog:
         Header to the header it should be read as, such as ``{"encL": "left [ticks]"}``.
     topics : sequence of str, optional
         Topics of a bag that hold joint states.
+    gyroscope : mapping, optional
+        The key ``gyroscope`` of a parameter file: how the sensor sits (`roll`, `pitch`), what its readings
+        are to be multiplied by (`scale`), its clock (`time_offset`), its `topic`.
+    frame : str
+        The rover's own frame in the transforms of a bag, beside base_link and base_footprint.
 
     Attributes
     ----------
@@ -108,6 +119,8 @@ class JointLog:
         increments: bool = False,
         columns: Mapping[str, str] | None = None,
         topics: Sequence[str] | None = None,
+        gyroscope: Mapping[str, Any] | None = None,
+        frame: str = "",
     ) -> None:
         self.path, self.rover = Path(path), rover
         self.warnings: list[str] = []
@@ -116,11 +129,21 @@ class JointLog:
         self._counted: set[str] = set()  # steered wheels whose angle is read in ticks
         self._turned: frozenset[str] = frozenset()  # names whose column has the sign of a reversed joint
         self._source: Source
+        self._gyroscope = dict(gyroscope or {})
+        self._up = upward(*(self._gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
+        self._rates: Source | None = None  # of a gyroscope whose readings have other stamps than the rows
+        self._in_rows = False
         if self.path.is_dir() or self.path.suffix.lower() in BAGS:
             from six_wheel.logs.bags import JointBag
 
             bag = JointBag(self.path, rover, reading, topics)
             self._source, self.reading, self._names = bag, bag.reading, bag.names
+            if any(one.msgtype == RateBag.IMU and one.msgcount for one in bag.connections):
+                try:
+                    self._rates = self._rates_of_bag(frame)
+                except BaseException:
+                    bag.close()
+                    raise
             silent = [w for w in rover.traction_joints.values() if f"wheel {w}" not in bag.names]
         else:
             table, found = _joint_table(self.path, rover, reading, columns)
@@ -131,6 +154,9 @@ class JointLog:
             self._counted = {w for w, column in columns_of.items() if column.unit.symbol == "ticks"}
             self.warnings += [w for w in table.warnings if "last line" not in w]  # which is a finding here
             silent = list(found.silent)
+            self._in_rows = any(name in found.columns for name in RATES)
+            if self._in_rows and self._gyroscope.get("time_offset"):
+                self._rates, self._in_rows = rate_table(self.path, columns), False
         self.findings = self._source.findings
         if silent:
             self.warnings.append(f"{self.path}: no readings of {', '.join(silent)}: taken as without encoder")
@@ -164,6 +190,40 @@ class JointLog:
     def close(self) -> None:
         """Close the file."""
         self._source.close()
+        if self._rates is not None:
+            self._rates.close()
+
+    @property
+    def has_gyroscope(self) -> bool:
+        """Whether rows come with yaw rates."""
+        return self._in_rows or self._rates is not None
+
+    def _rates_of_bag(self, frame: str) -> Source | None:
+        """The gyroscope of a bag, if there is one; what is not known of it is said."""
+        from six_wheel.logs.bags import OWN_FRAMES, Bag
+
+        keys, bag = self._gyroscope, Bag(self.path)
+        try:
+            rates = RateBag(bag, keys.get("topic"), [name for name in (frame, *OWN_FRAMES) if name])
+        except BaseException:
+            bag.close()
+            raise
+        if rates.topic is None:
+            bag.close()
+            if rates.others:
+                rule = f"{len(rates.others)} topics have angular velocities, {', '.join(rates.others)}"
+                self.warnings.append(f"{self.path}: {rule}: none is read unless gyroscope.topic names it")
+            return None
+        if keys.keys().isdisjoint({"roll", "pitch"}):
+            if rates.up is not None:
+                self._up = rates.up
+            else:
+                rule = f"no transform tells how {rates.frame} of {rates.topic} sits in the rover"
+                remedy = (
+                    "its z is taken for the rover's; gyroscope.roll and gyroscope.pitch can say otherwise"
+                )
+                self.warnings.append(f"{self.path}: {rule}: {remedy}")
+        return rates
 
     @property
     def size(self) -> int:
@@ -186,12 +246,24 @@ class JointLog:
         if chunk_rows < 1:
             raise ValueError(f"chunk_rows must be positive, got {chunk_rows}")
         first = True
-        sieve = Sieve(self.findings, TRUTH, self._stated)
+        sieve = Sieve(self.findings, (*TRUTH, *RATES), self._stated)
+        turning: Turning | None = None
+        held: JointRows | None = None  # a row's rate is not known before the row behind it
+        before: float | None = None
         for batch in sieve.pass_on(self._source.batches(chunk_rows)):
             if first:
                 self.origin = whole_second(batch.time[0], self._source.time_unit)
-            yield self._rows(batch)
-            first = False
+                turning = self._turning()
+            first, rows = False, self._rows(batch)
+            if turning is None:
+                yield rows
+                continue
+            if held is not None:
+                yield _with_rates(held, turning, before, float(rows.stamps[0]))
+                before = float(held.stamps[-1])
+            held = rows
+        if held is not None and turning is not None:
+            yield _with_rates(held, turning, before, None)
         if first:
             flaw = f"; {self.findings.listed[0]}" if self.findings.listed else ""
             raise TableError(
@@ -246,7 +318,10 @@ class JointLog:
                 poses = np.concatenate([p.truth for p in parts])
                 there = np.isfinite(poses).all(axis=1)
                 known = Truth(stamps[there], poses[there]) if there.any() else None
-            return Log(stamps, steering, angles, known, self.path.stem, session)
+            rates = None if parts[0].yaw_rate is None else np.concatenate([p.yaw_rate for p in parts])
+            heard = rates is not None and bool(np.isfinite(rates).any())
+            rates = rates if heard else None
+            return Log(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
         except TableError:
             raise
         except ValueError as error:
@@ -264,7 +339,22 @@ class JointLog:
             if wheel in self._wheels:
                 angles[:, k] = self._wheels[wheel].advance(batch.values[f"wheel {wheel}"], stamps)
         truth = poses_of(batch.values) if "x" in batch.values else None
-        return JointRows(batch.rows, stamps, np.stack(steering, axis=1) if steering else None, angles, truth)
+        rates = None
+        if self._in_rows:
+            try:
+                rates = self._gyroscope.get("scale", 1.0) * about_z(batch.values, self._up)
+            except ValueError as error:
+                raise TableError(f"{self.path}: {error}") from None
+        steered = np.stack(steering, axis=1) if steering else None
+        return JointRows(batch.rows, stamps, steered, angles, truth, rates)
+
+    def _turning(self) -> Turning | None:
+        """What brings rates of a gyroscope with stamps of its own to the rows."""
+        source = self._rates
+        if source is None:
+            return None
+        seconds = partial(seconds_since, self.origin, unit=source.time_unit)
+        return Turning(readings_of(source, self._stated, seconds, self._up, self._gyroscope))
 
 
 def read_truth(
@@ -332,6 +422,11 @@ def read_truth(
     return stamps, poses, source.findings
 
 
+def _with_rates(rows: JointRows, turning: Turning, before: float | None, after: float | None) -> JointRows:
+    """Rows with what a gyroscope says around each, given the stamps of their neighbours."""
+    return replace(rows, yaw_rate=turning.rates(edges_of(rows.stamps, before, after)))
+
+
 # --- columns to quantities -------------------------------------------------------------------------------
 
 
@@ -344,7 +439,7 @@ def _joint_table(
         found.append(joint_columns(headers, rover, reading, field_units))
         return dict(found[-1].columns)
 
-    return TolerantTable(path, find, columns, TRUTH), found[-1]
+    return TolerantTable(path, find, columns, (*TRUTH, *RATES)), found[-1]
 
 
 def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:

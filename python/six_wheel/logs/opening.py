@@ -82,7 +82,8 @@ def log_formats() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """What a log does not say by itself; see `JointLog`. Encoders and truth have a parameter file's keys."""
+    """What a log does not say by itself; see `JointLog`. Encoders, truth and gyroscope have a parameter
+    file's keys; `frame` is its base_frame_id."""
 
     format: str | None = None
     reading: Reading | None = None
@@ -92,18 +93,25 @@ class LogOptions:
     topics: Sequence[str] = ()
     truth_topic: str | None = None
     truth: Mapping[str, float] = field(default_factory=dict)
+    gyroscope: Mapping[str, Any] = field(default_factory=dict)
+    frame: str = ""
+
+    @property
+    def sensor(self) -> Floats:
+        """Where what a truth follows sits in the body, x, y, yaw (3,)."""
+        return np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
 
     def of_body(self, truth: Truth) -> Truth:
-        """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file."""
-        sensor = np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
+        """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file.
+
+        Positions alone stay those of the sensor: without a heading none tells where the body is.
+        """
+        sensor = self.sensor
         offset = self.truth.get("time_offset", 0.0)
         if not (sensor.any() or offset):
             return truth
-        if not truth.has_headings:
-            raise ValueError(
-                "the truth must have headings to be that of a sensor elsewhere, got positions alone"
-            )
-        return replace(truth, stamps=truth.stamps - offset, poses=joined(truth.poses, inverse(sensor)))
+        poses = joined(truth.poses, inverse(sensor)) if truth.has_headings else truth.poses
+        return replace(truth, stamps=truth.stamps - offset, poses=poses)
 
 
 def metadata_of(path: Path) -> Path | None:
@@ -200,7 +208,8 @@ def open_log(path: Path, rover: Rover, options: LogOptions) -> AnyLog:
         wheels, steering = found.get("wheel") or None, found.get("steering") or None
         return JointLog(
             path, rover, reading=options.reading, wheel_encoders=wheels, steering_encoders=steering,
-            increments=increments, columns=columns, topics=topics,
+            increments=increments, columns=columns, topics=topics, gyroscope=options.gyroscope,
+            frame=options.frame,
         )  # fmt: skip
 
     while True:
@@ -372,6 +381,11 @@ class WholeLog:
     def close(self) -> None:
         """The file is closed already."""
 
+    @property
+    def has_gyroscope(self) -> bool:
+        """Whether rows come with yaw rates."""
+        return self._log.yaw_rate is not None
+
     def chunks(self, chunk_rows: int = 200_000) -> Iterator[JointRows]:
         """The rows in order, at most `chunk_rows` at a time."""
         log, truth = self._log, self._log.truth
@@ -381,7 +395,8 @@ class WholeLog:
             steering = None if log.steering is None else log.steering[part]
             poses = None if truth is None else truth.poses[part]
             self.position = int(rows[-1])
-            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses)
+            rates = None if log.yaw_rate is None else log.yaw_rate[part]
+            yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses, rates)
 
     def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> Log:
         """The whole run, with its own truth unless another is given."""

@@ -7,7 +7,7 @@ from typing import Any, Literal, overload
 
 from numpy.typing import ArrayLike
 
-from six_wheel._core import Noise, Odometry, Rover, Suspension, Terrain
+from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
 from six_wheel.odometry import tables
 from six_wheel.odometry.mounts import mount, seen_by, start_of_body
 from six_wheel.odometry.space import Track3, reckon
@@ -110,7 +110,8 @@ def dead_reckon(
     attitude : array_like, shape (n, 2), (n, 3) or (n, 4), optional
         Of its body, from an IMU: roll and pitch, with yaw, or quaternions x, y, z, w; likewise.
     yaw, yaw_rate : array_like of shape (n,), or str, optional
-        Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table.
+        Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table. That
+        of a `Log` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs by.
     start : array_like, shape (3,), default (0, 0, 0)
         First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
     start_covariance : array_like, shape (3,) or (3, 3), optional
@@ -174,8 +175,11 @@ def dead_reckon(
         log = steering
         steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
         yaw = log.yaw if yaw is None else yaw
-        yaw_rate = log.yaw_rate if yaw_rate is None else yaw_rate
         options = {**log.options, **options}
+        if yaw_rate is None and log.yaw_rate is not None:
+            yaw_rate = log.yaw_rate
+            if (noise is None or noise.yaw_rate == 0.0) and options.get("gyroscope") is None:
+                options["gyroscope"] = Gyroscope()  # nobody said that it is to be taken at its word
     place = None if sensor is None else mount(sensor)
     if place is not None:
         start, start_covariance = start_of_body(start, start_covariance, place)

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from six_wheel._core import Controller, Limits, Rover, without_questions
+from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
 from six_wheel.errors import as_path
 from six_wheel.parameters import syntax
@@ -43,6 +43,7 @@ __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_paramete
 
 # A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
 MAX_BYTES = 1 << 18
+GYROSCOPE = ("noise", "bias", "bias_noise", "bias_walk")  # arguments of `Gyroscope`
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,9 @@ class Parameters:
     noise, encoders, steering_encoders, odometry : dict
         What the file says about dead reckoning: arguments of `Noise`; what `Encoder` takes and more, for
         the readings of wheels and steering joints; options of `Odometry`.
+    gyroscope : dict
+        Arguments of `Gyroscope`, and how its readings are to be taken: `period`, `scale`, `roll`, `pitch`,
+        `time_offset`, `topic`.
     truth, calibration : dict
         Where what a truth follows sits in the body (`x`, `y`, `yaw`) and its `time_offset`; names of the
         `parameters` that were calibrated and their `covariance`.
@@ -90,6 +94,7 @@ class Parameters:
     encoders: Values = field(default_factory=dict)
     steering_encoders: Values = field(default_factory=dict)
     odometry: Values = field(default_factory=dict)
+    gyroscope: Values = field(default_factory=dict)
     truth: Values = field(default_factory=dict)
     calibration: Values = field(default_factory=dict)
     warnings: tuple[Finding, ...] = ()
@@ -106,6 +111,12 @@ class Parameters:
         from six_wheel.odometry.dimensions import deviations
 
         return deviations(self.rover, known["parameters"], known["covariance"])
+
+    @property
+    def known_gyroscope(self) -> Gyroscope | None:
+        """What the gyroscope errs by, as `Odometry` takes it; None where the file does not say."""
+        given = {name: self.gyroscope[name] for name in GYROSCOPE if name in self.gyroscope}
+        return Gyroscope(**given) if given else None
 
     def build_controller(self, **changes: Any) -> Controller:
         """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""

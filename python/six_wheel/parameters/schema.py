@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Ta
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from six_wheel._core import Encoder, Noise, Odometry, Rover, Wheel
+from six_wheel._core import Encoder, Gyroscope, Noise, Odometry, Rover, Wheel
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.syntax import Path, Report, one_line, spell
@@ -209,6 +209,25 @@ class OdometryKeys(BaseModel):
     )
 
 
+class GyroscopeKeys(BaseModel):
+    """What `Parameters.gyroscope` can hold: arguments of `Gyroscope`, and how readings are to be taken."""
+
+    noise: Annotated[Number, asks_core(Gyroscope, "noise")] = optional("a standard deviation in rad/s")
+    period: Positive = optional("the time between the readings whose noise that is in s")
+    bias: Annotated[Number, asks_core(Gyroscope, "bias")] = optional("a reading at rest in rad/s")
+    bias_noise: Annotated[Number, asks_core(Gyroscope, "bias_noise")] = optional(
+        "a standard deviation in rad/s"
+    )
+    bias_walk: Annotated[Number, asks_core(Gyroscope, "bias_walk")] = optional(
+        "a standard deviation in rad/s per root s"
+    )
+    scale: Positive = optional("a factor for the readings")
+    roll: Finite = optional("an angle in rad by which the sensor is turned about the rover's x")
+    pitch: Finite = optional("an angle in rad by which the sensor is turned about the rover's y")
+    time_offset: Finite = optional("a stamp of the gyroscope less that of the log in s")
+    topic: Name = optional("the name of a topic of a bag, such as imu/data")
+
+
 class TruthKeys(BaseModel):
     """What `Parameters.truth` can hold: what a truth follows, as seen from the body, and its clock."""
 
@@ -239,6 +258,7 @@ class Common(BaseModel):
     encoders: EncoderKeys = optional(_any_of(EncoderKeys))
     steering_encoders: SteeringEncoderKeys = optional(_any_of(SteeringEncoderKeys))
     odometry: OdometryKeys = optional(_any_of(OdometryKeys))
+    gyroscope: GyroscopeKeys = optional(_any_of(GyroscopeKeys))
     truth: TruthKeys = optional(_any_of(TruthKeys))
     calibration: CalibrationKeys = optional(_any_of(CalibrationKeys))
 
@@ -339,6 +359,7 @@ GROUPS: dict[str, type[BaseModel]] = {
     "encoders": EncoderKeys,
     "steering_encoders": SteeringEncoderKeys,
     "odometry": OdometryKeys,
+    "gyroscope": GyroscopeKeys,
     "truth": TruthKeys,
     "calibration": CalibrationKeys,
 }

@@ -156,13 +156,14 @@ def reckon_one(job: Job) -> dict[str, Any]:
         settings=job.settings,
         length=job.length,
     )
+    judged = result.placed if result.evaluation is None else result.evaluation.first
     return {
         "rows": result.rows,
         "duration": result.duration,
         "distance": result.distance,
         "pose": result.pose,
         "deviations": result.deviations,
-        "ate": None if result.evaluation is None else result.evaluation.first.rmse,
+        "ate": None if judged is None else judged.rmse,
         "warnings": list(result.warnings),
     }
 

@@ -4,6 +4,7 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 """
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -13,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel._core import Noise, Odometry, Rover
-from six_wheel.evaluation.paths import Evaluation, evaluate
+from six_wheel._core import Gyroscope, Noise, Odometry, Rover
+from six_wheel.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
 from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.joints import JointRows, read_truth
@@ -25,7 +26,7 @@ from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
 from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.onboard.settings import text_of
-from six_wheel.poses import Floats
+from six_wheel.poses import Floats, joined
 from six_wheel.reckoning.recording import TrackRecord
 from six_wheel.reckoning.slip import SlipSum
 
@@ -39,11 +40,27 @@ COVARIANCES = ("x_x", "x_y", "x_yaw", "y_y", "y_yaw", "yaw_yaw")
 
 @dataclass(frozen=True)
 class Settings:
-    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad]."""
+    """How to dead-reckon: the noise, other options of `Odometry`, and the first pose [m, m, rad].
+
+    `gyroscope` is what one in the log errs by, of readings `period` [s] apart, if that is known; without it
+    none is used.
+    """
 
     noise: Noise = field(default_factory=Noise)
     options: Mapping[str, Any] = field(default_factory=dict)
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    gyroscope: Gyroscope | None = None
+    period: float | None = None
+
+    def options_for(self, chunk: JointRows) -> dict[str, Any]:
+        """Options of `Odometry` for a log that begins so: the longer a row's mean, the less white noise."""
+        options, known = dict(self.options), self.gyroscope
+        if known is None or chunk.yaw_rate is None:
+            return options
+        apart = float(np.median(np.diff(chunk.stamps))) if len(chunk.stamps) > 1 else self.period
+        noise = known.noise * (math.sqrt(self.period / apart) if self.period and apart else 1.0)
+        bias = {name: getattr(known, name) for name in ("bias", "bias_noise", "bias_walk")}
+        return options | {"gyroscope": Gyroscope(noise, **bias)}
 
 
 @dataclass
@@ -87,9 +104,13 @@ class Reckoned:
     lost : tuple of Stretch
         When the wheels did not say what the rover did, if the truth is known.
     evaluation : Evaluation or None
-        Against the truth, if it is known.
+        Against the truth, if it is known with headings.
+    placed : AbsoluteError or None
+        After the best rigid alignment, of what the truth follows, where that has positions alone.
     estimate, truth : ndarray, shape (n, 3)
         Poses where the truth is known, for `evaluation`.
+    gyroscope_bias : tuple of float or None
+        Of a gyroscope that was used, at the end, and how sure that is [rad/s].
     warnings : list of str
     elapsed : float
         How long it took [s].
@@ -107,8 +128,10 @@ class Reckoned:
     slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
     lost: tuple[Stretch, ...] = ()
     evaluation: Evaluation | None = None
+    placed: AbsoluteError | None = None
     estimate: Floats = field(default_factory=lambda: np.empty((0, 3)))
     truth: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    gyroscope_bias: tuple[float, float] | None = None
     warnings: list[str] = field(default_factory=list)
     elapsed: float = 0.0
     _trace: Trace = field(default_factory=Trace)
@@ -140,6 +163,12 @@ REMARKS = {
 }
 
 
+UNUSED = (
+    "the gyroscope is not used, for nobody said what it errs by: "
+    "the key gyroscope of a parameter file does, as six-wheel calibrate writes it"
+)
+
+
 class _Run:
     """A log on its way through odometry: what one chunk hands to the next."""
 
@@ -149,14 +178,15 @@ class _Run:
         self._options = options
         self._gains, self._scale = corrections(log.rover, options.encoders)
         self.result = Reckoned(log.path.name, log.rover)
-        self._odometry = Odometry(log.rover, settings.noise, **settings.options)
-        self._odometry.reset(settings.start)
+        self._settings = settings
+        self._odometry: Odometry | None = None  # until it is known what the log holds
         self._last = np.array(settings.start)
         self._begin: float | None = None
         self._slip = SlipSum()
         self._known: list[tuple[Floats, Floats, Floats]] = []
         self._own: list[tuple[Floats, Floats]] = []
         self._reckoned: list[tuple[Floats, Floats]] = []
+        self._places: list[tuple[Floats, Floats]] = []
         self._used = 0
 
     def units(self) -> dict[str, str]:
@@ -174,8 +204,13 @@ class _Run:
     def advance(self, chunk: JointRows, truth: Truth | None) -> list[NDArray[Any]]:
         """Reckon the rows of a chunk; one array (n,) for each of `units`."""
         result = self.result
+        if self._odometry is None:
+            options = self._settings.options_for(chunk)
+            self._odometry = Odometry(self.log.rover, self._settings.noise, **options)
+            self._odometry.reset(self._settings.start)
         steering = None if chunk.steering is None else chunk.steering * self._gains
-        track = self._reckon(chunk, steering, chunk.wheel_angles * self._scale)
+        track = self._reckon(self._odometry, chunk, steering, chunk.wheel_angles * self._scale)
+        result.gyroscope_bias = self._odometry.gyroscope_bias
         covariances, residuals = track.covariances, track.residuals
         if covariances is None or residuals is None:
             raise RuntimeError("a track without covariances or residuals")  # they were not declined
@@ -195,16 +230,18 @@ class _Run:
         times = self._times(chunk.stamps)
         return [times, chunk.rows, *track.poses.T, *track.twists.T, *upper, *residuals.T, health]
 
-    def _reckon(self, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
+    def _reckon(self, odometry: Odometry, chunk: JointRows, steering: Floats | None, angles: Floats) -> Track:
         """The track of a chunk; into the record as well, if there is one."""
+        rates = None if odometry.gyroscope_bias is None else chunk.yaw_rate
         if self.record is None:
-            return self._odometry.run(steering, angles, chunk.stamps)
+            return odometry.run(steering, angles, chunk.stamps, yaw_rate=rates)
         parts, covariances = [], []
         for k in range(len(chunk.stamps)):  # row by row: only a state has the covariance of the twist
             row = slice(k, k + 1)
             steered = None if steering is None else steering[row]
-            parts.append(self._odometry.run(steered, angles[row], chunk.stamps[row]))
-            state = self._odometry.state
+            rate = None if rates is None else rates[row]
+            parts.append(odometry.run(steered, angles[row], chunk.stamps[row], yaw_rate=rate))
+            state = odometry.state
             covariances.append((state.covariance_6x6(), state.twist_covariance_6x6()))
         track = _joined(parts)
         self.record.write(chunk, track, covariances)
@@ -218,8 +255,22 @@ class _Run:
             self._reckoned.append((chunk.stamps, poses))
             return
         wanted = chunk.truth if truth is None else truth.at(chunk.stamps)
+        if truth is not None and wanted is not None and not truth.has_headings:
+            there = np.isfinite(wanted[:, 0])
+            self._places.append((poses[there], wanted[there]))
+            return
         if wanted is not None and (there := np.isfinite(wanted).all(axis=1)).any():
             self._known.append((chunk.stamps[there], poses[there], wanted[there]))
+
+    def _place(self) -> None:
+        """The track of what the truth follows, against positions alone."""
+        estimate, wanted = (np.concatenate(part) for part in zip(*self._places, strict=True))
+        if len(estimate) < 2:
+            return
+        seen = joined(estimate, self._options.sensor)
+        wanted = np.column_stack((wanted[:, :2], np.zeros(len(wanted))))
+        wanted[:, 2] = align(seen, wanted)[:, 2]  # nobody knows it: it counts as right
+        self.result.placed = absolute_error(seen, wanted, "se2")
 
     def _compare(self) -> None:
         """What was kept for the end."""
@@ -258,6 +309,8 @@ class _Run:
             by_reader.setdefault(reason, Count()).add(rows)
         result.left_out = by_reader | result.left_out
         result.warnings += self.log.warnings
+        if self.log.has_gyroscope and self._settings.gyroscope is None:
+            result.warnings.append(f"{path}: {UNUSED}")
         if self._used < 2:
             reasons = [f"; {reason}: {count}" for reason, count in result.left_out.items()]
             why = "".join([*reasons, *(f"; {warning}" for warning in self.log.warnings)])
@@ -269,7 +322,9 @@ class _Run:
         if self._known:
             stamps, result.estimate, result.truth = map(np.concatenate, zip(*self._known, strict=True))
             result.lost = lost_stretches(stamps, result.estimate, result.truth, reach(result.rover))
-        if truth is not None and len(result.truth) < 2:
+        if self._places:
+            self._place()
+        if truth is not None and len(result.truth) < 2 and result.placed is None:
             ours = (
                 f"{self._begin:g} to {self._begin + result.duration:g} s" if self._begin is not None else ""
             )
@@ -377,9 +432,6 @@ def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) 
             f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
         )
     try:
-        truth = Truth(stamps, poses)
-        if not truth.has_headings:
-            raise ValueError("the truth must have headings to judge a track by, got positions alone")
-        return options.of_body(truth)
+        return options.of_body(Truth(stamps, poses))
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None

@@ -29,6 +29,12 @@ def facts(result: Reckoned) -> Rows:
     out = [f"{reason}: {count}" for reason, count in result.left_out.items()]
     rows.append(("rows left out", "\n".join(out) if out else "none"))
     rows += [(REMARKS[flag], str(count)) for flag, count in result.flags.items()]
+    if result.placed is not None:
+        said = f"{result.placed.rmse:.4f} m after the best alignment: positions alone tell no heading"
+        rows.append(("ATE", said))
+    if result.gyroscope_bias is not None:
+        bias, spread = result.gyroscope_bias
+        rows.append(("gyroscope", f"its bias at the end {bias:.3g} ± {spread:.2g} rad/s"))
     return rows
 
 

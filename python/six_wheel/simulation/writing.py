@@ -216,6 +216,7 @@ class Messages:
         self._write(
             "sensor_msgs/msg/Imu",
             stamp,
+            BODY,
             orientation=self._quaternion(upright(0.0)),
             orientation_covariance=unknown,
             angular_velocity=turning,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from six_wheel.drive.abilities import Bound
     from six_wheel.urdf import Robot
 
-GROUPS = ("encoders", "steering_encoders", "odometry", "truth")
+GROUPS = ("encoders", "steering_encoders", "odometry", "gyroscope", "truth")
 GUESSED = (
     "a guess, wide on purpose: slip of {slip:g} m per root m both ways; `six-wheel calibrate` measures it"
 )

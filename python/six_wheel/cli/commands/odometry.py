@@ -213,4 +213,7 @@ def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
         options["dimensions"] = dimensions.tolist()  # whose text a journal keeps
     options |= {"method": "robust"} if given["robust"] else {}
     options |= {"inflate": True} if given["inflate"] else {}
-    return Settings(Noise(**noise), options, given["start"])
+    known, period = None, None
+    if chosen.parameters:
+        known, period = chosen.parameters.known_gyroscope, chosen.parameters.gyroscope.get("period")
+    return Settings(Noise(**noise), options, given["start"], known, period)

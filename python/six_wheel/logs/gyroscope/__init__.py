@@ -1,0 +1,1 @@
+"""A gyroscope in a log: `sources` are its columns or messages, `rates` what it says at the rows."""

@@ -1,0 +1,344 @@
+"""A gyroscope in logs on disk: columns and messages, how it sits, its own stamps, gaps, what commands do."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("rosbags", reason='needs pip install "six-wheel[bags]"')
+
+import itertools
+
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from six_wheel.logs import JointLog, TableError, read_log
+from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
+from six_wheel.logs.gyroscope.sources import rate_columns
+from six_wheel.logs.opening import LogOptions
+from six_wheel.simulation import write_log
+from tests.cli_runs import Run
+
+CART = sw.Rover.differential(0.5, 0.1)
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+TYPES = STORE.types
+
+
+def simulated(seed: int = 1, **options: Any) -> sw.Log:
+    """Rest, a way that winds, rest: 30 s."""
+    times = np.arange(0.0, 31.0)
+    twists = np.stack((0.3 + 0 * times, 0 * times, 0.8 * np.sin(times)), axis=-1)
+    twists[:4] = twists[-4:] = 0.0
+    return sw.simulate(CART, (times, twists), gyroscope=sw.Gyroscope(0.002), rate=20.0, seed=seed, **options)
+
+
+# --- what a row gets -----------------------------------------------------------------------------------
+
+
+def test_no_turn_is_lost_between_two_rates() -> None:
+    """The trapezium over rows sums to what was integrated between the first row and the last."""
+    random = np.random.default_rng(1)
+    stamps = np.sort(random.uniform(0.0, 10.0, 1000))
+    rates = np.sin(stamps) + random.normal(0.0, 0.1, 1000)
+    rows = np.linspace(0.5, 9.5, 91) + random.uniform(-0.02, 0.02, 91)
+    whole = Turning(iter([(stamps, rates)])).rates(edges_of(rows, None, None))
+    turned = float(((whole[1:] + whole[:-1]) / 2.0 * np.diff(rows)).sum())
+    (mean,) = Turning(iter([(stamps, rates)])).rates(rows[[0, -1]])
+    assert turned == pytest.approx(mean * (rows[-1] - rows[0]), rel=1e-12)
+    # In pieces of any length it is the same to the rounding of sums that begin elsewhere.
+    pieces = Turning((stamps[k : k + 7], rates[k : k + 7]) for k in range(0, 1000, 7))
+    cuts = [0, 1, 2, 30, 31, 91]
+    found = []
+    for first, last in itertools.pairwise(cuts):
+        before = rows[first - 1] if first else None
+        found.append(pieces.rates(edges_of(rows[first:last], before, rows[last] if last < 91 else None)))
+    np.testing.assert_allclose(np.concatenate(found), whole, atol=1e-11)
+
+
+def test_readings_at_the_rows_stay_what_they_are() -> None:
+    stamps, rates = np.cumsum(np.full(50, 0.02)), np.random.default_rng(2).normal(size=50)
+    found = Turning(iter([(stamps, rates)])).rates(edges_of(stamps, None, None))
+    np.testing.assert_allclose(found, rates, rtol=1e-10, atol=1e-12)
+
+
+def test_nothing_is_made_up_across_a_gap_and_beyond_the_ends() -> None:
+    stamps = np.concatenate((np.arange(1.0, 3.0, 0.01), np.arange(3.6, 5.0, 0.01)))
+    rows = np.arange(0.0, 6.0, 0.1)
+    found = Turning(iter([(stamps, np.ones_like(stamps))])).rates(edges_of(rows, None, None))
+    known = (rows > 1.04) & (rows < 4.95) & ~((rows > 2.93) & (rows < 3.66))
+    np.testing.assert_array_equal(np.isfinite(found), known)
+    np.testing.assert_allclose(found[known], 1.0)
+    short = np.concatenate((np.arange(1.0, 3.0, 0.01), np.arange(3.4, 5.0, 0.01)))  # less than half a second
+    found = Turning(iter([(short, np.ones_like(short))])).rates(edges_of(rows[15:45], None, None))
+    assert np.isfinite(found).all()
+    assert np.isnan(Turning(iter([])).rates(np.array([0.0, 1.0]))).all()
+
+
+def test_how_it_sits_is_that_of_a_rotation() -> None:
+    roll, pitch = 0.3, -0.4
+    about_x = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
+    about_y = np.array(
+        [[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]]
+    )
+    np.testing.assert_allclose(upward(roll, pitch), (about_y @ about_x)[2], atol=1e-15)
+
+
+# --- tables --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("headers", "found"),
+    [
+        (["time", "yaw_rate"], {"rate": (1, "rad/s")}),
+        (["time", "yaw rate [deg/s]", "angular_velocity_z"], {"rate": (1, "deg/s")}),
+        (["imu/angular_velocity/z"], {"rate z": (0, "rad/s")}),
+        (["gyro_x", "gyro_z"], {"rate x": (0, "rad/s"), "rate z": (1, "rad/s")}),
+        (["omega", "wz", "gyro_x"], {}),  # a command's, an odometry's, or none about z
+    ],
+)  # fmt: skip
+def test_which_columns_are_a_gyroscope(headers: list[str], found: dict[str, tuple[int, str]]) -> None:
+    columns = rate_columns(headers)
+    assert {name: (column.index, column.unit.symbol) for name, column in columns.items()} == found
+    assert rate_columns(["yaw_rate"], {0: "deg/s"})["rate"].unit.symbol == "deg/s"
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet", ".mcap"])
+def test_what_was_written_is_read(tmp_path: Path, ending: str) -> None:
+    log, path = simulated(), tmp_path / f"log{ending}"
+    write_log(log, CART, path)
+    back, reader = read_log(path, CART)
+    assert reader.warnings == []
+    # A bag has stamps in whole nanoseconds, and a row is a mean over a twentieth of a second of them.
+    np.testing.assert_allclose(back.yaw_rate, log.yaw_rate, rtol=1e-6, atol=1e-8)
+    with JointLog(path, CART) as opened:
+        parts = np.concatenate([part.yaw_rate for part in opened.chunks(37)])
+    np.testing.assert_allclose(parts, back.yaw_rate, atol=1e-10)
+
+
+def test_a_clock_of_its_own_a_scale_and_a_tilt_are_taken_off(tmp_path: Path) -> None:
+    stamps = np.arange(0.0, 20.0, 0.02)
+    turned = np.stack((stamps, stamps), axis=-1)
+
+    def rate(times: np.ndarray) -> np.ndarray:
+        return np.sin(times)
+
+    up = upward(0.3, -0.4)
+    axes = rate(stamps - 0.1)[:, None] * up / 1.02
+    columns = np.column_stack((stamps, turned, axes))
+    header = "time,left [rad],right [rad],gyro_x,gyro_y,gyro_z"
+    np.savetxt(tmp_path / "log.csv", columns, delimiter=",", header=header, comments="", fmt="%.12g")
+    keys = {"roll": 0.3, "pitch": -0.4, "scale": 1.02, "time_offset": 0.1}
+    log, _ = read_log(tmp_path / "log.csv", CART, LogOptions(gyroscope=keys))
+    there = np.isfinite(log.yaw_rate)
+    assert (log.stamps[~there] > 19.8).all()
+    # Means over 0.02 s of what bends by its second derivative: 0.02² / 24, and rounding of columns.
+    np.testing.assert_allclose(log.yaw_rate[there][1:], rate(log.stamps[there][1:]), atol=1e-4)
+    np.savetxt(tmp_path / "z.csv", columns[:, [0, 1, 2, 5]], delimiter=",", comments="",
+               header="time,left [rad],right [rad],gyro_z")  # fmt: skip
+    with pytest.raises(TableError, match=r"gyroscope.roll and gyroscope.pitch need the rates about all axes"):
+        read_log(tmp_path / "z.csv", CART, LogOptions(gyroscope={"roll": 0.3}))
+
+
+def test_a_reading_that_lacks_costs_no_row(tmp_path: Path) -> None:
+    rows = [
+        "time,left [rad],right [rad],yaw_rate [deg/s]",
+        "0,0,0,90",
+        "0.1,1,1,",
+        "0.2,2,2,nan",
+        "0.3,3,3,45",
+    ]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    log, reader = read_log(tmp_path / "log.csv", CART)
+    np.testing.assert_allclose(log.yaw_rate, (np.pi / 2, np.nan, np.nan, np.pi / 4))
+    assert not reader.findings.rows
+
+
+# --- bags ----------------------------------------------------------------------------------------------
+
+
+def make(kind: str, /, **fields: Any) -> Any:
+    return TYPES[kind](**fields)
+
+
+def header(stamp: float, frame: str) -> Any:
+    second, nanosecond = divmod(round(stamp * 1e9), 10**9)
+    time = make("builtin_interfaces/msg/Time", sec=second, nanosec=nanosecond)
+    return make("std_msgs/msg/Header", stamp=time, frame_id=frame)
+
+
+def quaternion(turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)) -> Any:
+    return make("geometry_msgs/msg/Quaternion", **dict(zip("xyzw", turn, strict=True)))
+
+
+def vector(numbers: Any) -> Any:
+    x, y, z = map(float, numbers)
+    return make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
+
+
+def imu(stamp: float, rates: Any, frame: str = "imu_link", known: bool = True) -> Any:
+    none = np.zeros(9)
+    none[0] = -1.0
+    return make(
+        "sensor_msgs/msg/Imu", header=header(stamp, frame), orientation=quaternion(),
+        orientation_covariance=none, angular_velocity=vector(rates),
+        angular_velocity_covariance=np.zeros(9) if known else none,
+        linear_acceleration=vector((0, 0, 9.8)), linear_acceleration_covariance=np.zeros(9),
+    )  # fmt: skip
+
+
+def chain(*links: tuple[str, str, tuple[float, ...]]) -> Any:
+    """Transforms that stay: child, parent and quaternion."""
+    stamped = [
+        make(
+            "geometry_msgs/msg/TransformStamped", header=header(0.0, parent), child_frame_id=child,
+            transform=make("geometry_msgs/msg/Transform", translation=vector((0.1, 0, 0.2)),
+                           rotation=quaternion(turn)),
+        )
+        for child, parent, turn in links
+    ]  # fmt: skip
+    return make("tf2_msgs/msg/TFMessage", transforms=stamped)
+
+
+def bag(path: Path, *more: tuple[str, float, Any]) -> Path:
+    """Joint states of two wheels at 20 Hz for 10 s, and other messages."""
+    nothing = np.empty(0)
+    messages: list[tuple[str, float, Any]] = [
+        ("/joint_states", t, make("sensor_msgs/msg/JointState", header=header(t, ""),
+                                  name=["left_wheel_joint", "right_wheel_joint"],
+                                  position=np.array([t, t]), velocity=nothing, effort=nothing))
+        for t in np.arange(0.0, 10.0, 0.05).tolist()
+    ]  # fmt: skip
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connections: dict[str, Any] = {}
+        for topic, stamp, message in sorted([*messages, *more], key=lambda one: one[1]):
+            kind = message.__msgtype__
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=STORE)
+            writer.write(connections[topic], round(stamp * 1e9), STORE.serialize_cdr(message, kind))
+    return path
+
+
+TIMES = np.arange(0.0, 10.1, 0.005)
+HALF = math.sqrt(0.5)
+
+
+def test_a_sensor_that_hangs_is_turned_by_the_transforms(tmp_path: Path) -> None:
+    """On its side, on a plate that lies upside down: its y is down, the rover's z is its -y."""
+    links = chain(("plate", "base_link", (1.0, 0.0, 0.0, 0.0)), ("imu_link", "plate", (HALF, 0.0, 0.0, HALF)))
+    rates = [("/imu/data", t, imu(t, (9.0, -math.sin(t), 9.0))) for t in TIMES.tolist()]
+    log, reader = read_log(bag(tmp_path / "bag", ("/tf_static", 0.0, links), *rates), CART)
+    assert reader.warnings == []
+    np.testing.assert_allclose(log.yaw_rate[1:-1], np.sin(log.stamps[1:-1]), atol=1e-3)  # means of 0.05 s
+    level = LogOptions(gyroscope={"roll": 0.0})  # which has the last word
+    assert read_log(tmp_path / "bag", CART, level)[0].yaw_rate[50] == pytest.approx(9.0)
+
+
+def test_what_is_not_known_of_how_it_sits_is_said(tmp_path: Path) -> None:
+    rates = [("/imu", t, imu(t, (0.0, 0.0, 0.5))) for t in TIMES.tolist()]
+    log, reader = read_log(bag(tmp_path / "bag", *rates), CART)
+    np.testing.assert_allclose(log.yaw_rate, 0.5)
+    (said,) = reader.warnings
+    assert "no transform tells how imu_link of /imu sits in the rover: its z is taken for the rover's" in said
+    assert read_log(tmp_path / "bag", CART, LogOptions(gyroscope={"roll": 0.0}))[1].warnings == []
+    assert read_log(tmp_path / "bag", CART, LogOptions(frame="imu_link"))[1].warnings == []
+
+
+def test_which_of_several(tmp_path: Path) -> None:
+    without = [("/camera/accel", t, imu(t, (0, 0, 0), known=False)) for t in TIMES.tolist()]
+    one = [("/one", t, imu(t, (0, 0, 0.1), "base_link")) for t in TIMES.tolist()]
+    two = [("/two", t, imu(t, (0, 0, 0.2), "base_link")) for t in TIMES.tolist()]
+    log, _ = read_log(bag(tmp_path / "bag", *without, *one), CART)  # an accelerometer has no angular velocity
+    np.testing.assert_allclose(log.yaw_rate, 0.1)
+    log, reader = read_log(bag(tmp_path / "both", *one, *two), CART)
+    assert log.yaw_rate is None
+    assert "2 topics have angular velocities, /one, /two: none is read" in reader.warnings[0]
+    log, _ = read_log(tmp_path / "both", CART, LogOptions(gyroscope={"topic": "/two"}))
+    np.testing.assert_allclose(log.yaw_rate, 0.2)
+    with pytest.raises(TableError, match=r"gyroscope.topic must be one of /one, /two \(Imu\), got /three"):
+        read_log(tmp_path / "both", CART, LogOptions(gyroscope={"topic": "/three"}))
+
+
+def test_messages_that_lack_leave_rows_without(tmp_path: Path) -> None:
+    kept = TIMES[(TIMES < 4.0) | (TIMES > 5.0)]
+    rates = [("/imu", t, imu(t, (0, 0, 0.5), "base_link")) for t in kept.tolist()]
+    log, _ = read_log(bag(tmp_path / "bag", *rates), CART)
+    lost = (log.stamps > 3.95) & (log.stamps < 5.05)
+    np.testing.assert_array_equal(np.isnan(log.yaw_rate), lost)
+
+
+# --- what commands do with it ----------------------------------------------------------------------------
+
+
+def test_the_file_of_a_calibration_makes_odometry_use_the_gyroscope(run: Run) -> None:
+    """The wheels slip sideways in every turn; the gyroscope knows, its bias of 0.03 rad/s taken off."""
+    pytest.importorskip("scipy")
+    slip = sw.Noise(0.0, 0.0, slip=0.03)
+    for seed in range(3):
+        log = simulated(seed, noise=slip)
+        write_log(log, CART, f"run{seed}.csv")
+    Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\n")
+    code, out, err = run("odometry", "cart.yaml", "run0.csv")
+    assert code == 0, err
+    assert "the gyroscope is not used, for nobody said what it errs by" in err
+    assert "its bias at the end" not in out
+    find = ("--parameters", "wheel_radius,track_width", "-o", "found.yaml")
+    code, _, err = run("calibrate", "cart.yaml", "run1.csv", "run2.csv", *find)
+    assert code == 0, err
+    text = Path("found.yaml").read_text()
+    assert "gyroscope:" in text
+    found = sw.parameters.read_parameters("found.yaml")
+    assert found.known_gyroscope.noise == pytest.approx(0.002, rel=0.2)  # 250 readings at rest: 5 %
+    assert found.gyroscope["period"] == pytest.approx(0.05)
+    code, out, err = run("odometry", "found.yaml", "run0.csv", "-o", "track.csv")
+    assert code == 0, err
+    assert "its bias at the end" in out
+    assert "not used" not in err
+    header = Path("track.csv").read_text().partition("\n")[0].split(",")
+    end = np.genfromtxt("track.csv", delimiter=",", skip_header=1)[-1]
+    names = [name.partition(" ")[0] for name in header]
+    truth = simulated(0, noise=slip).truth.poses[-1]
+    error = abs(end[names.index("yaw")] - truth[2])
+    deviation = math.sqrt(end[names.index("covariance_yaw_yaw")])
+    alone = sw.dead_reckon(CART, (same := simulated(0, noise=slip)).steering, same.wheel_angles, same.stamps)
+    assert error < 4.0 * deviation < 0.2
+    assert error < abs(alone.poses[-1, 2] - truth[2])
+
+
+def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> None:
+    pytest.importorskip("scipy")
+    log = simulated(5)
+    columns = np.column_stack((log.stamps[2:], log.wheel_angles[2:], log.yaw_rate[:-2]))  # 0.1 s late
+    header = "time,left [rad],right [rad],yaw_rate"
+    np.savetxt("log.csv", columns, delimiter=",", header=header, comments="", fmt="%.12g")
+    Path("cart.yaml").write_text("kind: differential\ntrack_width: 0.48\nwheel_radius: 0.1\n")
+    find = ("--parameters", "track_width,time_offset", "-o", "found.yaml")
+    code, out, err = run("calibrate", "cart.yaml", "log.csv", *find)
+    assert code == 0, err
+    assert "a gyroscope alone tells turns and no distances" in " ".join(out.split())
+    found = sw.parameters.read_parameters("found.yaml")
+    assert found.gyroscope["time_offset"] == pytest.approx(0.1, abs=0.01)
+    assert not found.truth
+    assert found.rover.wheels[0].y == pytest.approx(0.25, rel=0.01)
+    code, _, err = run(
+        "calibrate", "found.yaml", "log.csv", "--parameters", "time_offset", "-o", "again.yaml"
+    )
+    assert code == 0, err
+    again = sw.parameters.read_parameters("again.yaml")
+    assert again.gyroscope["time_offset"] == pytest.approx(found.gyroscope["time_offset"], abs=5e-3)
+
+
+@pytest.mark.parametrize("ending", [".csv", ".mcap"])
+def test_reading_in_chunks_is_reckoned_alike(run: Run, ending: str) -> None:
+    write_log(simulated(), CART, f"log{ending}")
+    Path("cart.yaml").write_text(
+        "kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\ngyroscope: {noise: 0.002, period: 0.05}\n"
+    )
+    for rows, name in (("65536", "one.csv"), ("50", "many.csv")):
+        assert run("odometry", "cart.yaml", f"log{ending}", "-o", name, "--chunk-rows", rows)[0] == 0
+    one, many = (np.genfromtxt(name, delimiter=",", skip_header=1) for name in ("one.csv", "many.csv"))
+    np.testing.assert_allclose(many, one, atol=1e-9)
