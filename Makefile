@@ -10,7 +10,7 @@ SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
 	core/boundary/test_memory.py core/door/test_storm.py core/laws/test_profiles.py core/laws/test_transitions.py \
 	core/laws/test_controller.py cli/test_exit.py odometry calibration ground/test_bounds.py \
-	ground/test_touching.py ground/test_mujoco.py)
+	ground/test_touching.py ground/test_mujoco.py ground/test_growth.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize

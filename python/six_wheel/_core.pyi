@@ -1135,6 +1135,7 @@ class Suspension:
         centre_of_mass: ArrayLike | None = None,
         gravity: float = 9.80665,
         belly: tuple[float, float, float, float] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
     ) -> Stability: ...
 
@@ -1294,6 +1295,7 @@ class RockerBogie(Suspension):
         map_error: float = 0.0,
         belly: tuple[float, float, float, float] | None = None,
         within: tuple[float, float, float] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: str | None = None,
     ) -> Bounds: ...
@@ -1305,6 +1307,7 @@ class RockerBogie(Suspension):
         *,
         map_error: float = 0.0,
         belly: tuple[float, float, float, float] | None = None,
+        out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
     ) -> Feasible: ...
     def urdf(self, name: str = "rover") -> str: ...

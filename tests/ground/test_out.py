@@ -42,6 +42,19 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, tuple[int, ...]]]] = {
         lambda **how: ARM.slip(STAND, TOLD.speeds, MOTION.twist, MOTION.joint_rates, **how),
         {"ratio": (6,), "angle": (6,)},
     ),
+    "bounds": (
+        lambda **how: ARM.bounds(GROUND, POSES, **how),
+        dict.fromkeys(("z", "roll", "pitch", "tilt", "clearance", "rocker"), (2,))
+        | {"bogies": (2, 2), "wheel_drop": (2,)},
+    ),
+    "feasible": (
+        lambda **how: ARM.feasible(GROUND, POSES, **how),
+        {"margin": (), "tilt": (), "clearance": ()},
+    ),
+    "stability": (
+        lambda **how: ARM.stability(STAND, mass=1025.0, **how),
+        {"loads": (6,), "tip_over_angle": (), "clearance": (), "joint_margins": (3,), "tilt": ()},
+    ),
     "height": (lambda **how: SimpleNamespace(all=GROUND.height(XY, **how)), {"all": ()}),
     "gradient": (lambda **how: SimpleNamespace(all=GROUND.gradient(XY, **how)), {"all": (2,)}),
     "normal": (lambda **how: SimpleNamespace(all=GROUND.normal(XY, **how)), {"all": (3,)}),
@@ -122,6 +135,14 @@ def test_what_is_read_is_not_written() -> None:
     plane = np.zeros((COUNT, 4))
     with pytest.raises(ValueError, match="^out must not overlap the input"):
         GROUND.gradient(plane[:, :2], out=plane[:, 1:3])
+    poses, margins = np.array(POSES), np.zeros((COUNT, 2))
+    with pytest.raises(ValueError, match=r"^out\[1\] must not overlap the input"):
+        ARM.bounds(GROUND, poses, out=(None, poses[:, 1:]))
+    with pytest.raises(ValueError, match=r"^out\[0\] must not overlap the input"):
+        ARM.bounds(GROUND, poses, margins[:, 0], out=(margins,))
+    with pytest.raises(ValueError, match=r"^out\[2\] must not overlap the input"):
+        ARM.feasible(GROUND, poses, out=(None, None, poses[:, 2]))
+    np.testing.assert_array_equal(poses, POSES)
     np.testing.assert_array_equal(speeds, TOLD.speeds)
 
 
@@ -163,5 +184,37 @@ def test_one_pose() -> None:
     np.testing.assert_array_equal(plain[-1], speeds)
     assert len(plain) == 2
     assert repr(plain).startswith("GroundCommand(steering=array(")
+    outs = (np.empty(()), np.empty(()), np.empty(()))
+    safe = ARM.feasible(GROUND, POSES[0], out=outs)
+    assert safe.clearance is outs[2]
+    assert ARM.feasible(GROUND, POSES[0]).clearance == outs[2]
+    assert isinstance(ARM.feasible(GROUND, POSES[0], out=outs[:2]).clearance, float)
+    tipping = np.empty(())
+    assert ARM.stability(stand, mass=1.0, out=(None, tipping)).tip_over_angle is tipping
+    assert isinstance(ARM.stability(stand, mass=1.0).tip_over_angle, float)
+    pitch = np.empty(2)
+    assert ARM.bounds(GROUND, POSES[0], out=(None, None, pitch)).pitch is pitch
     twist = np.empty(6)
     assert ARM.forward(stand, None, speeds, out=twist).twist is twist
+
+
+@pytest.mark.parametrize("kernel", sw.kernels())
+def test_rows_that_are_not_known_are_nan_in_the_given_arrays_too(kernel: str) -> None:
+    """Whatever they held: poses off the map, and rows in any order among others."""
+    poses = np.array(POSES)
+    poses[::3, 0] = -50.0
+    fresh = ARM.bounds(GROUND, poses, kernel=kernel)
+    widths = CALLS["bounds"][1]
+    ARM.bounds(GROUND, poses, kernel=kernel, out=(outs := rooms(widths)))
+    for name, out in zip(widths, outs, strict=True):
+        assert np.isnan(out[::3]).all()
+        np.testing.assert_array_equal(out, getattr(fresh, name))
+    widths = CALLS["stability"][1]
+    ARM.stability(ARM.settle(GROUND, poses), mass=1025.0, out=(outs := rooms(widths)))
+    for out in outs:
+        assert np.isnan(out[::3]).all()
+    ARM.feasible(GROUND, poses, out=(outs := rooms(CALLS["feasible"][1])))
+    for out in outs:
+        assert np.isnan(out[::3]).all()
+    plain = ARM.bounds(GROUND, poses, kernel="plain")
+    np.testing.assert_array_equal(fresh.bogies, plain.bogies)

@@ -16,7 +16,7 @@ mod boxes;
 mod feasible;
 mod kernel;
 mod margins;
-mod pyramid;
+pub(crate) mod pyramid;
 mod side;
 mod stability;
 mod stand;

@@ -4,6 +4,7 @@ mod array;
 mod broadcast;
 mod input;
 pub mod memory;
+mod out;
 mod output;
 mod scalars;
 mod strided;
@@ -24,6 +25,7 @@ use six_wheel_core::{Error, ErrorKind};
 pub use array::{read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joint, named, together};
 pub use input::{Blocks, Rows, numbers};
+pub use out::Out;
 pub use output::{Asked, Output, Precision, scalar_or_array};
 pub use scalars::Scalars;
 

@@ -1,7 +1,6 @@
 //! Motion of a suspension on the ground it stands on: `inverse`, `forward`, `slip`, and `traction` without a map.
 
 mod motion;
-mod out;
 mod quick;
 mod slip;
 mod stand;

@@ -8,11 +8,10 @@ use six_wheel_core::moving::{
 };
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::out::Out;
 use super::stand::Stands;
 use super::{array, done};
 use crate::batch::any_workers;
-use crate::convert::{Output, Rows, compute, joined, number, raise, refuse, shape_text};
+use crate::convert::{Out, Output, Rows, compute, joined, number, raise, refuse, shape_text};
 use crate::given;
 use crate::suspension::Suspension;
 

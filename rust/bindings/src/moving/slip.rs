@@ -4,10 +4,9 @@ use pyo3::prelude::*;
 use six_wheel_core::moving::{SlipTest, Slips, slip_rows};
 
 use super::done;
-use super::out::Out;
 use super::stand::Stands;
 use crate::batch::any_workers;
-use crate::convert::{Output, Rows, compute, joined, raise, refuse};
+use crate::convert::{Out, Output, Rows, compute, joined, raise, refuse};
 use crate::given;
 use crate::suspension::Suspension;
 

@@ -5,10 +5,9 @@ use pyo3::types::PyFloat;
 use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_core::suspension::MAX_WHEELS;
 
-use super::out::Out;
 use super::{array, done};
 use crate::batch::any_workers;
-use crate::convert::{Rows, Scalars, compute, joined, memory, raise, refuse, scalar_or_array};
+use crate::convert::{Out, Rows, Scalars, compute, joined, memory, raise, refuse, scalar_or_array};
 use crate::given;
 use crate::suspension::Suspension;
 

@@ -1,7 +1,5 @@
 //! `RockerBogie.bounds`.
 
-use numpy::ndarray::IxDyn;
-use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_core::Error;
@@ -10,7 +8,7 @@ use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Pl
 use super::RockerBogie;
 use crate::batch::any_workers;
 use crate::convert::{
-    Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together,
+    Out, Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together,
 };
 use crate::given;
 use crate::terrain::Terrain;
@@ -85,6 +83,27 @@ fn members(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<
     let codes = scalar_or_array(py, codes, leading)?;
     let module = py.import("six_wheel.bounding")?;
     module.call_method1("statuses", (codes,)).map(Bound::unbind)
+}
+
+/// What `out=` takes, in this order.
+const RESULTS: [&str; 8] = [
+    "z",
+    "roll",
+    "pitch",
+    "tilt",
+    "clearance",
+    "rocker",
+    "bogies",
+    "wheel_drop",
+];
+
+/// Shape of one of them.
+fn shape(leading: &[usize], k: usize) -> Vec<usize> {
+    let pairs = joined(leading, 2);
+    match RESULTS[k] {
+        "bogies" => joined(&pairs, 2),
+        _ => pairs,
+    }
 }
 
 /// What is asked beside the poses.
@@ -165,6 +184,9 @@ impl RockerBogie {
     /// within : (float, float, float), optional
     ///     Largest roll or pitch, rocker and bogie angle for which the boxes cover the wheels [rad]; bounds beyond
     ///     them are not known. Default 15, 7 and 17 degrees, and where that is too narrow 25, 20 and 38.
+    /// out : tuple of ndarray, optional
+    ///     Where to write z, roll, pitch, tilt, clearance, rocker, bogies and wheel drop, in this order; what is left out,
+    ///     or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     /// kernel : str, optional
@@ -184,18 +206,19 @@ impl RockerBogie {
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
-    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, threads=None, kernel=None))]
+    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, kernel=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
-    fn bounds(
+    fn bounds<'py>(
         &self,
-        py: Python<'_>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
-        poses: &Bound<'_, PyAny>,
-        yaw_margin: Option<&Bound<'_, PyAny>>,
-        position_margin: Option<&Bound<'_, PyAny>>,
+        py: Python<'py>,
+        #[pyo3(from_py_with = given::ground)] ground: Bound<'py, Terrain>,
+        poses: &Bound<'py, PyAny>,
+        yaw_margin: Option<&Bound<'py, PyAny>>,
+        position_margin: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::map_error)] map_error: f64,
         #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
         #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
         #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bounds> {
@@ -215,11 +238,20 @@ impl RockerBogie {
         let workers = any_workers(threads, kernel)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let mut blocks = [const { Vec::new() }; core::QUANTITIES.len()];
-        for block in &mut blocks {
-            *block = memory::filled([0.0; 2], count)?;
-        }
+        let out = Out::<8>::read(out, RESULTS)?;
+        let result = |k| out.result(py, k, &shape(leading, k), false);
+        let (mut zs, mut roll, mut pitch, mut tilt) =
+            (result(0)?, result(1)?, result(2)?, result(3)?);
+        let (mut clearance, mut rocker, mut bogies, mut drop) =
+            (result(4)?, result(5)?, result(6)?, result(7)?);
+        let mut sides = [
+            memory::filled([0.0; 2], count)?,
+            memory::filled([0.0; 2], count)?,
+        ];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
+        let (z, rolls, pitches, tilts) = (zs.pairs(), roll.pairs(), pitch.pairs(), tilt.pairs());
+        let (belly, turns, drops) = (clearance.pairs(), rocker.pairs(), drop.pairs());
+        let pairs = bogies.flat().as_chunks_mut::<4>().0;
         compute(py, count.max(ground.heights().len() / 1000), || {
             let map = Ground {
                 pyramid: ground.pyramid()?,
@@ -229,7 +261,18 @@ impl RockerBogie {
                 yaw: &yaw,
                 position: &position,
             };
-            let blocks = blocks.each_mut().map(Vec::as_mut_slice);
+            let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
+            let blocks = [
+                z,
+                rolls,
+                pitches,
+                tilts,
+                belly,
+                turns,
+                &mut *left,
+                &mut *right,
+                drops,
+            ];
             core::bounds(
                 &question.plans,
                 map,
@@ -239,39 +282,23 @@ impl RockerBogie {
                 &mut status,
                 workers,
             );
+            for ((pair, left), right) in pairs.iter_mut().zip(&*left).zip(&*right) {
+                *pair = [left[0], left[1], right[0], right[1]];
+            }
             Ok(())
         })
         .map_err(|error: Error| raise(error, &[]))?;
-        let [
-            z,
-            roll,
-            pitch,
-            tilt,
-            clearance,
-            rocker,
-            left,
-            right,
-            wheel_drop,
-        ] = blocks;
-        let array = |values: Vec<f64>, shape: &[usize]| {
-            PyArray1::from_vec(py, values)
-                .reshape(IxDyn(shape))
-                .map(|array| array.into_any().unbind())
-        };
-        let pairs = joined(leading, 2);
-        let interval = |block: Vec<[f64; 2]>| array(block.into_flattened(), &pairs);
-        let bogies = left.iter().zip(&right).map(|(left, right)| [*left, *right]);
-        let bogies = memory::gathered(bogies)?.into_flattened();
+        let status = members(py, &status, leading)?;
         Ok(Bounds {
-            z: interval(z)?,
-            roll: interval(roll)?,
-            pitch: interval(pitch)?,
-            tilt: interval(tilt)?,
-            clearance: interval(clearance)?,
-            rocker: interval(rocker)?,
-            bogies: array(bogies.into_flattened(), &joined(&pairs, 2))?,
-            wheel_drop: interval(wheel_drop)?,
-            status: members(py, &status, leading)?,
+            z: out.finish(0, zs)?,
+            roll: out.finish(1, roll)?,
+            pitch: out.finish(2, pitch)?,
+            tilt: out.finish(3, tilt)?,
+            clearance: out.finish(4, clearance)?,
+            rocker: out.finish(5, rocker)?,
+            bogies: out.finish(6, bogies)?,
+            wheel_drop: out.finish(7, drop)?,
+            status,
         })
     }
 }

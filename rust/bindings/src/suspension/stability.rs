@@ -1,7 +1,5 @@
 //! `Suspension.stability` and `RockerBogie.feasible`.
 
-use numpy::ndarray::IxDyn;
-use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use six_wheel_core::bounds::{
     Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose,
@@ -12,7 +10,7 @@ use six_wheel_core::ground::Settler;
 use super::margins::{MarginSlopes, slopes};
 use super::{RockerBogie, Suspension};
 use crate::batch::any_workers;
-use crate::convert::{Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
+use crate::convert::{Out, Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
 use crate::given;
 use crate::ground::Stand;
 use crate::terrain::Terrain;
@@ -131,6 +129,9 @@ impl RockerBogie {
     ///     clearances are less by twice as much.
     /// belly : (float, float, float, float), optional
     ///     As for `bounds`.
+    /// out : tuple of ndarray, optional
+    ///     Where to write margin, tilt and clearance, in this order; what is left out, or None, is fresh. Nothing is
+    ///     written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`. Results do not depend on it.
     ///
@@ -143,16 +144,17 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If a number is not finite, a limit not positive or a shape does not fit.
-    #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, threads=None))]
+    #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, out=None, threads=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
-    fn feasible(
-        slf: &Bound<'_, Self>,
-        py: Python<'_>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
-        poses: &Bound<'_, PyAny>,
-        limits: Option<&Bound<'_, PyAny>>,
+    fn feasible<'py>(
+        slf: &Bound<'py, Self>,
+        py: Python<'py>,
+        #[pyo3(from_py_with = given::ground)] ground: Bound<'py, Terrain>,
+        poses: &Bound<'py, PyAny>,
+        limits: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::map_error)] map_error: f64,
         #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Feasible> {
         let this = slf.get();
@@ -168,26 +170,40 @@ impl RockerBogie {
             .and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
         let judge = judge.map_err(|error| raise(error, &[]))?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
+        let out = Out::<3>::read(out, ["margin", "tilt", "clearance"])?;
+        let mut outputs = [
+            out.result(py, 0, leading, false)?,
+            out.result(py, 1, leading, false)?,
+            out.result(py, 2, leading, false)?,
+        ];
         compute(py, rows.len().max(ground.heights().len() / 1000), || {
             judge.judge(rows, &mut verdicts, workers)
         })
         .map_err(|error| raise(error, &[]))?;
-        let numbers = |value: fn(&Verdict) -> f64| {
-            scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
-        };
         let truths = |value: fn(&Verdict) -> bool| {
             scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
         };
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
         let codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
         let module = py.import("six_wheel.bounding")?;
+        let reason = module.call_method1("reasons", (codes,))?.unbind();
+        let (ok, exact) = (
+            truths(|verdict| verdict.reason as u8 == 0)?,
+            truths(|verdict| verdict.exact)?,
+        );
+        let [margins, tilts, clear] = outputs.each_mut().map(|output| output.flat());
+        let rooms = margins.iter_mut().zip(tilts).zip(clear);
+        for (verdict, ((margin, tilt), clearance)) in verdicts.iter().zip(rooms) {
+            (*margin, *tilt, *clearance) = (verdict.margin, verdict.tilt, verdict.clearance);
+        }
+        let [margins, tilts, clear] = outputs;
         Ok(Feasible {
-            ok: truths(|verdict| verdict.reason as u8 == 0)?,
-            reason: module.call_method1("reasons", (codes,))?.unbind(),
-            margin: numbers(|verdict| verdict.margin)?,
-            tilt: numbers(|verdict| verdict.tilt)?,
-            clearance: numbers(|verdict| verdict.clearance)?,
-            exact: truths(|verdict| verdict.exact)?,
+            ok,
+            reason,
+            margin: out.finish(0, margins)?,
+            tilt: out.finish(1, tilts)?,
+            clearance: out.finish(2, clear)?,
+            exact,
         })
     }
 }
@@ -211,6 +227,9 @@ impl Suspension {
     ///     [m/s^2].
     /// belly : (float, float, float, float), optional
     ///     As for `RockerBogie.bounds`, which has a default; without one `clearance` is NaN.
+    /// out : tuple of ndarray, optional
+    ///     Where to write loads, tip-over angle, clearance, joint margins and tilt, in this order; what is left out, or
+    ///     None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
     ///
@@ -228,16 +247,17 @@ impl Suspension {
     ///
     /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
     /// ICRA 1996.
-    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, threads=None))]
+    #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, out=None, threads=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
-    fn stability(
-        slf: &Bound<'_, Self>,
-        py: Python<'_>,
-        #[pyo3(from_py_with = given::stand)] stand: Bound<'_, Stand>,
+    fn stability<'py>(
+        slf: &Bound<'py, Self>,
+        py: Python<'py>,
+        #[pyo3(from_py_with = given::stand)] stand: Bound<'py, Stand>,
         #[pyo3(from_py_with = given::mass)] mass: f64,
-        centre_of_mass: Option<&Bound<'_, PyAny>>,
+        centre_of_mass: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::gravity)] gravity: f64,
         #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Stability> {
         let workers = any_workers(threads, None)?;
@@ -278,15 +298,42 @@ impl Suspension {
         };
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let count = stand.stands.len();
-        let nothing = |width: usize| memory::filled(f64::NAN, count * width);
-        let (mut carried, mut margins) = (nothing(wheels)?, nothing(joints)?);
-        let (mut tipping, mut clear, mut tilts) = (nothing(1)?, nothing(1)?, nothing(1)?);
+        let leading = stand.leading.as_slice();
+        let names = [
+            "loads",
+            "tip_over_angle",
+            "clearance",
+            "joint_margins",
+            "tilt",
+        ];
+        let out = Out::<5>::read(out, names)?;
+        let number = |k| out.result(py, k, leading, false);
+        let mut carried = out.result(py, 0, &joined(leading, wheels), false)?;
+        let (mut tipping, mut clear) = (number(1)?, number(2)?);
+        let mut margins = out.result(py, 3, &joined(leading, joints), false)?;
+        let mut tilts = number(4)?;
+        let rover = slf.cast::<RockerBogie>().ok().filter(|_| stand.derivatives);
+        let by_pose = || {
+            slopes(py, stand, workers, |k| {
+                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+                margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
+            })
+        };
+        let by_dimension = |rover: &Bound<'_, RockerBogie>| {
+            let of = (chain, rover.get().0.dimensions());
+            slopes(py, stand, workers, |k| {
+                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+                margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
+            })
+        };
+        let by_pose = stand.derivatives.then(by_pose).transpose()?;
+        let by_dimension = rover.map(by_dimension).transpose()?;
         let outputs = [
-            (&mut carried[..], wheels),
-            (&mut margins, joints),
-            (&mut tipping, 1),
-            (&mut clear, 1),
-            (&mut tilts, 1),
+            (carried.flat(), wheels),
+            (margins.flat(), joints),
+            (tipping.flat(), 1),
+            (clear.flat(), 1),
+            (tilts.flat(), 1),
         ];
         compute(py, count, || {
             workers.rows(
@@ -294,6 +341,9 @@ impl Suspension {
                 outputs,
                 |k, [carried, margins, tipping, clear, tilts]| {
                     let one = &stand.stands[k];
+                    carried.fill(f64::NAN);
+                    margins.fill(f64::NAN);
+                    (tipping[0], clear[0], tilts[0]) = (f64::NAN, f64::NAN, f64::NAN);
                     let Some(placed) = stand.placed(k) else {
                         return Ok(());
                     };
@@ -315,35 +365,14 @@ impl Suspension {
             )
         })
         .map_err(|error| raise(error, &stand.leading))?;
-        let rover = slf.cast::<RockerBogie>().ok().filter(|_| stand.derivatives);
-        let by_pose = || {
-            slopes(py, stand, workers, |k| {
-                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
-                margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
-            })
-        };
-        let by_dimension = |rover: &Bound<'_, RockerBogie>| {
-            let of = (chain, rover.get().0.dimensions());
-            slopes(py, stand, workers, |k| {
-                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
-                margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
-            })
-        };
-        let leading = stand.leading.as_slice();
-        let array = |values: Vec<f64>, width: usize| {
-            let shape = joined(leading, width);
-            PyArray1::from_vec(py, values)
-                .reshape(IxDyn(&shape))
-                .map(|array| array.into_any().unbind())
-        };
         Ok(Stability {
-            loads: array(carried, wheels)?,
-            joint_margins: array(margins, joints)?,
-            tip_over_angle: scalar_or_array(py, tipping, leading)?,
-            clearance: scalar_or_array(py, clear, leading)?,
-            tilt: scalar_or_array(py, tilts, leading)?,
-            by_pose: stand.derivatives.then(by_pose).transpose()?,
-            by_dimension: rover.map(by_dimension).transpose()?,
+            loads: out.finish(0, carried)?,
+            tip_over_angle: out.finish(1, tipping)?,
+            clearance: out.finish(2, clear)?,
+            joint_margins: out.finish(3, margins)?,
+            tilt: out.finish(4, tilts)?,
+            by_pose,
+            by_dimension,
         })
     }
 }

@@ -3,12 +3,12 @@
 use pulp::{Scalar, Simd};
 
 use super::boxes::Patch;
-use super::pyramid::{Cells, NOTHING, Pyramid, Span};
+use super::pyramid::{Boxes, Pyramid, nothing};
 use super::stand::{COUNT, Interval, all};
 use super::{Knowledge, Plan};
-use crate::batch::machine::lanes::Lanes;
+use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
+use crate::batch::machine::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
 use crate::batch::machine::vector::Vector;
 use crate::batch::{Level, Workers};
 
@@ -136,7 +136,7 @@ fn store<S: Simd>(lanes: Lanes<S>, column: &mut Column) {
 
 impl Job<'_> {
     #[inline(always)]
-    fn work<S: Simd>(mut self, simd: S) {
+    fn work<S: Vector>(mut self, simd: S) {
         for first in (0..self.poses.len()).step_by(BLOCK) {
             let mut rows: [usize; BLOCK] = std::array::from_fn(|k| first + k);
             let mut count = BLOCK.min(self.poses.len() - first);
@@ -158,216 +158,229 @@ impl Job<'_> {
 
     /// The poses of as many rows as there are lanes, or fewer.
     #[inline(always)]
-    fn some<S: Simd>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
-        let mut columns = [[0.0; MOST]; 5];
-        let mut worth = [Knowledge::Bounded; MOST];
-        for lane in 0..S::F64_LANES {
-            let k = rows[lane.min(rows.len() - 1)];
-            let [x, y, yaw] = self.poses[k];
-            let near = x.abs() < FAR && y.abs() < FAR;
-            if !near {
-                worth[lane] = Knowledge::OffMap;
-            }
-            let [yaw_margin, position_margin] = self.margins.at(self.first + k);
-            let turned = if yaw.abs() > LARGEST_ANGLE {
-                yaw % std::f64::consts::TAU
-            } else {
-                yaw
-            };
-            let row = [
-                if near { x } else { 0.0 },
-                if near { y } else { 0.0 },
-                turned,
-            ];
-            let chord = chord(yaw_margin);
-            for (column, value) in
-                columns
-                    .iter_mut()
-                    .zip([row[0], row[1], row[2], chord, position_margin])
-            {
-                column[lane] = value;
-            }
-        }
-        let place = Place::new(simd, self.ground.pyramid, &columns);
-        let seen = Seen::new(simd, plan, self.ground, &place, &mut worth);
-        let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
-        let mut table = [[[0.0; MOST]; 2]; COUNT];
-        for k in 0..COUNT {
-            store(intervals[k][0], &mut table[k][0]);
-            store(intervals[k][1], &mut table[k][1]);
-        }
-        for (mask, says) in checks {
-            let mut column = [0.0; MOST];
-            store(mask.select(all(simd, 1.0), all(simd, 0.0)), &mut column);
-            for (worth, holds) in worth.iter_mut().zip(column) {
-                if holds == 0.0 && *worth == Knowledge::Bounded {
-                    *worth = says;
+    fn some<S: Vector>(&mut self, simd: S, plan: &Plan, rows: &[usize]) {
+        let apart = rows.len() < S::F64_LANES || rows[rows.len() - 1] - rows[0] >= S::F64_LANES;
+        let pose = if apart {
+            let mut columns = [[0.0; MOST]; 3];
+            for lane in 0..S::F64_LANES {
+                let pose = self.poses[rows[lane.min(rows.len() - 1)]];
+                for (column, value) in columns.iter_mut().zip(pose) {
+                    column[lane] = value;
                 }
             }
+            [
+                load(simd, &columns[0]),
+                load(simd, &columns[1]),
+                load(simd, &columns[2]),
+            ]
+        } else {
+            let poses = &self.poses[rows[0]..][..S::F64_LANES];
+            Lanes::unbraid(simd, poses.as_flattened())
+        };
+        let (zero, far) = (all(simd, 0.0), all(simd, FAR));
+        let near = pose[0].abs().below(far) & pose[1].abs().below(far);
+        let yaw = within_turns(simd, pose[2]);
+        let [chord, margin] = self.spread(simd, rows);
+        let pose = [near.select(pose[0], zero), near.select(pose[1], zero), yaw];
+        let place = Place::new(simd, self.ground.pyramid, pose, [chord, margin]);
+        let seen = Seen::new(simd, plan, self.ground, &place);
+        let (intervals, checks) = plan.stand(simd, &seen.wheels, seen.under);
+        // The first that does not hold is said, so it is looked at last.
+        let mut says = code(simd, Knowledge::Bounded);
+        for (holds, knowledge) in checks.into_iter().rev() {
+            says = holds.select(says, code(simd, knowledge));
         }
-        for (lane, &row) in rows.iter().enumerate() {
-            let bounded = worth[lane] == Knowledge::Bounded;
-            self.worth[row] = worth[lane];
-            for (block, [low, high]) in self.blocks.iter_mut().zip(&table) {
-                block[row] = if bounded {
-                    [low[lane] - ROUNDING, high[lane] + ROUNDING]
-                } else {
-                    [f64::NAN; 2]
-                };
+        says = seen.known.select(says, code(simd, Knowledge::UnknownCells));
+        says = (seen.on_map & near).select(says, code(simd, Knowledge::OffMap));
+        let bounded = says.below(all(simd, 0.5));
+        let (unknown, more) = (all(simd, f64::NAN), all(simd, ROUNDING));
+        let mut said = [0.0; MOST];
+        store(says, &mut said);
+        let worth = said.map(|says| KNOWLEDGE[says as usize % KNOWLEDGE.len()]);
+        for (row, worth) in rows.iter().zip(worth) {
+            self.worth[*row] = worth;
+        }
+        for (block, [low, high]) in self.blocks.iter_mut().zip(intervals) {
+            let interval = [
+                bounded.select(low - more, unknown),
+                bounded.select(high + more, unknown),
+            ];
+            if apart {
+                let mut ends = [[0.0; 2]; MOST];
+                Lanes::zip(interval, ends.as_flattened_mut());
+                for (row, ends) in rows.iter().zip(ends) {
+                    block[*row] = ends;
+                }
+            } else {
+                let block = &mut block[rows[0]..][..S::F64_LANES];
+                Lanes::zip(interval, block.as_flattened_mut());
             }
         }
     }
 }
 
+impl Job<'_> {
+    /// How far a point one metre from the origin goes over the interval of yaw, and how far all points go [m].
+    #[inline(always)]
+    fn spread<S: Vector>(&self, simd: S, rows: &[usize]) -> [Lanes<S>; 2] {
+        let Margins { yaw, position } = self.margins;
+        if let ([yaw], [position]) = (yaw, position) {
+            return [all(simd, chord(*yaw)), all(simd, *position)];
+        }
+        let mut columns = [[0.0; MOST]; 2];
+        for lane in 0..S::F64_LANES {
+            let row = rows[lane.min(rows.len() - 1)];
+            let [yaw, position] = self.margins.at(self.first + row);
+            (columns[0][lane], columns[1][lane]) = (chord(yaw), position);
+        }
+        [load(simd, &columns[0]), load(simd, &columns[1])]
+    }
+}
+
+/// Angles of which sines and cosines can be had.
+#[inline(always)]
+fn within_turns<S: Vector>(simd: S, yaw: Lanes<S>) -> Lanes<S> {
+    if !all(simd, LARGEST_ANGLE).below(yaw.abs()).any() {
+        return yaw;
+    }
+    let mut turned = [0.0; MOST];
+    store(yaw, &mut turned);
+    for yaw in &mut turned {
+        if yaw.abs() > LARGEST_ANGLE {
+            *yaw %= std::f64::consts::TAU;
+        }
+    }
+    load(simd, &turned)
+}
+
+/// What is known, by its number.
+const KNOWLEDGE: [Knowledge; 6] = [
+    Knowledge::Bounded,
+    Knowledge::OffMap,
+    Knowledge::UnknownCells,
+    Knowledge::Unsolved,
+    Knowledge::Beyond,
+    Knowledge::AtStop,
+];
+
+#[inline(always)]
+fn code<S: Simd>(simd: S, knowledge: Knowledge) -> Lanes<S> {
+    all(simd, f64::from(knowledge as u8))
+}
+
 /// Where the poses are, in cells of the map.
-struct Place<S: Simd> {
-    /// Cosine and sine of the heading against the map's rows, and their sizes.
-    cos: Lanes<S>,
-    sin: Lanes<S>,
-    along: Lanes<S>,
-    across: Lanes<S>,
+struct Place<S: Vector> {
     origin: [Lanes<S>; 2],
-    /// Cells per metre.
-    per_metre: [Lanes<S>; 2],
+    /// Cells along the map's rows and columns per metre ahead and per metre to the left.
+    ahead: [Lanes<S>; 2],
+    left: [Lanes<S>; 2],
+    /// How far a point one metre from the origin goes over the interval of yaw, and all points go, in cells.
+    chord: [Lanes<S>; 2],
+    margin: [Lanes<S>; 2],
     /// Number of cells.
     cells: [f64; 2],
-    /// How far a point one metre from the origin goes over the interval of yaw [m], and all points go [m].
-    chord: Lanes<S>,
-    margin: Lanes<S>,
     simd: S,
 }
 
-impl<S: Simd> Place<S> {
+impl<S: Vector> Place<S> {
     #[inline(always)]
-    fn new(simd: S, pyramid: &Pyramid, columns: &[Column; 5]) -> Self {
+    fn new(
+        simd: S,
+        pyramid: &Pyramid,
+        [x, y, yaw]: [Lanes<S>; 3],
+        [chord, margin]: [Lanes<S>; 2],
+    ) -> Self {
         let turn = pyramid.turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
-        let (sin, cos) = sin_cos(simd, load(simd, &columns[2]));
+        let (sin, cos) = sin_cos(simd, yaw);
         let (cos, sin) = (
             turned_cos * cos + turned_sin * sin,
             turned_cos * sin - turned_sin * cos,
         );
         let [x0, y0] = pyramid.origin();
-        let (x, y) = (
-            load(simd, &columns[0]) - all(simd, x0),
-            load(simd, &columns[1]) - all(simd, y0),
-        );
+        let (x, y) = (x - all(simd, x0), y - all(simd, y0));
         let [dx, dy] = pyramid.spacing();
-        let per_metre = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
-        let [columns_of_map, rows] = pyramid.cells();
+        let [across, along] = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
+        let [columns, rows] = pyramid.cells();
         Self {
-            cos,
-            sin,
-            along: cos.abs(),
-            across: sin.abs(),
             origin: [
-                (turned_cos * x + turned_sin * y) * per_metre[0],
-                (turned_cos * y - turned_sin * x) * per_metre[1],
+                (turned_cos * x + turned_sin * y) * across,
+                (turned_cos * y - turned_sin * x) * along,
             ],
-            per_metre,
-            cells: [columns_of_map as f64, rows as f64],
-            chord: load(simd, &columns[3]),
-            margin: load(simd, &columns[4]),
+            ahead: [cos * across, sin * along],
+            left: [-sin * across, cos * along],
+            chord: [chord * across, chord * along],
+            margin: [margin * across, margin * along],
+            cells: [columns as f64, rows as f64],
             simd,
         }
     }
 
-    /// The ground in a patch; lanes whose patch leaves the map say so.
+    /// The ground in a patch, and of what is in `span`; whether lanes have the patch on the map.
     #[inline(always)]
-    fn look(
-        &self,
-        pyramid: &Pyramid,
-        patch: &Patch,
-        spans: &mut [[f32; 2]; MOST],
-        worth: &mut [Knowledge; MOST],
-    ) {
+    fn look(&self, pyramid: &Pyramid, patch: &Patch, span: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let simd = self.simd;
         let (cx, cy) = (all(simd, patch.centre[0]), all(simd, patch.centre[1]));
         let (hx, hy) = (all(simd, patch.half[0]), all(simd, patch.half[1]));
-        let margin = self.chord.mul_add(all(simd, patch.reach), self.margin);
-        let middle = [
-            (self.cos * cx - self.sin * cy).mul_add(self.per_metre[0], self.origin[0]),
-            (self.sin * cx + self.cos * cy).mul_add(self.per_metre[1], self.origin[1]),
-        ];
-        let half = [
-            (self.along * hx + self.across * hy + margin) * self.per_metre[0],
-            (self.across * hx + self.along * hy + margin) * self.per_metre[1],
-        ];
-        let mut ends = [[[0.0; MOST]; 2]; 2];
-        let mut inside = [0.0; MOST];
-        let zero = all(simd, 0.0);
-        let (mut lowest, mut beyond) = (zero, zero);
+        let reach = all(simd, patch.reach);
+        let (zero, less, round) = (all(simd, 0.0), all(simd, 0.5), all(simd, ROUND));
+        let mut on_map = zero.at_most(zero);
+        let [mut first, mut last] = [self.origin; 2];
         for axis in 0..2 {
-            let (low, high) = (middle[axis] - half[axis], middle[axis] + half[axis]);
-            lowest = lowest.min(low);
-            beyond = beyond.max(high - all(simd, self.cells[axis]));
-            // Rounded to the nearest whole number, which goes into the lowest bits; on a line of the grid either
-            // cell has it.
-            let (last, less) = (all(simd, self.cells[axis] - 1.0), all(simd, 0.5));
-            let shift = all(simd, WHOLE);
-            store((low - less).max(zero).min(last) + shift, &mut ends[axis][0]);
-            store(
-                (high - less).max(zero).min(last) + shift,
-                &mut ends[axis][1],
-            );
+            let (ahead, left) = (self.ahead[axis], self.left[axis]);
+            let middle = ahead.mul_add(cx, left.mul_add(cy, self.origin[axis]));
+            let margin = self.chord[axis].mul_add(reach, self.margin[axis]);
+            let half = ahead.abs().mul_add(hx, left.abs().mul_add(hy, margin));
+            let (low, high) = (middle - half, middle + half);
+            on_map = on_map & zero.at_most(low) & high.at_most(all(simd, self.cells[axis]));
+            // Rounded to the nearest whole number; on a line of the grid either cell has it.
+            let end = all(simd, self.cells[axis] - 1.0);
+            first[axis] = ((low - less).max(zero).min(end) + round) - round;
+            last[axis] = ((high - less).max(zero).min(end) + round) - round;
         }
-        let on_map = zero.at_most(lowest) & beyond.at_most(zero);
-        store(on_map.select(all(simd, 1.0), zero), &mut inside);
-        for lane in 0..S::F64_LANES {
-            if inside[lane] == 0.0 {
-                worth[lane] = Knowledge::OffMap;
-            } else {
-                let cells = Cells {
-                    first: [whole(ends[0][0][lane]), whole(ends[1][0][lane])],
-                    last: [whole(ends[0][1][lane]), whole(ends[1][1][lane])],
-                };
-                pyramid.span(cells, &mut spans[lane]);
-            }
-        }
+        let boxes = Boxes {
+            first,
+            last,
+            on_map,
+        };
+        // SAFETY: both ends, the second not below the first, are between 0 and the last cell.
+        (unsafe { pyramid.spans(&boxes, span) }, on_map)
     }
 
-    /// Lowest and highest ground in patches; lanes with an unknown height say so.
+    /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
     #[inline(always)]
     fn extremes(
         &self,
         ground: Ground<'_>,
         patches: &[Patch],
-        worth: &mut [Knowledge; MOST],
+        [on_map, known]: [&mut Mask<S>; 2],
     ) -> Interval<S> {
-        let mut spans = [NOTHING; MOST];
+        let simd = self.simd;
+        let mut span = nothing(simd);
         for patch in patches {
-            self.look(ground.pyramid, patch, &mut spans, worth);
+            let (more, here) = self.look(ground.pyramid, patch, span);
+            span = more;
+            *on_map = *on_map & here;
         }
-        let (mut low, mut high) = ([0.0; MOST], [0.0; MOST]);
-        for lane in 0..S::F64_LANES {
-            let Span { lowest, highest } = spans[lane].into();
-            if lowest <= highest && lowest > f64::NEG_INFINITY {
-                (low[lane], high[lane]) = (lowest, highest);
-            } else if worth[lane] == Knowledge::Bounded {
-                worth[lane] = Knowledge::UnknownCells;
-            }
-        }
-        let error = all(self.simd, ground.error);
+        let [lowest, minus_highest] = span.unpair();
+        let (zero, error) = (all(simd, 0.0), all(simd, ground.error));
+        let here = all(simd, f64::NEG_INFINITY).below(lowest);
+        *known = *known & here;
         [
-            load(self.simd, &low) - error,
-            load(self.simd, &high) + error,
+            here.select(lowest, zero) - error,
+            here.select(-minus_highest, zero) + error,
         ]
     }
 }
 
-/// `2^52`: added to a number, its whole part is in the lowest bits.
-const WHOLE: f64 = 4_503_599_627_370_496.0;
-
-#[inline(always)]
-fn whole(shifted: f64) -> usize {
-    (shifted.to_bits() & 0xffff_ffff) as usize
-}
-
 /// The ground under the rover.
-struct Seen<S: Simd> {
+struct Seen<S: Vector> {
     /// Lowest and highest under each wheel, left and right, front to rear, less the mean of all [m].
     wheels: [[Interval<S>; 3]; 2],
     under: Under<S>,
+    /// Whether all of it is on the map, and is known.
+    on_map: Mask<S>,
+    known: Mask<S>,
 }
 
 /// The ground under the body, less the mean of that under the wheels, and that mean [m].
@@ -379,25 +392,22 @@ pub(super) struct Under<S: Simd> {
     pub floor: Lanes<S>,
 }
 
-impl<S: Simd> Seen<S> {
+impl<S: Vector> Seen<S> {
     #[inline(always)]
-    fn new(
-        simd: S,
-        plan: &Plan,
-        ground: Ground<'_>,
-        place: &Place<S>,
-        worth: &mut [Knowledge; MOST],
-    ) -> Self {
+    fn new(simd: S, plan: &Plan, ground: Ground<'_>, place: &Place<S>) -> Self {
+        let yes = all(simd, 0.0).at_most(all(simd, 0.0));
+        let (mut on_map, mut known) = (yes, yes);
         let mut wheels = [[[all(simd, 0.0); 2]; 3]; 2];
         let mut sum = all(simd, 0.0);
         for (side, patches) in wheels.iter_mut().zip(&plan.wheels) {
             for (wheel, patches) in side.iter_mut().zip(patches) {
-                *wheel = place.extremes(ground, patches, worth);
+                *wheel = place.extremes(ground, patches, [&mut on_map, &mut known]);
                 sum = sum + wheel[0] + wheel[1];
             }
         }
-        let [_, summit] = place.extremes(ground, &plan.belly, worth);
-        let [floor, _] = place.extremes(ground, std::slice::from_ref(&plan.middle), worth);
+        let [_, summit] = place.extremes(ground, &plan.belly, [&mut on_map, &mut known]);
+        let middle = std::slice::from_ref(&plan.middle);
+        let [floor, _] = place.extremes(ground, middle, [&mut on_map, &mut known]);
         let mean = sum * all(simd, 1.0 / 12.0);
         for side in &mut wheels {
             for span in side {
@@ -409,6 +419,11 @@ impl<S: Simd> Seen<S> {
             summit: summit - mean,
             floor: floor - mean,
         };
-        Self { wheels, under }
+        Self {
+            wheels,
+            under,
+            on_map,
+            known,
+        }
     }
 }

@@ -5,6 +5,9 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
+use super::stand::all;
+use crate::batch::machine::lanes::{Lanes, Mask};
+use crate::batch::machine::vector::{Vector, ZEROTH};
 use crate::error::{Error, ErrorKind};
 use crate::terrain::Terrain;
 use crate::wheels::Direction;
@@ -26,24 +29,16 @@ pub struct Pyramid {
     spacing: [f64; 2],
     origin: [f64; 2],
     turn: Direction,
-    /// Per level the cells, row after row.
-    levels: Vec<Box<[Extremes]>>,
+    /// Level after level the cells, row after row.
+    windows: Box<[Extremes]>,
 }
 
-/// What a box of cells holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    /// Lowest height [m]; minus infinity where one is not known.
-    pub lowest: f64,
-    /// Highest height [m]; infinity where one is not known.
-    pub highest: f64,
-}
-
-/// A box of cells, both ends included.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cells {
-    pub first: [usize; 2],
-    pub last: [usize; 2],
+/// Boxes of cells, both ends included, a box in every lane.
+pub(crate) struct Boxes<S: Vector> {
+    pub first: [Lanes<S>; 2],
+    pub last: [Lanes<S>; 2],
+    /// Which lanes matter.
+    pub on_map: Mask<S>,
 }
 
 impl Pyramid {
@@ -67,40 +62,35 @@ impl Pyramid {
             [rounded_down(low), rounded_down(minus_high)]
         };
         let count = cells[0] * cells[1];
-        let room = || {
-            let mut windows = Vec::new();
-            windows.try_reserve_exact(count).map_err(|_| {
-                let heights = format!("{rows} x {columns} heights");
-                let rule = "leave memory for the extremes of its windows";
-                Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
-            })?;
-            Ok(windows)
-        };
-        let mut lowest = room()?;
-        lowest.extend((0..count).map(corners));
-        let mut levels: Vec<Box<[Extremes]>> = vec![lowest.into()];
+        let mut windows: Vec<Extremes> = Vec::new();
+        let all = count.saturating_mul(LEVELS as usize);
+        windows.try_reserve_exact(all).map_err(|_| {
+            let heights = format!("{rows} x {columns} heights");
+            let rule = "leave memory for the extremes of its windows";
+            Error::value("ground", rule, heights).of_kind(ErrorKind::Memory)
+        })?;
+        windows.extend((0..count).map(corners));
         for level in 1..LEVELS {
             let step = 1 << (level - 1);
-            let below = &levels[level as usize - 1];
+            let below = windows.len() - count;
             // Beside the last rows and columns a window holds what there is.
-            let mut windows = room()?;
             for row in 0..cells[1] {
                 let next = (row + step).min(cells[1] - 1);
-                let [row, next] = [row, next].map(|row| &below[row * cells[0]..][..cells[0]]);
+                let [row, next] = [row, next].map(|row| below + row * cells[0]);
                 for column in 0..cells[0] {
                     let across = (column + step).min(cells[0] - 1);
-                    let lower = least(row[column], row[across]);
-                    windows.push(least(lower, least(next[column], next[across])));
+                    let [a, b, c, d] = [row + column, row + across, next + column, next + across]
+                        .map(|k| windows[k]);
+                    windows.push(least(least(a, b), least(c, d)));
                 }
             }
-            levels.push(windows.into());
         }
         Ok(Self {
             cells,
             spacing: ground.spacing(),
             origin: ground.origin(),
             turn: ground.turn(),
-            levels,
+            windows: windows.into(),
         })
     }
 
@@ -121,64 +111,92 @@ impl Pyramid {
         self.turn
     }
 
-    /// Extremes over a box of cells on the map, its ends in order.
+    /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
+    ///
+    /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.
+    ///
+    /// # Safety
+    ///
+    /// Ends are whole numbers, in order, of cells of the map.
     #[inline(always)]
-    pub(super) fn span(&self, Cells { first, last }: Cells, span: &mut Extremes) {
-        let (width, height) = (last[0] - first[0] + 1, last[1] - first[1] + 1);
-        let level = width.min(height).ilog2().min(LEVELS - 1);
-        let size = 1_usize << level;
-        let table = &self.levels[level as usize];
-        let end = [last[0] + 1 - size, last[1] + 1 - size];
-        let window = |column: usize, row: usize| {
-            let window = table.get(row * self.cells[0] + column);
-            window.copied().unwrap_or(UNKNOWN)
+    pub(crate) unsafe fn spans<S: Vector>(&self, boxes: &Boxes<S>, span: Lanes<S>) -> Lanes<S> {
+        let simd = span.simd();
+        let one = all(simd, 1.0);
+        let ([x, y], [x_last, y_last]) = (boxes.first, boxes.last);
+        let (width, height) = ((x_last - x) + one, (y_last - y) + one);
+        let (short, long) = (width.min(height), width.max(height));
+        // The largest windows that are in the box, and where their level begins.
+        let most = short.min(all(simd, f64::from(1 << (LEVELS - 1))));
+        let size = most.power();
+        let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
+        let level = most.exponent().mul_add(count, all(simd, ZEROTH));
+        let columns = all(simd, self.cells[0] as f64);
+        let end = [(x_last + one) - size, (y_last + one) - size];
+        let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
+        // SAFETY: the windows begin at cells between the ends of the box.
+        let (a, b, c, d) = unsafe {
+            (
+                (first + x).pairs(&self.windows),
+                (first + end[0]).pairs(&self.windows),
+                (last + x).pairs(&self.windows),
+                (last + end[0]).pairs(&self.windows),
+            )
         };
-        // Four loads at once, without a branch to guess between them, are what most boxes take.
-        if width.max(height) <= 2 * size {
-            let low = least(window(first[0], first[1]), window(end[0], first[1]));
-            let high = least(window(first[0], end[1]), window(end[0], end[1]));
-            *span = least(*span, least(low, high));
-            return;
+        let span = span
+            .least_pairs(a.least_pairs(b))
+            .least_pairs(c.least_pairs(d));
+        let longer = boxes.on_map & (size + size).below(long);
+        if !longer.any() {
+            return span;
         }
-        let mut row = first[1];
+        // One more in the middle of both long sides, unless that is not enough either.
+        let wide = height.below(width);
+        let middle = [
+            wide.select((x + size).min(end[0]), x),
+            wide.select(y, (y + size).min(end[1])),
+        ];
+        let other = [
+            wide.select(middle[0], end[0]),
+            wide.select(end[1], middle[1]),
+        ];
+        let [first, last] = [
+            middle[1].mul_add(columns, level) + middle[0],
+            other[1].mul_add(columns, level) + other[0],
+        ];
+        // SAFETY: as above.
+        let (a, b) = unsafe { (first.pairs(&self.windows), last.pairs(&self.windows)) };
+        let span = span.least_pairs(a.least_pairs(b));
+        let large = (size + size).below(short) | ((size + size) + size).below(long);
+        if !(boxes.on_map & large).any() {
+            return span;
+        }
+        let mut span = span;
+        let mut row = y;
         loop {
-            let mut column = first[0];
+            let mut column = x;
+            let first = row.mul_add(columns, level);
             loop {
-                *span = least(*span, window(column, row));
-                if column == end[0] {
+                // SAFETY: as above.
+                span = span.least_pairs(unsafe { (first + column).pairs(&self.windows) });
+                if !(boxes.on_map & column.below(end[0])).any() {
                     break;
                 }
                 column = (column + size).min(end[0]);
             }
-            if row == end[1] {
-                break;
+            if !(boxes.on_map & row.below(end[1])).any() {
+                return span;
             }
             row = (row + size).min(end[1]);
         }
     }
 }
 
-impl Pyramid {
-    /// Highest height over a box of cells on the map, both ends included [m]; infinity where one is not known.
-    #[inline(always)]
-    pub(crate) fn highest(&self, first: [usize; 2], last: [usize; 2]) -> f64 {
-        let mut span = NOTHING;
-        self.span(Cells { first, last }, &mut span);
-        Span::from(span).highest
-    }
+/// What [`Pyramid::spans`] starts with: nothing yet.
+#[inline(always)]
+pub(crate) fn nothing<S: Vector>(simd: S) -> Lanes<S> {
+    let bits = u64::from(f32::INFINITY.to_bits());
+    all(simd, f64::from_bits(bits | bits << 32))
 }
-
-impl From<Extremes> for Span {
-    fn from([lowest, minus_highest]: Extremes) -> Self {
-        Self {
-            lowest: f64::from(lowest),
-            highest: -f64::from(minus_highest),
-        }
-    }
-}
-
-/// What [`Pyramid::span`] starts with: nothing yet.
-pub(super) const NOTHING: Extremes = [f32::INFINITY; 2];
 
 #[inline(always)]
 fn least(a: Extremes, b: Extremes) -> Extremes {
@@ -194,5 +212,87 @@ fn rounded_down(height: f64) -> f32 {
         near.next_down()
     } else {
         near
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::Level;
+    use crate::batch::machine::level::Kernel;
+    use crate::terrain::Heights;
+
+    /// Extremes over one box, in every lane.
+    struct Look<'a>(&'a Pyramid, [[f64; 2]; 2]);
+
+    impl Kernel for Look<'_> {
+        type Output = [f64; 2];
+
+        #[inline(always)]
+        fn run<S: Vector>(self, simd: S) -> [f64; 2] {
+            let Self(pyramid, ends) = self;
+            let [first, last] = ends.map(|end| end.map(|cell| all(simd, cell)));
+            let on_map = all(simd, 0.0).at_most(all(simd, 0.0));
+            let boxes = Boxes {
+                first,
+                last,
+                on_map,
+            };
+            // SAFETY: the test asks for boxes of the map.
+            let span = unsafe { pyramid.spans(&boxes, nothing(simd)) };
+            span.unpair().map(|end| end.last(simd))
+        }
+    }
+
+    #[test]
+    fn boxes_have_the_extremes_of_their_nodes() -> Result<(), Error> {
+        const SHAPE: [usize; 2] = [75, 141];
+        let mut seed = 1_u32;
+        let mut draw = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as usize % below
+        };
+        let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1])
+            .map(|_| draw(1000) as f64 / 7.0 - 60.0)
+            .collect();
+        heights[40 * SHAPE[1] + 77] = f64::NAN;
+        let ground = Terrain::new(
+            Heights::Double(heights.clone().into()),
+            SHAPE[1],
+            [1.0, 1.0],
+            [0.0, 0.0],
+            0.0,
+        )?;
+        let pyramid = Pyramid::new(&ground)?;
+        for _ in 0..3000 {
+            let longest = [1, 3, 8, 40, 140][draw(5)];
+            let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {
+                let first = draw(cells);
+                [first, (first + draw(longest)).min(cells - 1)]
+            });
+            let [[left, right], [low, high]] = ends;
+            let nodes = (low..=high + 1)
+                .flat_map(|row| (left..=right + 1).map(move |column| row * SHAPE[1] + column))
+                .map(|k| heights[k]);
+            let known = nodes.clone().all(|height| !height.is_nan());
+            let least = nodes.clone().fold(f64::INFINITY, f64::min);
+            let most = nodes.fold(f64::NEG_INFINITY, f64::max);
+            let expected = if known {
+                [rounded_down(least), rounded_down(-most)].map(f64::from)
+            } else {
+                [f64::NEG_INFINITY; 2]
+            };
+            let look = || {
+                Look(
+                    &pyramid,
+                    [[left, low], [right, high]].map(|end| end.map(|k| k as f64)),
+                )
+            };
+            for level in Level::available() {
+                let found = level.run_any(look());
+                assert_eq!(found, expected, "{level:?} {ends:?}");
+            }
+        }
+        Ok(())
     }
 }

@@ -6,6 +6,7 @@ use super::search::{Found, Stretch, search};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
+use crate::bounds::pyramid::{Boxes, nothing};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 
@@ -191,36 +192,61 @@ fn whole_rims<S: Vector>(
 #[inline(always)]
 fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, lowest: &Point<S>) -> [Lanes<S>; 2] {
     let zero = Lanes::splat(simd, 0.0);
-    let [rows, columns] = ground.shape();
-    let last = [columns as f64 - 2.0, rows as f64 - 2.0];
-    let mut tops = [[f64::INFINITY; MOST]; 2];
-    let mut boxes = [[[[0.0; MOST]; 2]; 2]; 2];
-    let [[rear_low, rear_high], [front_low, front_high]] = &mut boxes;
+    let [mut rear, mut front] = [[[zero; 2]; 2]; 2];
     for k in 0..2 {
         // Turned on by an angle from the lowest point it is tangent sin + spoke cos, with the cosine of either sign.
         let (ahead, aside) = (lowest.tangent[k], lowest.spoke[k].abs());
         let (low, high) = (ahead.min(zero) - aside, ahead.max(zero) + aside);
-        rear_low[k] = spread(floor(simd, rims.centre[k] - high));
-        rear_high[k] = spread(floor(simd, rims.centre[k] - low));
-        front_low[k] = spread(floor(simd, rims.centre[k] + low));
-        front_high[k] = spread(floor(simd, rims.centre[k] + high));
+        rear[0][k] = floor(simd, rims.centre[k] - high);
+        rear[1][k] = floor(simd, rims.centre[k] - low);
+        front[0][k] = floor(simd, rims.centre[k] + low);
+        front[1][k] = floor(simd, rims.centre[k] + high);
     }
-    for (top, [low, high]) in tops.iter_mut().zip(&boxes) {
-        for lane in 0..S::F64_LANES {
-            let inside = (0..2).all(|k| low[k][lane] >= 0.0 && high[k][lane] <= last[k]);
-            if inside {
-                let ends = [low, high].map(|ends| [ends[0][lane] as usize, ends[1][lane] as usize]);
-                top[lane] = match ground.known_pyramid() {
-                    Some(pyramid) => pyramid.highest(ends[0], ends[1]),
-                    None => ground.highest(ends[0], ends[1]),
-                };
-            }
+    [top(simd, ground, rear), top(simd, ground, front)]
+}
+
+/// The highest ground over boxes from cell to cell; infinity where it is not known.
+#[inline(always)]
+fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
+    let (zero, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
+    let [rows, columns] = ground.shape();
+    let last = [
+        Lanes::splat(simd, columns as f64 - 2.0),
+        Lanes::splat(simd, rows as f64 - 2.0),
+    ];
+    // False where a number is none.
+    let on_map = zero.at_most(low[0])
+        & zero.at_most(low[1])
+        & high[0].at_most(last[0])
+        & high[1].at_most(last[1])
+        & low[0].at_most(high[0])
+        & low[1].at_most(high[1]);
+    if let Some(pyramid) = ground.known_pyramid() {
+        let boxes = Boxes {
+            first: [on_map.select(low[0], zero), on_map.select(low[1], zero)],
+            last: [on_map.select(high[0], zero), on_map.select(high[1], zero)],
+            on_map,
+        };
+        // SAFETY: they are whole, in order and on the map, or the first cell.
+        let [_, minus_highest] = unsafe { pyramid.spans(&boxes, nothing(simd)) }.unpair();
+        return on_map.select(-minus_highest, far);
+    }
+    let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
+    let (x0, y0, x1, y1) = (
+        spread(low[0]),
+        spread(low[1]),
+        spread(high[0]),
+        spread(high[1]),
+    );
+    let mut top = [f64::INFINITY; MOST];
+    for lane in 0..S::F64_LANES {
+        if inside[lane] > 0.0 {
+            let ends = [[x0[lane], y0[lane]], [x1[lane], y1[lane]]];
+            let [first, last] = ends.map(|end| end.map(|cell| cell as usize));
+            top[lane] = ground.highest(first, last);
         }
     }
-    [
-        Lanes::load(simd, S::as_simd_f64s(&tops[0]).0, 0),
-        Lanes::load(simd, S::as_simd_f64s(&tops[1]).0, 0),
-    ]
+    Lanes::load(simd, S::as_simd_f64s(&top).0, 0)
 }
 
 #[cfg(test)]

@@ -224,11 +224,15 @@ impl<'a, S: Vector> Placing<'a, S> {
         }
         let mut frames = [body; MAX_PARTS];
         let mut axes = [[zero; 3]; MAX_PARTS];
+        let mut origins = axes;
         for (k, part) in plan.parts.iter().enumerate().take(MAX_PARTS) {
+            // Written where it stays: a frame is as large as twelve registers.
+            let (before, rest) = frames.split_at_mut(k);
             let parent = match part.parent {
-                Some(parent) => frames[parent],
-                None => body,
+                Some(parent) => &before[parent],
+                None => &body,
             };
+            let frame = &mut rest[0];
             let (sin, cos) = match part.turn {
                 Turn::Free(joint, sign) => {
                     (free[joint].0 * Lanes::splat(simd, sign), free[joint].1)
@@ -237,14 +241,14 @@ impl<'a, S: Vector> Placing<'a, S> {
             };
             let (first, second) = ((part.axis + 1) % 3, (part.axis + 2) % 3);
             let (a, b) = (parent.columns[first], parent.columns[second]);
-            let mut frame = parent;
+            frame.columns[part.axis] = parent.columns[part.axis];
             for i in 0..3 {
                 frame.columns[first][i] = a[i] * cos + b[i] * sin;
                 frame.columns[second][i] = b[i] * cos - a[i] * sin;
             }
             frame.origin = parent.point(simd, part.origin);
             axes[k] = parent.columns[part.axis];
-            frames[k] = frame;
+            origins[k] = frame.origin;
         }
         let nowhere = WheelAt {
             centre: [zero; 3],
@@ -265,7 +269,7 @@ impl<'a, S: Vector> Placing<'a, S> {
             roll_axis: body.columns[0],
             pitch_axis: [-sy, cy, zero],
             axes,
-            origins: frames.map(|frame| frame.origin),
+            origins,
             wheels,
         }
     }

@@ -223,6 +223,51 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.gather(table, self.values))
     }
 
+    /// [`Vector::pairs`] at these places.
+    ///
+    /// # Safety
+    ///
+    /// As there.
+    #[inline(always)]
+    pub unsafe fn pairs(self, table: &[[f32; 2]]) -> Self {
+        // SAFETY: by the caller.
+        self.with(unsafe { self.simd.pairs(table, self.values) })
+    }
+
+    /// [`Vector::exponent`].
+    #[inline(always)]
+    pub fn exponent(self) -> Self {
+        self.with(self.simd.exponent(self.values))
+    }
+
+    /// The power of two of [`Self::exponent`].
+    #[inline(always)]
+    pub fn power(self) -> Self {
+        let bits = self.simd.splat_f64s(f64::INFINITY);
+        self.with(self.simd.and_f64s(self.values, bits))
+    }
+
+    /// [`Vector::least_pairs`].
+    #[inline(always)]
+    pub fn least_pairs(self, other: Self) -> Self {
+        self.with(self.simd.least_pairs(self.values, other.values))
+    }
+
+    /// [`Vector::unpair`].
+    #[inline(always)]
+    pub fn unpair(self) -> [Self; 2] {
+        let [first, second] = self.simd.unpair(self.values);
+        [self.with(first), self.with(second)]
+    }
+
+    /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`, into as many numbers.
+    #[inline(always)]
+    pub fn zip([a, b]: [Self; 2], pairs: &mut [f64]) {
+        if let [first, second, ..] = S::as_mut_simd_f64s(pairs).0 {
+            [*first, *second] = a.simd.zip([a.values, b.values]);
+        }
+    }
+
     /// The last lane in every lane.
     #[inline(always)]
     pub fn spread(self, simd: S) -> Self {

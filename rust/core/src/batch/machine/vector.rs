@@ -54,6 +54,23 @@ pub(crate) trait Vector: Simd {
         self.div_f64s(self.splat_f64s(1.0), self.sqrt_f64s(numbers))
     }
 
+    /// Pairs of singles of a table, each as it is in the bits of its lane. Places are counted from `2^52`, with whose
+    /// bits they are as they are.
+    ///
+    /// # Safety
+    ///
+    /// The table has all the places.
+    unsafe fn pairs(self, table: &[[f32; 2]], places: Self::f64s) -> Self::f64s;
+
+    /// Of positive numbers above 1e-300 the largest whole power of two that they reach, as its exponent.
+    fn exponent(self, register: Self::f64s) -> Self::f64s;
+
+    /// Of two pairs in every lane the lesser first numbers and the lesser second ones, none of them NaN.
+    fn least_pairs(self, a: Self::f64s, b: Self::f64s) -> Self::f64s;
+
+    /// The first numbers of the pairs and the second ones.
+    fn unpair(self, pairs: Self::f64s) -> [Self::f64s; 2];
+
     /// Asks for the line of an address, which need not be one.
     fn fetch(self, address: *const f64);
 
@@ -123,6 +140,43 @@ fn around(values: &[f32], columns: usize, x: usize, y: usize) -> [f32; 4] {
     [low[0], low[1], high[0], high[1]]
 }
 
+/// A pair in the bits of a lane.
+#[inline(always)]
+fn pair([first, second]: [f32; 2]) -> f64 {
+    f64::from_bits(u64::from(first.to_bits()) | u64::from(second.to_bits()) << 32)
+}
+
+/// The reverse of [`pair`].
+#[inline(always)]
+fn of_pair(pair: f64) -> [f32; 2] {
+    let bits = pair.to_bits();
+    [bits as u32, (bits >> 32) as u32].map(f32::from_bits)
+}
+
+/// What a lane of [`Vector::pairs`] holds.
+#[inline(always)]
+fn pair_at(table: &[[f32; 2]], place: f64) -> f64 {
+    let found = table.get((place.to_bits() ^ ZEROTH.to_bits()) as usize);
+    pair(found.copied().unwrap_or([f32::NAN; 2]))
+}
+
+/// What [`Vector::exponent`] is of one number.
+#[inline(always)]
+fn exponent_of(number: f64) -> f64 {
+    (number.to_bits() >> 52) as f64 - 1023.0
+}
+
+/// Whole numbers below 2^52 added to this are in its last bits.
+pub(crate) const ZEROTH: f64 = 4_503_599_627_370_496.0; // 2^52
+
+#[inline(always)]
+fn least_pair(a: f64, b: f64) -> f64 {
+    // Compared, not `f32::min`: one instruction, and there is no NaN.
+    let pick = |a: f32, b: f32| if a < b { a } else { b };
+    let (a, b) = (of_pair(a), of_pair(b));
+    pair([pick(a[0], b[0]), pick(a[1], b[1])])
+}
+
 /// One number at a time.
 impl Vector for Scalar {
     #[inline(always)]
@@ -185,6 +239,26 @@ impl Vector for Scalar {
     }
 
     #[inline(always)]
+    unsafe fn pairs(self, table: &[[f32; 2]], place: f64) -> f64 {
+        pair_at(table, place)
+    }
+
+    #[inline(always)]
+    fn exponent(self, number: f64) -> f64 {
+        exponent_of(number)
+    }
+
+    #[inline(always)]
+    fn least_pairs(self, a: f64, b: f64) -> f64 {
+        least_pair(a, b)
+    }
+
+    #[inline(always)]
+    fn unpair(self, pair: f64) -> [f64; 2] {
+        of_pair(pair).map(f64::from)
+    }
+
+    #[inline(always)]
     fn fetch(self, _: *const f64) {}
 }
 
@@ -196,7 +270,7 @@ mod x86 {
     use pulp::x86::{V3, V4};
     use pulp::{f32x8, f32x16, f64x4, f64x8};
 
-    use super::Vector;
+    use super::{Vector, ZEROTH};
 
     /// Lanes of two registers, those of the second counted from 8.
     #[inline(always)]
@@ -313,7 +387,7 @@ mod x86 {
             let Some(last) = table.len().checked_sub(1) else {
                 return self.splat_f64x8(f64::NAN);
             };
-            let (simd, offset) = (self.avx512f, self.splat_f64x8(WHOLE));
+            let (simd, offset) = (self.avx512f, self.splat_f64x8(ZEROTH));
             // The second operand where the first is NaN.
             let low = simd._mm512_max_pd(cast(places), cast(self.splat_f64x8(0.0)));
             let near = simd._mm512_min_pd(low, cast(self.splat_f64x8(last as f64)));
@@ -334,6 +408,35 @@ mod x86 {
                 root = self.mul_add_f64x8(root, missing, root);
             }
             root
+        }
+
+        #[inline(always)]
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x8) -> f64x8 {
+            let simd = self.avx512f;
+            let places = simd._mm512_xor_si512(cast(places), cast(self.splat_f64x8(ZEROTH)));
+            // SAFETY: the caller sees to the places, and a pair is as large as a double.
+            cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr().cast()) })
+        }
+
+        #[inline(always)]
+        fn exponent(self, register: f64x8) -> f64x8 {
+            cast(self.avx512f._mm512_getexp_pd(cast(register)))
+        }
+
+        #[inline(always)]
+        fn least_pairs(self, a: f64x8, b: f64x8) -> f64x8 {
+            cast(self.avx512f._mm512_min_ps(cast(a), cast(b)))
+        }
+
+        #[inline(always)]
+        fn unpair(self, pairs: f64x8) -> [f64x8; 2] {
+            let simd = self.avx512f;
+            let first = simd._mm512_cvtepi64_epi32(cast(pairs));
+            let second = simd._mm512_cvtepi64_epi32(simd._mm512_srli_epi64::<32>(cast(pairs)));
+            [
+                cast(simd._mm512_cvtps_pd(cast(first))),
+                cast(simd._mm512_cvtps_pd(cast(second))),
+            ]
         }
 
         #[inline(always)]
@@ -399,9 +502,6 @@ mod x86 {
         }
     }
 
-    /// Whole numbers below 2^52 added to this are in its last bits.
-    const WHOLE: f64 = 4_503_599_627_370_496.0; // 2^52
-
     /// The columns of four registers of four pairs each.
     #[inline(always)]
     fn pairs(simd: V4, [a, b, c, d]: [__m512d; 4]) -> [f64x8; 4] {
@@ -426,6 +526,10 @@ mod x86 {
     fn halves<const WHICH: i32>(simd: V3, a: __m256d, b: __m256d) -> __m256d {
         simd.avx._mm256_permute2f128_pd::<WHICH>(a, b)
     }
+
+    /// The first singles of pairs, and the second ones.
+    const EVEN: i32 = 0b10_00_10_00;
+    const ODD: i32 = 0b11_01_11_01;
 
     const LOW_LOW: i32 = 0x20;
     const HIGH_HIGH: i32 = 0x31;
@@ -548,7 +652,7 @@ mod x86 {
             let Some(last) = table.len().checked_sub(1) else {
                 return self.splat_f64x4(f64::NAN);
             };
-            let (simd, offset) = (self.avx, self.splat_f64x4(WHOLE));
+            let (simd, offset) = (self.avx, self.splat_f64x4(ZEROTH));
             // The second operand where the first is NaN.
             let low = simd._mm256_max_pd(cast(places), cast(self.splat_f64x4(0.0)));
             let near = simd._mm256_min_pd(low, cast(self.splat_f64x4(last as f64)));
@@ -556,6 +660,46 @@ mod x86 {
             let places = self.avx2._mm256_xor_si256(cast(whole), cast(offset));
             // SAFETY: every place is one of the table's, by the two comparisons.
             cast(unsafe { self.avx2._mm256_i64gather_pd::<8>(table.as_ptr(), places) })
+        }
+
+        #[inline(always)]
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x4) -> f64x4 {
+            let simd = self.avx2;
+            let places = simd._mm256_xor_si256(cast(places), cast(self.splat_f64x4(ZEROTH)));
+            // SAFETY: the caller sees to the places, and a pair is as large as a double.
+            cast(unsafe { simd._mm256_i64gather_pd::<8>(table.as_ptr().cast(), places) })
+        }
+
+        #[inline(always)]
+        fn exponent(self, register: f64x4) -> f64x4 {
+            let zeroth = self.splat_f64x4(ZEROTH);
+            let shifted = self.avx2._mm256_srli_epi64::<52>(cast(register));
+            let whole = self.avx2._mm256_xor_si256(shifted, cast(zeroth));
+            let bias = self.splat_f64x4(ZEROTH + 1023.0);
+            cast(self.avx._mm256_sub_pd(cast(whole), cast(bias)))
+        }
+
+        #[inline(always)]
+        fn least_pairs(self, a: f64x4, b: f64x4) -> f64x4 {
+            cast(self.avx._mm256_min_ps(cast(a), cast(b)))
+        }
+
+        #[inline(always)]
+        fn unpair(self, pairs: f64x4) -> [f64x4; 2] {
+            let (low, high) = (
+                self.avx._mm256_castps256_ps128(cast(pairs)),
+                self.avx._mm256_extractf128_ps::<1>(cast(pairs)),
+            );
+            [
+                cast(
+                    self.avx
+                        ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<EVEN>(low, high)),
+                ),
+                cast(
+                    self.avx
+                        ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<ODD>(low, high)),
+                ),
+            ]
         }
 
         #[inline(always)]
@@ -608,7 +752,7 @@ mod aarch64 {
     use pulp::aarch64::Neon;
     use pulp::f64x2;
 
-    use super::Vector;
+    use super::{Vector, exponent_of, least_pair, of_pair, pair_at};
 
     impl Vector for Neon {
         #[inline(always)]
@@ -670,6 +814,27 @@ mod aarch64 {
             };
             let at = |place: f64| table[(place as usize).min(last)]; // NaN is 0
             f64x2(at(places.0), at(places.1))
+        }
+
+        #[inline(always)]
+        unsafe fn pairs(self, table: &[[f32; 2]], places: f64x2) -> f64x2 {
+            f64x2(pair_at(table, places.0), pair_at(table, places.1))
+        }
+
+        #[inline(always)]
+        fn exponent(self, numbers: f64x2) -> f64x2 {
+            f64x2(exponent_of(numbers.0), exponent_of(numbers.1))
+        }
+
+        #[inline(always)]
+        fn least_pairs(self, a: f64x2, b: f64x2) -> f64x2 {
+            f64x2(least_pair(a.0, b.0), least_pair(a.1, b.1))
+        }
+
+        #[inline(always)]
+        fn unpair(self, pairs: f64x2) -> [f64x2; 2] {
+            let ([a, c], [b, d]) = (of_pair(pairs.0), of_pair(pairs.1));
+            [f64x2(a.into(), b.into()), f64x2(c.into(), d.into())]
         }
 
         #[inline(always)]

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use crate::convert::{Output, refuse};
+use super::{Output, refuse};
 
 /// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
 pub struct Out<'py, const N: usize> {
@@ -57,5 +57,11 @@ impl<'py, const N: usize> Out<'py, N> {
             true => output.beside(),
             false => Ok(output),
         }
+    }
+
+    /// Result `k`, finished: a number where it has no axes and the caller has no array for it.
+    pub fn finish(&self, k: usize, output: Output<'py>) -> PyResult<Py<PyAny>> {
+        let result = output.finish_number(self.arrays[k].as_ref())?;
+        Ok(result.unbind())
     }
 }
