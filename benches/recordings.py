@@ -2,7 +2,8 @@
 
 DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others
 choose the parameters, fit them and measure the noise; the session left out is dead-reckoned with what they
-found, its first pose given. Prints two tables in Markdown.
+found, its first pose given. With ``--alone`` it is the other way round: each session by itself fits and
+measures, and all others are reckoned. Prints two tables in Markdown.
 """
 
 import argparse
@@ -49,36 +50,36 @@ def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, **known: Any) -> Reckon
 
 
 def left_out(
-    rovers: list[sw.Rover], logs: list[Log], names: list[str] | None
+    rovers: list[sw.Rover], logs: list[Log], names: list[str] | None, alone: bool
 ) -> Iterator[tuple[list[int], Calibration]]:
-    """The runs of every session with what the others say."""
+    """The runs of every session with what the others say, or of all others with what it says `alone`."""
     how = {} if names is None else {"parameters": names, "cross_validation": False}
     for session in dict.fromkeys(log.session for log in logs):
-        others = [number for number, log in enumerate(logs) if log.session != session]
-        result = sw.calibrate(rovers[others[0]], [logs[number] for number in others], **how)
-        own = [number for number, log in enumerate(logs) if log.session == session]
-        yield own, result
+        fitted = [number for number, log in enumerate(logs) if (log.session == session) == alone]
+        result = sw.calibrate(rovers[fitted[0]], [logs[number] for number in fitted], **how)
+        yield [number for number in range(len(logs)) if number not in fitted], result
 
 
-def judged(folder: Path, names: list[str] | None = None) -> tuple[str, str]:
+def judged(folder: Path, names: list[str] | None = None, alone: bool = False) -> tuple[str, str]:
     """The rows of one robot in both tables."""
     paths = sorted(folder.rglob("*_run-*.csv"))
     rovers, logs = [optiodom.read_rover(path) for path in paths], [optiodom.read(path) for path in paths]
     guess = [reckoned(rover, log, sw.Noise()) for rover, log in zip(rovers, logs, strict=True)]
-    found: dict[int, Reckoned] = {}
-    beside: dict[int, Reckoned] = {}
+    left = list[int]()
+    after, beside = list[Reckoned](), list[Reckoned]()
     chosen = dict[str, None]()
-    for own, result in left_out(rovers, logs, names):
+    for own, result in left_out(rovers, logs, names, alone):
         chosen[", ".join(result.chosen)] = None
-        found |= {number: reckoned(result.rover, logs[number], result.noise) for number in own}
-        beside |= {number: reckoned(result.rover, logs[number], **result.known) for number in own}
-    after = [found[number] for number in range(len(logs))]
-    before, errors = (np.array([one.error for one in runs]) for runs in (guess, after))
+        left += own
+        after += [reckoned(result.rover, logs[number], result.noise) for number in own]
+        beside += [reckoned(result.rover, logs[number], **result.known) for number in own]
+    before = np.array([guess[number].error for number in left])
+    errors = np.array([one.error for one in after])
     worse = int(np.sum(errors > before))
     return (
-        f"| {folder.name} | {len(logs)} | {'; '.join(chosen)} | {np.median(before):.4f} "
+        f"| {folder.name} | {len(left)} | {'; '.join(chosen)} | {np.median(before):.4f} "
         f"| {np.median(errors):.4f} | {worse} |",
-        f"| {folder.name} | {share(guess)} | {share(after)} | {share(list(beside.values()))} |",
+        f"| {folder.name} | {share(guess)} | {share(after)} | {share(beside)} |",
     )
 
 
@@ -94,10 +95,14 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("robots", nargs="*")
     parser.add_argument("--parameters", type=lambda text: text.split(","), help="a set, instead of choosing")
+    parser.add_argument(
+        "--alone", action="store_true", help="fit each session by itself, judge by all others"
+    )
     arguments = parser.parse_args()
     folders = [each for each in sorted(arguments.data.iterdir()) if each.is_dir()]
     names = arguments.parameters
-    rows = [judged(each, names) for each in folders if not arguments.robots or each.name in arguments.robots]
+    wanted = [each for each in folders if not arguments.robots or each.name in arguments.robots]
+    rows = [judged(each, names, arguments.alone) for each in wanted]
     print("| robot | runs | chosen | nominal [m] | left out [m] | runs worse |")
     print("|---|---|---|---|---|---|", *(row for row, _ in rows), sep="\n")
     head = "default noise, nominal", "measured, left out", "and dimensions"

@@ -21,6 +21,7 @@ from six_wheel.logs import JointLog, TableError, read_log
 from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_columns
 from six_wheel.logs.opening import LogOptions
+from six_wheel.reckoning import Settings
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 
@@ -330,6 +331,25 @@ def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> 
     assert code == 0, err
     again = sw.parameters.read_parameters("again.yaml")
     assert again.gyroscope["time_offset"] == pytest.approx(found.gyroscope["time_offset"], abs=5e-3)
+
+
+def test_white_noise_is_that_of_the_readings_whatever_their_rate(run: Run) -> None:
+    """Simulated and reckoned at another rate than it was measured at: means over less time err more."""
+    known = "{noise: 0.002, period: 0.05, bias: 0.0, bias_noise: 0.0, bias_walk: 0.0}"
+    Path("cart.yaml").write_text(
+        f"kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\ngyroscope: {known}\n"
+    )
+    Path("still.csv").write_text("time,vx,omega\n0,0,0\n20,0,0\n")
+    for rate, noise in (("20", 0.002), ("80", 0.004)):
+        code, _, err = run("simulate", "cart.yaml", "still.csv", "-o", "log.csv", "--rate", rate)
+        assert code == 0, err
+        log, _ = read_log("log.csv", CART)
+        assert np.std(log.yaw_rate) == pytest.approx(noise, rel=0.15)  # 400 readings: 4 %
+    gyroscope = sw.parameters.read_parameters("cart.yaml").known_gyroscope
+    settings = Settings(gyroscope=gyroscope, period=0.05)
+    with JointLog("log.csv", CART) as opened:
+        (chunk,) = opened.chunks()
+    assert settings.options_for(chunk)["gyroscope"].noise == pytest.approx(0.004)
 
 
 @pytest.mark.parametrize("ending", [".csv", ".mcap"])

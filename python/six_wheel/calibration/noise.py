@@ -160,12 +160,7 @@ def _end(
 
 
 def measure(
-    groups: Sequence[Sequence[End]],
-    names: Sequence[str],
-    sessions: int,
-    confidence: float,
-    basis: str,
-    wholes: Sequence[Sequence[End]] = (),
+    groups: Sequence[Sequence[End]], names: Sequence[str], sessions: int, confidence: float, basis: str
 ) -> MeasuredNoise | None:
     """Slip that makes errors most likely, sized for a session that is not among them; None without an end.
 
@@ -181,9 +176,6 @@ def measure(
         Of the wheels.
     sessions : int
         How many there were.
-    wholes : sequence of sequence of End
-        The same of whole runs, where `groups` are of their parts. Errors that last add up over a run to more
-        than those of its parts, and the size is that of the larger.
 
     Source: Fisher's F, as in Geisser, Predictive Inference: An Introduction, 1993, ch. 2.
     """
@@ -195,8 +187,7 @@ def measure(
     whole = Stack(*map(np.concatenate, zip(*stacks, strict=True)))
     usual = _bound() / float(fdtri(3, 3 * sessions, COVERED))
     logs, cost = _likeliest(whole.weighed(alike))
-    longer = [_stacked(group) for group in wholes if group]
-    noise, wide = _sized(logs, [[one.weighed(alike) for one in kind] for kind in (stacks, longer)], usual)
+    noise, wide = _sized(logs, [stack.weighed(alike) for stack in stacks], usual)
     nees = _nees(wide, whole.weighed(alike))[0]
     along_wheels, across_wheels = (
         _estimate(name, logs, place, cost, confidence)
@@ -209,7 +200,7 @@ def measure(
     told = told_apart(whole.errors, common, whole.fixed + np.diag(TRUTH**2), sessions, confidence)
     times = alike if told is None else np.array([_digits(one) for one in told[0]])
     logs, _ = _likeliest(whole.weighed(times, 1.0))
-    beside, _ = _sized(logs, [[one.weighed(times, 1.0) for one in kind] for kind in (stacks, longer)], usual)
+    beside, _ = _sized(logs, [stack.weighed(times, 1.0) for stack in stacks], usual)
     wheels = []
     for number, name in enumerate(names if told is not None else ()):
         low, high = told[1][number].tolist()  # type: ignore[index]
@@ -233,14 +224,12 @@ def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:
     return np.clip(best.x, math.log(LEAST), math.log(MOST)), cost
 
 
-def _sized(logs: Floats, kinds: Sequence[Sequence[Weighed]], wanted: float) -> tuple[Noise, Floats]:
+def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Noise, Floats]:
     """Noise with logarithms of slip moved alike so that normalised errors squared come to what is wanted, in
-    the mean over groups, of the kind of ends for which that takes most."""
-    kinds = [groups for groups in kinds if groups]
+    the mean over groups."""
 
     def excess(by: float) -> float:
-        means = [np.mean([_nees(logs + by, group)[0].mean() for group in groups]) for groups in kinds]
-        return math.log(max(means) / wanted)
+        return math.log(np.mean([_nees(logs + by, group)[0].mean() for group in groups]) / wanted)
 
     low, high = math.log(LEAST), math.log(MOST)
     if excess(low) <= 0.0:
@@ -248,7 +237,7 @@ def _sized(logs: Floats, kinds: Sequence[Sequence[Weighed]], wanted: float) -> t
     else:
         wide = logs + (float(brentq(excess, low, high)) if excess(high) < 0.0 else high)
     slip, side_slip = (_digits(max(float(np.exp(one)), FINEST)) for one in wide)
-    sides = any(np.any(group[2]) for group in kinds[0])
+    sides = any(np.any(group[2]) for group in groups)
     return Noise(0.0, 0.0, slip=slip, side_slip=side_slip if sides else 0.0), wide
 
 

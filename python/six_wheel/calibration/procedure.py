@@ -299,29 +299,26 @@ def _noise(
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values, solution.scales)
 
-    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats, pieces: int) -> list[noise.End]:
+    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
         dimensions = model.deviations(values, known)
         offset = model.value(values, "time_offset", 0.0)
         logs = (model.corrected(record, values) for record in chosen)
         return [end for log in logs for end in noise.ends(rover, dimensions, log, sensor, offset, pieces)]
 
-    groups, wholes = [], []
+    groups = []
     for key in dict.fromkeys(keys):
         values, known = solution.values, np.zeros((model.own, model.own))
         if len(values) and len(set(keys)) > 1:
             without, fitted = fitting.refit(linear.only([other != key for other in keys]), solution)
             values, known = fitted.values, fitting.covariance(without, fitted)[0]
         own = [record for record, other in zip(records, keys, strict=True) if other == key]
-        known = known[: model.own, : model.own]
-        groups.append(ends_of(own, values, known, pieces))
-        if pieces > 1 and len(set(keys)) > 1:  # else the fit knows where its own run ends
-            wholes.append(ends_of(own, values, known, 1))
+        groups.append(ends_of(own, values, known[: model.own, : model.own]))
     count = sum(map(len, groups))
     what = "ends of runs" if pieces == 1 else f"ends of {pieces} parts of each run"
     left = "fitted as well" if len(set(keys)) < 2 else f"each {'run' if alone else 'session'} left out"
     measured = noise.measure(
-        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}", wholes
+        groups, model.nominal.wheel_names, len(set(sessions)), confidence, f"{count} {what}, {left}"
     )
     return measured
 

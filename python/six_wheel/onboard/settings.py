@@ -207,7 +207,7 @@ def own_text(said: Parameters) -> str:
     """A parameter file with this package's own keys that says the same."""
     frames = {"odom_frame_id": said.odom_frame_id, "base_frame_id": said.base_frame_id}
     text = dump(said.rover, limits=said.limits, control=said.control, **frames)
-    groups = ("noise", "encoders", "steering_encoders", "odometry")
+    groups = ("noise", "encoders", "steering_encoders", "odometry", "gyroscope", "truth", "calibration")
     return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})
 
 

@@ -4,7 +4,6 @@ Only where the truth is known are all poses kept, for the evaluation; a thinned 
 """
 
 import contextlib
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -26,6 +25,7 @@ from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.trace import Trace
 from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.onboard.settings import text_of
+from six_wheel.parameters.file import with_readings_apart
 from six_wheel.poses import Floats, joined
 from six_wheel.reckoning.recording import TrackRecord
 from six_wheel.reckoning.slip import SlipSum
@@ -58,9 +58,7 @@ class Settings:
         if known is None or chunk.yaw_rate is None:
             return options
         apart = float(np.median(np.diff(chunk.stamps))) if len(chunk.stamps) > 1 else self.period
-        noise = known.noise * (math.sqrt(self.period / apart) if self.period and apart else 1.0)
-        bias = {name: getattr(known, name) for name in ("bias", "bias_noise", "bias_walk")}
-        return options | {"gyroscope": Gyroscope(noise, **bias)}
+        return options | {"gyroscope": with_readings_apart(known, self.period, apart)}
 
 
 @dataclass

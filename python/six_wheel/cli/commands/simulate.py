@@ -138,6 +138,7 @@ def _on_a_plane(
 
     from six_wheel._core import Encoder, Noise
     from six_wheel.evaluation.paths import path_distance
+    from six_wheel.parameters.file import with_readings_apart
     from six_wheel.simulation.running import simulate as run
     from six_wheel.simulation.writing import write_log
 
@@ -151,10 +152,14 @@ def _on_a_plane(
         counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given.get(key) is not None}
         if "resolution" in counts:
             encoders[name] = Encoder(**counts)
+    gyroscope = None
+    if said is not None and (known := said.known_gyroscope) is not None:
+        gyroscope = with_readings_apart(known, said.gyroscope.get("period"), 1.0 / rate)
     done = run(
         chosen.rover,
         way.path,
         noise=noise,
+        gyroscope=gyroscope,
         rate=rate,
         start=way.start,
         speed=way.speed,
