@@ -247,9 +247,10 @@ impl<S: Vector> Standing<S> {
         };
         if standing.steers {
             let angles = read.columns(simd, 1);
-            for k in 0..chain.steering().len().min(MAX_WHEELS) {
-                standing.steering[k] = angles[k];
-                plain = plain | far.below(angles[k].abs());
+            let steered = chain.steering().len();
+            for (to, angle) in standing.steering.iter_mut().zip(angles).take(steered) {
+                *to = angle;
+                plain = plain | far.below(angle.abs());
             }
         }
         let heading = sin_cos(simd, yaw);

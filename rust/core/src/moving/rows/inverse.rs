@@ -172,13 +172,13 @@ impl InLanes<'_, Job<'_>> {
         let placing = &*placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
         let mut treads = placing.wheels;
-        for wheel in 0..wheels {
+        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
             if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                treads[wheel] = placing.steered(simd, wheel, turned);
+                *tread = placing.steered(simd, wheel, turned);
             }
             let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
-            let touch = Touch::new(simd, &treads[wheel], radius, at);
+            let touch = Touch::new(simd, tread, radius, at);
             let [normal, ..] = room.contacts[wheel].rows.each_mut();
             answers(
                 placing,
