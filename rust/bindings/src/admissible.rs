@@ -169,7 +169,7 @@ impl Rover {
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
         let workers = Workers {
-            fresh: out.is_none(),
+            fresh: projected.is_unseen(),
             ..any_workers(threads, None)?
         };
         let (rows, target) = (twists.triples(), projected.triples());

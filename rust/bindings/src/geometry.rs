@@ -187,7 +187,7 @@ fn poses_along<'py>(
     let mut poses = course.poses(py, "out", out, precision)?;
     let rows = course.twists.count();
     let workers = Workers {
-        fresh: out.is_none(),
+        fresh: poses.is_unseen(),
         ..workers(rows, threads, kernel)?
     };
     let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());

@@ -273,7 +273,7 @@ impl Rover {
             steering_rates: rates.as_ref().map(Blocks::table),
         };
         let workers = Workers {
-            fresh: out.is_none(),
+            fresh: steering.is_unseen() && speeds.is_unseen(),
             ..any_workers(threads, kernel)?
         };
         let (angles, rotations) = (steering.flat(), speeds.flat());
@@ -334,10 +334,11 @@ impl Rover {
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
         let mut twists = Output::asked(py, (out, dtype), &joined(leading, 3))?;
+        let fresh = twists.is_unseen();
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers {
-            fresh: out.is_none(),
+            fresh,
             ..any_workers(threads, kernel)?
         };
         compute(py, target.len(), || {

@@ -57,7 +57,7 @@ pub struct Output<'py> {
     beside: Option<Array<'py>>,
     data: *mut f64,
     count: usize,
-    _held: Option<Held>,
+    held: Option<Held>,
 }
 
 impl<'py> Output<'py> {
@@ -69,7 +69,7 @@ impl<'py> Output<'py> {
             count: memory::count(shape)?,
             array: array.as_untyped().clone(),
             beside: None,
-            _held: None,
+            held: None,
         })
     }
 
@@ -102,7 +102,7 @@ impl<'py> Output<'py> {
             count: memory::count(shape)?,
             array: zeros.cast_into()?,
             beside: Some(beside),
-            _held: None,
+            held: None,
         })
     }
 
@@ -165,8 +165,13 @@ impl<'py> Output<'py> {
             count: memory::count(shape)?,
             array: array.clone(),
             beside,
-            _held: Some(held),
+            held: Some(held),
         })
+    }
+
+    /// Whether nobody sees what a call that fails has written: a fresh array, or one beside the caller's.
+    pub fn is_unseen(&self) -> bool {
+        self.beside.is_some() || self.held.is_none()
     }
 
     /// Written to the caller's array only when it is finished.

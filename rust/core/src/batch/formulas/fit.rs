@@ -7,7 +7,7 @@ mod tests;
 
 use super::cone::dot;
 use super::readings::{self, Kept, Rows, solve_block};
-use super::robust;
+use super::robust::{self, Block, EARLY, LATE};
 use super::steered::load;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
@@ -113,12 +113,16 @@ impl<'a> Plan<'a> {
         fits: &mut Fits<'_>,
     ) -> Option<Result<(), Error>> {
         let (joints, wheels) = (self.rover.steered().len(), self.weights.len());
-        with_columns(joints + 4 * wheels, |columns| {
-            level.run(Solve {
-                plan: self,
-                log,
-                fits,
-                columns,
+        let late = self.robust.as_ref().map_or(0, |_| 3 * wheels);
+        with_columns(late, |late| {
+            with_columns(joints + 4 * wheels, |columns| {
+                level.run(Solve {
+                    plan: self,
+                    log,
+                    fits,
+                    columns,
+                    late,
+                })
             })
         })
     }
@@ -130,6 +134,8 @@ struct Solve<'a, 'b> {
     fits: &'a mut Fits<'b>,
     /// One per steering angle; per wheel one for its speed and then its residual, one for its weight, two for what it reads.
     columns: &'a mut [Column],
+    /// Per wheel one for its weight and two for what it reads, of robust fits that take long.
+    late: &'a mut [Column],
 }
 
 impl Kernel for Solve<'_, '_> {
@@ -143,55 +149,141 @@ impl Kernel for Solve<'_, '_> {
         let (weights, seen) = rest.split_at_mut(wheels);
         let mut twists = [Column::ZERO; 3];
         let mut sigmas = Column([plan.sigma_min; BLOCK]);
-        let mut kept = Kept::new(seen.as_chunks_mut().0);
         for (weights, weight) in weights.iter_mut().zip(&plan.weights) {
             weights.0.fill(*weight);
         }
+        let mut now = Block::new(seen.as_chunks_mut().0, weights);
+        let (weights, seen) = self.late.split_at_mut(self.late.len() / 3);
+        let mut late = Late {
+            block: Block::new(seen.as_chunks_mut().0, weights),
+            rows: [0; BLOCK],
+        };
         let rows = self.fits.twists.len();
+        let mut done = Ok(());
         for first in (0..rows).step_by(BLOCK) {
             let count = BLOCK.min(rows - first);
             let at = first..first + count;
             let of_wheels = first * wheels..(first + count) * wheels;
             let log = self.log.rows(plan.rover, at.clone());
             let (by, heard) = (&plan.forward, plan.forward.hear(simd, log, readings));
-            let mut sure = solve_block::<S, true>(simd, by, heard, &mut twists, &mut kept, log);
-            if let Some(robust) = &plan.robust {
-                let settled =
-                    robust::solve_block(simd, robust, count, &mut kept, weights, &mut sigmas);
-                sure = sure && settled;
-            }
+            let mut sure = solve_block::<S, true>(simd, by, heard, &mut twists, &mut now.kept, log);
             // No longer needed: room for the residuals.
             let residuals = &mut readings[joints..];
-            for k in 0..BLOCK / S::F64_LANES {
-                let unknowns = load(simd, &kept.unknowns, k);
-                if plan.robust.is_some() {
-                    for (column, part) in twists.iter_mut().zip(by.unshifted(simd, unknowns)) {
-                        column.store(k, part);
-                    }
+            if let Some(robust) = &plan.robust {
+                now.begin(simd, robust, count);
+                now.go_on(simd, robust, &EARLY);
+                if late.block.left + now.left > BLOCK {
+                    late.settle(simd, plan, self.log, self.fits, residuals)?;
                 }
-                let columns = kept.seen.iter().zip(residuals.iter_mut());
-                for (wheel, ([u, v], residual)) in by.wheels.iter().zip(columns) {
-                    let seen = [u.load(simd, k), v.load(simd, k)];
-                    residual.store(k, wheel.square(simd, seen, unknowns).sqrt());
+                for k in 0..now.left {
+                    late.rows[late.block.left % BLOCK] = first + now.row(k);
+                    late.block.take(&now, k);
                 }
+                sure = now.finish(simd, robust, count, &mut sigmas) && sure;
             }
+            plan.results(simd, &now.kept, &mut twists, residuals);
             let target = self.fits.twists[at.clone()].as_flattened_mut();
             weave(simd, &twists, target);
             weave(simd, residuals, &mut self.fits.residual[of_wheels.clone()]);
-            weave(simd, weights, &mut self.fits.weights[of_wheels]);
+            weave(simd, now.weights, &mut self.fits.weights[of_wheels]);
             self.fits.ranks[at.clone()].fill(plan.rank as i64);
             self.fits.sigmas[at].copy_from_slice(&sigmas.0[..count]);
-            for k in (0..count).filter(|k| !sure && kept.doubts.0[*k] != 0.0) {
-                let measured = log.row(plan.rover, k);
-                let solve = |residual: &mut [f64], weights: &mut [f64]| {
-                    let (method, unseen) = (plan.method, plan.unseen);
-                    plan.rover.fit(measured, method, unseen, residual, weights)
-                };
-                let solved = self.fits.one(first + k, wheels, solve);
-                solved.map_err(|error| error.at_row(first + k))?;
+            let mut doubts = (0..count).filter(|k| !sure && now.kept.doubts.0[*k] != 0.0);
+            done = doubts.try_for_each(|k| plan.solve_row(self.log, first + k, self.fits));
+            if done.is_err() {
+                break;
+            }
+        }
+        // A row before the one that failed may fail only now.
+        late.settle(simd, plan, self.log, self.fits, &mut readings[joints..])?;
+        done
+    }
+}
+
+/// Rows of robust fits that take long, of many blocks.
+struct Late<'a> {
+    block: Block<'a>,
+    /// Where they are among all.
+    rows: [usize; BLOCK],
+}
+
+impl Late<'_> {
+    /// Settles them and writes what they come to.
+    #[inline(always)]
+    fn settle<S: Vector>(
+        &mut self,
+        simd: S,
+        plan: &Plan<'_>,
+        log: Log<'_>,
+        fits: &mut Fits<'_>,
+        residuals: &mut [Column],
+    ) -> Result<(), Error> {
+        let (block, wheels) = (&mut self.block, plan.weights.len());
+        let count = block.left;
+        let Some(robust) = plan.robust.as_ref().filter(|_| count > 0) else {
+            return Ok(());
+        };
+        let (mut twists, mut sigmas) = ([Column::ZERO; 3], Column::ZERO);
+        block.go_on(simd, robust, &LATE);
+        block.finish(simd, robust, count, &mut sigmas);
+        block.left = 0;
+        plan.results(simd, &block.kept, &mut twists, residuals);
+        for (k, row) in self.rows.into_iter().enumerate().take(count) {
+            if block.kept.doubts.0[k] != 0.0 {
+                plan.solve_row(log, row, fits)?;
+                continue;
+            }
+            fits.twists[row] = [0, 1, 2].map(|part: usize| twists[part].0[k]);
+            (fits.ranks[row], fits.sigmas[row]) = (plan.rank as i64, sigmas.0[k]);
+            let columns = [
+                (&mut *fits.residual, &*residuals),
+                (fits.weights, &*block.weights),
+            ];
+            for (target, columns) in columns {
+                for (number, column) in row_mut(target, wheels, row).iter_mut().zip(columns) {
+                    *number = column.0[k];
+                }
             }
         }
         Ok(())
+    }
+}
+
+impl Plan<'_> {
+    /// Residuals of a block, and of robust fits the twists.
+    #[inline(always)]
+    fn results<S: Vector>(
+        &self,
+        simd: S,
+        kept: &Kept<'_>,
+        twists: &mut [Column; 3],
+        residuals: &mut [Column],
+    ) {
+        for k in 0..BLOCK / S::F64_LANES {
+            let unknowns = load(simd, &kept.unknowns, k);
+            if self.robust.is_some() {
+                let parts = self.forward.unshifted(simd, unknowns);
+                for (column, part) in twists.iter_mut().zip(parts) {
+                    column.store(k, part);
+                }
+            }
+            let columns = kept.seen.iter().zip(residuals.iter_mut());
+            for (wheel, ([u, v], residual)) in self.forward.wheels.iter().zip(columns) {
+                let seen = [u.load(simd, k), v.load(simd, k)];
+                residual.store(k, wheel.square(simd, seen, unknowns).sqrt());
+            }
+        }
+    }
+
+    /// One row in the plain core.
+    fn solve_row(&self, log: Log<'_>, row: usize, fits: &mut Fits<'_>) -> Result<(), Error> {
+        let measured = log.row(self.rover, row);
+        let solve = |residual: &mut [f64], weights: &mut [f64]| {
+            let (method, unseen) = (self.method, self.unseen);
+            self.rover.fit(measured, method, unseen, residual, weights)
+        };
+        let solved = fits.one(row, self.weights.len(), solve);
+        solved.map_err(|error| error.at_row(row))
     }
 }
 
@@ -207,6 +299,31 @@ impl Rows {
         moment
     }
 
+    /// Half the slope of its squared residual.
+    #[inline(always)]
+    pub fn slope<S: Vector>(
+        &self,
+        simd: S,
+        seen: [Lanes<S>; 2],
+        unknowns: [Lanes<S>; 3],
+    ) -> [Lanes<S>; 3] {
+        self.moment(simd, self.miss(simd, seen, unknowns))
+    }
+
+    /// What the unknowns leave of its readings.
+    #[inline(always)]
+    fn miss<S: Vector>(
+        &self,
+        simd: S,
+        seen: [Lanes<S>; 2],
+        unknowns: [Lanes<S>; 3],
+    ) -> [Lanes<S>; 2] {
+        [
+            dot(simd, &self.rows[0], unknowns) - seen[0],
+            dot(simd, &self.rows[1], unknowns) - seen[1],
+        ]
+    }
+
     /// Its squared residual.
     #[inline(always)]
     pub fn square<S: Vector>(
@@ -215,8 +332,7 @@ impl Rows {
         seen: [Lanes<S>; 2],
         unknowns: [Lanes<S>; 3],
     ) -> Lanes<S> {
-        let along = dot(simd, &self.rows[0], unknowns) - seen[0];
-        let across = dot(simd, &self.rows[1], unknowns) - seen[1];
+        let [along, across] = self.miss(simd, seen, unknowns);
         along.mul_add(along, across * across)
     }
 }

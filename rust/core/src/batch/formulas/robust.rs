@@ -17,8 +17,11 @@ use crate::rover::Rover;
 /// Lanes at most.
 const LANES: usize = 8;
 
-/// Rounds after which the rows that have not settled yet are put together anew: some take three times as many as most.
-const PHASE: usize = 10;
+/// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
+/// as most. After the first ones, those of many blocks go on together.
+pub(super) const EARLY: [usize; 2] = [6, 8];
+pub(super) const LATE: [usize; 4] = [12, 16, 28, 30];
+const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
 
 /// Wheels at most: their registers are sorted by comparing neighbours.
 pub(super) const MOST: usize = 8;
@@ -63,116 +66,168 @@ impl Plan {
     }
 }
 
-/// A block on its way.
-struct Block<'a, 'b> {
-    kept: &'a mut Kept<'b>,
-    weights: &'a mut [Column],
+/// Rows on their way: those of a block, or those of many blocks that take long.
+pub(super) struct Block<'a> {
+    pub kept: Kept<'a>,
+    pub weights: &'a mut [Column],
     /// Squared noise at least, and square of the scale of the last round [m²/s²].
     least: Column,
     scale: Column,
+    /// The ones that have not settled.
+    active: [usize; BLOCK],
+    pub left: usize,
+    /// Rounds that are left to them.
+    rounds: usize,
 }
 
-/// Goes on from the least squares of a block. Marks the rows that are for the plain core; whether there are none.
-#[inline(always)]
-pub(super) fn solve_block<S: Vector>(
-    simd: S,
-    plan: &Plan,
-    count: usize,
-    kept: &mut Kept<'_>,
-    weights: &mut [Column],
-    sigmas: &mut Column,
-) -> bool {
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    fill(one, weights);
-    let rows = &mut Block {
-        kept,
-        weights,
-        least: Column::ZERO,
-        scale: Column([f64::INFINITY; BLOCK]),
-    };
-    let registers = count.div_ceil(S::F64_LANES);
-    let share = Lanes::splat(simd, NOISE * NOISE / plan.wheels.len() as f64);
-    let tiny = Lanes::splat(simd, SQUARES[0]);
-    let huge = Lanes::splat(simd, SQUARES[1]);
-    for k in 0..registers {
-        let rolling = rows.kept.rolling.load(simd, k);
-        rows.least.store(k, rolling * share);
-        let sure = rolling.at_most(zero) | (tiny.at_most(rolling) & rolling.at_most(huge));
-        let doubts = sure.select(rows.kept.doubts.load(simd, k), one);
-        rows.kept.doubts.store(k, doubts);
-    }
-    let mut active = [0; BLOCK];
-    let mut left = 0;
-    for row in 0..count {
-        if rows.kept.doubts.0[row] == 0.0 {
-            active[left] = row;
-            left += 1;
+impl<'a> Block<'a> {
+    /// No rows yet.
+    pub fn new(seen: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
+        Self {
+            kept: Kept::new(seen),
+            weights,
+            least: Column::ZERO,
+            scale: Column::ZERO,
+            active: [0; BLOCK],
+            left: 0,
+            rounds: ROUNDS,
         }
     }
-    for _ in 0..ROUNDS / PHASE {
-        let mut kept = 0;
-        for first in (0..left).step_by(2 * S::F64_LANES) {
-            let mut chosen = [0; 2 * LANES];
-            let chunk = &active[first..left.min(first + 2 * S::F64_LANES)];
-            chosen[..chunk.len()].copy_from_slice(chunk);
-            let length = chunk.len();
-            let mut pair = [
-                Rounds::load(simd, plan, rows, &chosen[..S::F64_LANES], length),
-                Rounds::load(
-                    simd,
-                    plan,
-                    rows,
-                    &chosen[S::F64_LANES..2 * S::F64_LANES],
-                    length.saturating_sub(S::F64_LANES),
-                ),
-            ];
-            for _ in 0..PHASE {
-                for rounds in &mut pair {
-                    rounds.round(simd, plan);
-                }
-                if !(pair[0].active | pair[1].active).any() {
-                    break;
-                }
-            }
-            let mut marks = [[0.0; LANES]; 4];
-            for (half, rounds) in pair.iter().enumerate() {
-                let of = &chosen[half * S::F64_LANES
-                    ..length.clamp(half * S::F64_LANES, (half + 1) * S::F64_LANES)];
-                rounds.store(plan, rows, of);
-                for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
-                    let lanes = mask.select(one, zero);
-                    lanes.store(S::as_mut_simd_f64s(&mut marks[mark + half]).0, 0);
-                }
-            }
-            for (j, row) in chosen.into_iter().enumerate().take(length) {
-                let (half, lane) = (j / S::F64_LANES, j % S::F64_LANES);
-                if marks[2 + half][lane] != 0.0 {
-                    rows.kept.doubts.0[row] = 1.0;
-                } else if marks[half][lane] != 0.0 {
-                    // Not further than where it was read from.
-                    active[kept] = row;
-                    kept += 1;
-                }
+
+    /// Begins with the least squares of a block, but for the rows that are for the plain core.
+    #[inline(always)]
+    pub fn begin<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize) {
+        let one = Lanes::splat(simd, 1.0);
+        fill(one, self.weights);
+        self.scale = Column([f64::INFINITY; BLOCK]);
+        let zero = Lanes::splat(simd, 0.0);
+        let share = Lanes::splat(simd, NOISE * NOISE / plan.wheels.len() as f64);
+        let tiny = Lanes::splat(simd, SQUARES[0]);
+        let huge = Lanes::splat(simd, SQUARES[1]);
+        for k in 0..count.div_ceil(S::F64_LANES) {
+            let rolling = self.kept.rolling.load(simd, k);
+            self.least.store(k, rolling * share);
+            let sure = rolling.at_most(zero) | (tiny.at_most(rolling) & rolling.at_most(huge));
+            let doubts = sure.select(self.kept.doubts.load(simd, k), one);
+            self.kept.doubts.store(k, doubts);
+        }
+        (self.left, self.rounds) = (0, ROUNDS);
+        for row in 0..count.min(BLOCK) {
+            if self.kept.doubts.0[row] == 0.0 {
+                self.active[self.left] = row;
+                self.left += 1;
             }
         }
-        left = kept;
-        if left == 0 {
-            break;
+    }
+
+    /// Takes over the `k`th row of those left to another block.
+    pub fn take(&mut self, other: &Block<'_>, k: usize) {
+        let (from, to) = (other.active[k] % BLOCK, self.left % BLOCK);
+        let move_to = |column: &mut Column, other: &Column| column.0[to] = other.0[from];
+        for (seen, other) in self.kept.seen.iter_mut().zip(&*other.kept.seen) {
+            move_to(&mut seen[0], &other[0]);
+            move_to(&mut seen[1], &other[1]);
+        }
+        for (weight, other) in self.weights.iter_mut().zip(&*other.weights) {
+            move_to(weight, other);
+        }
+        for (unknown, other) in self.kept.unknowns.iter_mut().zip(&other.kept.unknowns) {
+            move_to(unknown, other);
+        }
+        move_to(&mut self.least, &other.least);
+        move_to(&mut self.scale, &other.scale);
+        self.kept.doubts.0[to] = 0.0;
+        self.active[to] = to;
+        self.rounds = other.rounds;
+        self.left += 1;
+    }
+
+    /// The row of the block that is the `k`th of those left.
+    pub fn row(&self, k: usize) -> usize {
+        self.active[k]
+    }
+
+    /// So many rounds, or until all rows have settled.
+    #[inline(always)]
+    pub fn go_on<S: Vector>(&mut self, simd: S, plan: &Plan, phases: &[usize]) {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        for phase in phases {
+            let mut kept = 0;
+            self.rounds = self.rounds.saturating_sub(*phase);
+            for first in (0..self.left).step_by(2 * S::F64_LANES) {
+                let mut chosen = [0; 2 * LANES];
+                let chunk = &self.active[first..self.left.min(first + 2 * S::F64_LANES)];
+                chosen[..chunk.len()].copy_from_slice(chunk);
+                let length = chunk.len();
+                let of = |half: usize| &chosen[half * S::F64_LANES..(half + 1) * S::F64_LANES];
+                let more = length.saturating_sub(S::F64_LANES);
+                let mut pair = [
+                    Rounds::load(simd, plan, self, of(0), length),
+                    Rounds::load(simd, plan, self, of(1), more),
+                ];
+                let pair = &mut pair[..1 + usize::from(more > 0)];
+                for _ in 0..*phase {
+                    let mut active = zero.below(zero);
+                    for rounds in &mut *pair {
+                        rounds.round::<false>(simd, plan);
+                        active = active | rounds.active;
+                    }
+                    if !active.any() {
+                        break;
+                    }
+                }
+                let mut marks = [[0.0; LANES]; 4];
+                for (half, rounds) in pair.iter_mut().enumerate() {
+                    rounds.leap(simd, plan, self.rounds);
+                    let there = length.min((half + 1) * S::F64_LANES) - half * S::F64_LANES;
+                    rounds.store(plan, self, &of(half)[..there]);
+                    for (mark, mask) in [(0, rounds.active), (2, !rounds.sure)] {
+                        let lanes = mask.select(one, zero);
+                        lanes.store(S::as_mut_simd_f64s(&mut marks[mark + half]).0, 0);
+                    }
+                }
+                for (j, row) in chosen.into_iter().enumerate().take(length) {
+                    let (half, lane) = (j / S::F64_LANES, j % S::F64_LANES);
+                    if marks[2 + half][lane] != 0.0 {
+                        self.kept.doubts.0[row] = 1.0;
+                    } else if marks[half][lane] != 0.0 {
+                        // Not further than where it was read from.
+                        self.active[kept] = row;
+                        kept += 1;
+                    }
+                }
+            }
+            self.left = kept;
+            if kept == 0 {
+                break;
+            }
         }
     }
-    let mut all = zero.at_most(zero);
-    for k in 0..registers {
-        let mut weights = [zero; MOST];
-        for (weight, column) in weights.iter_mut().zip(rows.weights.iter()) {
-            *weight = column.load(simd, k);
+
+    /// Smallest singular values. Marks the rows that are for the plain core; whether there are none.
+    #[inline(always)]
+    pub fn finish<S: Vector>(
+        &mut self,
+        simd: S,
+        plan: &Plan,
+        count: usize,
+        sigmas: &mut Column,
+    ) -> bool {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let mut all = zero.at_most(zero);
+        for k in 0..count.div_ceil(S::F64_LANES) {
+            let mut weights = [zero; MOST];
+            for (weight, column) in weights.iter_mut().zip(self.weights.iter()) {
+                *weight = column.load(simd, k);
+            }
+            let (least, exact) = smallest(simd, plan, &weights);
+            sigmas.store(k, least.sqrt());
+            let sure = exact & self.kept.doubts.load(simd, k).at_most(zero);
+            self.kept.doubts.store(k, sure.select(zero, one));
+            all = all & sure;
         }
-        let (least, exact) = smallest(simd, plan, &weights);
-        sigmas.store(k, least.sqrt());
-        let sure = exact & rows.kept.doubts.load(simd, k).at_most(zero);
-        rows.kept.doubts.store(k, sure.select(zero, one));
-        all = all & sure;
+        !(!all).any()
     }
-    !(!all).any()
 }
 
 /// The same number in all columns; of slices, the compiler makes scattered stores.

@@ -4,60 +4,33 @@
 //! are added as a register's lanes are. What depends on the step before goes from row to row in between: angles of joints
 //! and the heading, which are sums, and at the end the pose and its covariance. So a row's bits are those of a sample alone.
 
-use std::ops::Range;
+mod block;
+mod led;
+mod room;
+
+pub(crate) use block::Block;
+use block::{at, load, store};
+use led::{LEAD, all};
+pub(crate) use room::Room;
 
 use super::plan::Plan;
 use super::wheels::{
     Everywhere, InLanes, Pick, Register, Squares, disagree, ended, lean, listen, met,
 };
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::{Kernel, Level};
+use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::sin_cos;
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
+use crate::batch::machine::weave::{BLOCK, unweave};
 use crate::batch::one_row::inverse::GROUP;
 use crate::error::HUGE;
 use crate::odometry::{
     Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian,
-    StepNoise, TrackRows, rounded, small_bend, step_jacobian,
+    StepNoise, small_bend, step_jacobian,
 };
 
 /// Parts of a sum over wheels, at most.
 const PARTS: usize = 4;
-
-/// Room before a column, of which the last place is used: what belongs to the row before the first.
-const LEAD: usize = 8;
-
-/// A column with the row before its first.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Led([f64; LEAD + BLOCK]);
-
-impl Led {
-    /// Register `k`, of rows that begin `back` rows before.
-    #[inline(always)]
-    fn load<S: Vector>(&self, simd: S, k: usize, back: usize) -> Lanes<S> {
-        let first = LEAD + k * S::F64_LANES - back;
-        let rows = &self.0[first..first + S::F64_LANES];
-        Lanes::load(simd, S::as_simd_f64s(rows).0, 0)
-    }
-
-    #[inline(always)]
-    fn store<S: Vector>(&mut self, k: usize, lanes: Lanes<S>) {
-        let rows = &mut self.0[LEAD..][k * S::F64_LANES..][..S::F64_LANES];
-        lanes.store(S::as_mut_simd_f64s(rows).0, 0);
-    }
-}
-
-/// Registers of three columns, of rows that begin `back` rows before.
-#[inline(always)]
-fn all<S: Vector>(simd: S, [x, y, z]: &[Led; 3], k: usize, back: usize) -> [Lanes<S>; 3] {
-    [
-        x.load(simd, k, back),
-        y.load(simd, k, back),
-        z.load(simd, k, back),
-    ]
-}
 
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
@@ -66,127 +39,6 @@ pub(crate) struct Rows<'a> {
     pub steering: &'a [f64],
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
-}
-
-/// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
-/// it in `ends`, which comes from the state.
-pub(crate) struct Room {
-    level: Level,
-    /// Row by row: what is taken apart into columns next.
-    flat: Vec<f64>,
-    /// Angle of every joint per count of its encoder [rad].
-    per_count: Vec<f64>,
-    /// Angles of the joints, row by row [rad].
-    angles: Vec<f64>,
-    /// Per wheel of the rover: what it counted; then how fast its contact slid [m/s].
-    wheels: Vec<Column>,
-    /// Middle angles of the joints, then their turns [rad].
-    joints: Vec<Column>,
-    /// Per place of a wheel in the plan.
-    places: Vec<super::plan::Room>,
-    /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
-    ends: Vec<[Led; 3]>,
-}
-
-/// So many, if there is memory.
-fn some<T: Clone>(one: T, count: usize) -> Option<Vec<T>> {
-    let mut all = Vec::new();
-    all.try_reserve_exact(count).ok()?;
-    all.resize(count, one);
-    Some(all)
-}
-
-impl Room {
-    pub fn new(plan: &Plan) -> Option<Self> {
-        let wheels: usize = plan.groups.iter().map(|group| group.count).sum();
-        let joints: usize = plan.groups.iter().map(|group| group.steered).sum();
-        let mut per_count = some(0.0, joints)?;
-        for (joint, per_count) in per_count.iter_mut().enumerate() {
-            *per_count = plan.groups[joint / GROUP].per_count[1][joint % GROUP];
-        }
-        Some(Self {
-            level: Level::best(),
-            per_count,
-            flat: some(0.0, BLOCK * wheels.max(2 * joints))?,
-            angles: some(0.0, BLOCK * joints)?,
-            wheels: some(Column::ZERO, wheels)?,
-            joints: some(Column::ZERO, 2 * joints)?,
-            places: some(super::plan::Room::default(), GROUP * plan.groups.len())?,
-            ends: some([Led([0.0; LEAD + BLOCK]); 3], joints)?,
-        })
-    }
-
-    /// Most rows of a block.
-    pub fn rows(&self) -> usize {
-        BLOCK
-    }
-
-    /// Angles of the joints after a step [rad].
-    pub fn angles(&self, row: usize) -> &[f64] {
-        let joints = self.ends.len();
-        &self.angles[row * joints..(row + 1) * joints]
-    }
-}
-
-/// What a block needs of any rover.
-pub(crate) struct Block {
-    pub dt: Column,
-    /// 1 where a wheel slid further than the noise explains.
-    pub slips: Column,
-    displacement: [Column; 3],
-    twists: [Column; 3],
-    /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
-    own: [Column; 6],
-    /// The same of the joints' readings at one end, and what is open of the pose.
-    open: [Column; 6],
-    heading: Column,
-    /// Way of every step in world axes; then the pose.
-    poses: [Column; 3],
-    lever: [Column; 2],
-    covariances: [Column; 9],
-}
-
-impl Block {
-    pub fn new() -> Self {
-        Self {
-            dt: Column::ZERO,
-            slips: Column::ZERO,
-            displacement: [Column::ZERO; 3],
-            twists: [Column::ZERO; 3],
-            own: [Column::ZERO; 6],
-            open: [Column::ZERO; 6],
-            heading: Column::ZERO,
-            poses: [Column::ZERO; 3],
-            lever: [Column::ZERO; 2],
-            covariances: [Column::ZERO; 9],
-        }
-    }
-}
-
-#[inline(always)]
-fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
-    let mut lanes = [Lanes::splat(simd, 0.0); N];
-    for (lanes, column) in lanes.iter_mut().zip(columns) {
-        *lanes = column.load(simd, k);
-    }
-    lanes
-}
-
-#[inline(always)]
-fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
-    for (lanes, column) in lanes.into_iter().zip(columns) {
-        column.store(k, lanes);
-    }
-}
-
-/// A row of columns.
-#[inline(always)]
-fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] {
-    let mut numbers = [0.0; N];
-    for (number, column) in numbers.iter_mut().zip(columns) {
-        *number = column.0[row];
-    }
-    numbers
 }
 
 impl Plan {
@@ -593,106 +445,5 @@ fn sum(count: usize, block: &mut Block, state: &mut State) {
     }
     if let Some(last) = count.checked_sub(1) {
         uncertainty.settle(settled, Spread::from(at(&block.open, last)));
-    }
-}
-
-impl Block {
-    /// The rows that were made, where they belong.
-    pub fn write(
-        &mut self,
-        room: &Room,
-        rows: Range<usize>,
-        wheels: usize,
-        track: &mut TrackRows<'_>,
-    ) {
-        let write = Write {
-            block: self,
-            room,
-            rows,
-            wheels,
-            track,
-        };
-        room.level.run(write);
-    }
-
-    /// Residuals of a step.
-    pub fn last_residual(&self, room: &Room, row: usize, residual: &mut [f64]) {
-        for (residual, column) in residual.iter_mut().zip(&room.wheels) {
-            *residual = column.0[row];
-        }
-    }
-}
-
-struct Write<'a, 'b> {
-    block: &'a mut Block,
-    room: &'a Room,
-    rows: Range<usize>,
-    wheels: usize,
-    track: &'a mut TrackRows<'b>,
-}
-
-impl Kernel for Write<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) {
-        let Self {
-            block,
-            room,
-            rows,
-            wheels,
-            track,
-        } = self;
-        let poses = track.poses[rows.clone()].as_flattened_mut();
-        weave(simd, &block.poses, poses);
-        weave(
-            simd,
-            &block.twists,
-            track.twists[rows.clone()].as_flattened_mut(),
-        );
-        if let Some(residuals) = &mut track.residuals {
-            let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
-            weave(simd, &room.wheels, residuals);
-        }
-        if let Some(covariances) = &mut track.covariances {
-            for k in 0..rows.len() / S::F64_LANES {
-                report(simd, k, block);
-            }
-            weave(
-                simd,
-                &block.covariances,
-                covariances[rows].as_flattened_mut(),
-            );
-        }
-    }
-}
-
-/// A register of covariances of the pose, without a negative variance in any direction.
-#[inline(always)]
-fn report<S: Vector>(simd: S, k: usize, block: &mut Block) {
-    let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
-    let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
-    let zero = Lanes::splat(simd, 0.0);
-    let mut negative = zero.below(zero);
-    for minor in spread.minors() {
-        negative = negative | minor.below(zero);
-    }
-    let [xx, xy, xz, yy, yz, zz] = spread.into();
-    store(
-        [xx, xy, xz, xy, yy, yz, xz, yz, zz],
-        &mut block.covariances,
-        k,
-    );
-    if negative.any() {
-        for row in k * S::F64_LANES..(k + 1) * S::F64_LANES {
-            let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
-            let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
-            if spread.may_be_negative() {
-                let matrix: [[f64; 3]; 3] = spread.without_negative().matrix().into();
-                for (part, column) in matrix.as_flattened().iter().zip(&mut block.covariances) {
-                    column.0[row] = *part;
-                }
-            }
-        }
     }
 }
