@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::chain::{Chain, MAX_FREE, MAX_PARTS, MAX_WHEELS, Turning};
+use super::chain::{Chain, MAX_FREE, MAX_WHEELS, Turning};
 use super::dimensions::Differential;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::polynomials::direction;
@@ -42,6 +42,9 @@ impl Column {
     }
 }
 
+/// Parts with free angles at most: one on either side for each of them.
+const MOST_PARTS: usize = 2 * MAX_FREE;
+
 /// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
 pub(crate) const LARGEST_TURN: f64 = 600.0;
 
@@ -68,6 +71,8 @@ struct Wheel {
     steering: Option<usize>,
     /// Parts that carry it, innermost first.
     movers: Vec<usize>,
+    /// Bits of the free angles that move it.
+    moved: u32,
 }
 
 /// Where a part that steers is in its parent, and its joint.
@@ -79,6 +84,10 @@ pub(crate) struct Plan {
     parts: Vec<Part>,
     wheels: Vec<Wheel>,
     joints: usize,
+    /// The free angles, those first that move few wheels.
+    order: Vec<usize>,
+    /// Bits of the steering joints whose wheels have their centres about the axis.
+    centred: u32,
 }
 
 impl Plan {
@@ -88,6 +97,8 @@ impl Plan {
             parts: Vec::new(),
             wheels: Vec::new(),
             joints: chain.joints().len(),
+            order: (0..chain.joints().len()).collect(),
+            centred: 0,
         };
         // The frame that a part is, or for one that steers that of its parent, with its origin there.
         let mut frames: Vec<(usize, Option<Knuckle>)> = Vec::new();
@@ -116,6 +127,9 @@ impl Plan {
             });
             frames.push((plan.parts.len(), None));
         }
+        if plan.parts.len() > MOST_PARTS {
+            return None;
+        }
         for wheel in chain.wheels() {
             let (frame, knuckle) = wheel.part.map_or((0, None), |k| frames[k]);
             let (pivot, offset, steering) = match knuckle {
@@ -124,14 +138,28 @@ impl Plan {
             };
             let parents = |&frame: &usize| Some(plan.parts[frame - 1].parent).filter(|&k| k > 0);
             let carriers = std::iter::successors(Some(frame).filter(|&k| k > 0), parents);
+            let movers: Vec<usize> = carriers.map(|frame| frame - 1).collect();
+            let bit = |part: &usize| 1 << plan.parts[*part].joint;
             plan.wheels.push(Wheel {
                 frame,
                 pivot,
                 offset,
                 radius: wheel.radius,
                 steering,
-                movers: carriers.map(|frame| frame - 1).collect(),
+                moved: movers.iter().map(bit).fold(0, std::ops::BitOr::bitor),
+                movers,
             });
+        }
+        let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
+        let wheels = &plan.wheels;
+        plan.order
+            .sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
+        for joint in 0..chain.steering().len() {
+            let own = wheels.iter().filter(|wheel| wheel.steering == Some(joint));
+            let [ahead, left] = own.fold([0.0; 2], |[ahead, left], wheel| {
+                [ahead + wheel.offset[0], left + wheel.offset[1]]
+            });
+            plan.centred |= u32::from(ahead == 0.0 && left == 0.0) << joint;
         }
         Some(plan)
     }
@@ -152,6 +180,16 @@ impl Plan {
         self.wheels[wheel].steering
     }
 
+    /// Bits of the free angles that move a wheel.
+    pub fn moved(&self, wheel: usize) -> u32 {
+        self.wheels[wheel].moved
+    }
+
+    /// The free angles, those first that move few wheels.
+    pub fn order(&self) -> &[usize] {
+        &self.order
+    }
+
     /// The centre of a wheel from its steering axis, ahead and to the left where that is straight [m].
     pub fn offset(&self, wheel: usize) -> [f64; 2] {
         let [ahead, left, _] = self.wheels[wheel].offset;
@@ -160,14 +198,7 @@ impl Plan {
 
     /// Whether the centres of a joint's wheels lie about its axis: then they go on average where the axis does.
     pub fn is_centred(&self, joint: usize) -> bool {
-        let wheels = self
-            .wheels
-            .iter()
-            .filter(|wheel| wheel.steering == Some(joint));
-        let [ahead, left] = wheels.fold([0.0; 2], |[ahead, left], wheel| {
-            [ahead + wheel.offset[0], left + wheel.offset[1]]
-        });
-        ahead == 0.0 && left == 0.0
+        self.centred >> joint & 1 == 1
     }
 }
 
@@ -265,8 +296,8 @@ pub(crate) struct Axis<S: Simd> {
 pub(crate) struct Placing<'a, S: Simd> {
     plan: &'a Plan,
     /// Of the body, and of every part.
-    frames: [Frame<S>; MAX_PARTS + 1],
-    axes: [Axis<S>; MAX_PARTS],
+    frames: [Frame<S>; MOST_PARTS + 1],
+    axes: [Axis<S>; MOST_PARTS],
     /// The wheels, straight ahead.
     pub wheels: [WheelAt<S>; MAX_WHEELS],
     /// Where the wheels are steered about.
@@ -315,12 +346,12 @@ impl<'a, S: Vector> Placing<'a, S> {
         };
         Self {
             plan,
-            frames: [body; MAX_PARTS + 1],
+            frames: [body; MOST_PARTS + 1],
             axes: [Axis {
                 joint: 0,
                 axis: [zero; 3],
                 origin: [zero; 3],
-            }; MAX_PARTS],
+            }; MOST_PARTS],
             wheels: [nowhere; MAX_WHEELS],
             pivots: [[zero; 3]; MAX_WHEELS],
         }
@@ -334,7 +365,7 @@ impl<'a, S: Vector> Placing<'a, S> {
         for (turned, angle) in free.iter_mut().zip(joints).take(self.plan.joints) {
             *turned = direction(simd, *angle);
         }
-        for (k, part) in self.plan.parts.iter().enumerate().take(MAX_PARTS) {
+        for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
             let parent = &self.frames[part.parent];
             let joint = part.joint % MAX_FREE;
             let (turned, slope) = match part.across {
@@ -403,23 +434,31 @@ impl<'a, S: Vector> Placing<'a, S> {
         movers.iter().map(|&part| &self.axes[part])
     }
 
-    /// The velocity of a point of a wheel's carrier [m/s], and how the carrier turns [rad/s], for these rates of the
-    /// body and the free angles: see `moving::contact::carried`.
+    /// How the parts move at these rates of the body and the free angles.
     #[inline(always)]
-    pub fn carried(
-        &self,
-        wheel: usize,
-        point: Vectors<S>,
-        [velocity, turn]: [Vectors<S>; 2],
-        rates: &[Lanes<S>; MAX_FREE],
-    ) -> [Vectors<S>; 2] {
-        let mut velocity = sum(velocity, cross(turn, point));
-        let mut turn = turn;
-        for axis in self.axes(wheel) {
-            let rate = rates[axis.joint];
-            velocity = along(velocity, rate, cross(axis.axis, less(point, axis.origin)));
-            turn = along(turn, rate, axis.axis);
+    pub fn moving(&self, simd: S, body: [Vectors<S>; 2], rates: &[Lanes<S>; MAX_FREE]) -> Flow<S> {
+        let mut flow = Flow {
+            parts: [[[all(simd, 0.0); 3]; 2]; MOST_PARTS + 1],
+        };
+        flow.parts[0] = body;
+        for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
+            let Axis { axis, origin, .. } = self.axes[k];
+            let turning = scaled(axis, rates[part.joint % MAX_FREE]);
+            let [velocity, turn] = flow.parts[part.parent];
+            flow.parts[k + 1] = [less(velocity, cross(turning, origin)), sum(turn, turning)];
         }
-        [velocity, turn]
+        flow
     }
+
+    /// The velocity of a point of a wheel's carrier [m/s], and how the carrier turns [rad/s]: see `moving::contact::carried`.
+    #[inline(always)]
+    pub fn carried(&self, wheel: usize, point: Vectors<S>, flow: &Flow<S>) -> [Vectors<S>; 2] {
+        let [velocity, turn] = flow.parts[self.plan.wheels[wheel].frame];
+        [sum(velocity, cross(turn, point)), turn]
+    }
+}
+
+/// Of the body and every part, the velocity that a point at the body's origin would have with it [m/s], and how it turns [rad/s].
+pub(crate) struct Flow<S: Simd> {
+    parts: [[Vectors<S>; 2]; MOST_PARTS + 1],
 }

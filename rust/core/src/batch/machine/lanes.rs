@@ -211,6 +211,12 @@ impl<S: Vector> Lanes<S> {
         }
     }
 
+    /// [`Vector::inverse_root`].
+    #[inline(always)]
+    pub fn inverse_root(self) -> Self {
+        self.with(self.simd.inverse_root(self.values))
+    }
+
     /// [`Vector::gather`] at these places.
     #[inline(always)]
     pub fn gather(self, table: &[f64]) -> Self {

@@ -48,6 +48,12 @@ pub(crate) trait Vector: Simd {
     /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
     fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
 
+    /// One over the square root of positive numbers that are neither tiny nor huge, to some last places.
+    #[inline(always)]
+    fn inverse_root(self, numbers: Self::f64s) -> Self::f64s {
+        self.div_f64s(self.splat_f64s(1.0), self.sqrt_f64s(numbers))
+    }
+
     /// Pairs of singles of a table, each as it is in the bits of its lane. Places are counted from `2^52`, with whose
     /// bits they are as they are.
     ///
@@ -389,6 +395,19 @@ mod x86 {
             let places = simd._mm512_xor_si512(cast(whole), cast(offset));
             // SAFETY: every place is one of the table's, by the two comparisons.
             cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr()) })
+        }
+
+        /// By an estimate of 14 bits, and two steps of Newton's method: a root and a quotient hold up all others.
+        #[inline(always)]
+        fn inverse_root(self, numbers: f64x8) -> f64x8 {
+            let half = self.mul_f64x8(numbers, self.splat_f64x8(-0.5));
+            let mut root = cast(self.avx512f._mm512_rsqrt14_pd(cast(numbers)));
+            for _ in 0..2 {
+                let square = self.mul_f64x8(root, root);
+                let missing = self.mul_add_f64x8(half, square, self.splat_f64x8(0.5));
+                root = self.mul_add_f64x8(root, missing, root);
+            }
+            root
         }
 
         #[inline(always)]

@@ -4,7 +4,7 @@ use super::columns::{Way, angle_of, way};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::{Turned, Vectors, all, cross, dot, sum};
+use crate::suspension::lanes::{Turned, Vectors, all, cross, dot, scaled, sum};
 
 /// Turns of Newton's method.
 const TURNS: usize = 8;
@@ -36,6 +36,19 @@ pub(super) struct Local<S: Vector> {
 }
 
 impl<S: Vector> Local<S> {
+    /// Of no wheel.
+    #[inline(always)]
+    pub fn none(simd: S) -> Self {
+        let zero = all(simd, 0.0);
+        Self {
+            normal: [zero; 3],
+            velocity: [zero; 3],
+            turn: [zero; 3],
+            offset: [0.0; 2],
+            radius: 1.0,
+        }
+    }
+
     fn is_beside(&self) -> bool {
         self.offset != [0.0; 2]
     }
@@ -142,10 +155,9 @@ pub(super) struct Aimed<S: Vector> {
     pub beside: bool,
 }
 
-/// The wheels of one joint.
+/// Where the wheels of one joint point.
 #[derive(Clone, Copy)]
 struct Joint<S: Vector> {
-    aims: [Option<Aim<S>>; MAX_WHEELS],
     turned: Turned<S>,
     size: Lanes<S>,
     /// Length of the last turn [rad]; nothing where the root is found.
@@ -154,17 +166,16 @@ struct Joint<S: Vector> {
 }
 
 impl<S: Vector> Joint<S> {
-    fn wheels(&self) -> impl Iterator<Item = &Aim<S>> {
-        self.aims.iter().flatten()
-    }
-
     /// A turn of Newton's method where it is open; lanes that have found theirs wait for the others, so that no lane
     /// depends on another.
     #[inline(always)]
-    fn turn(&mut self, simd: S, doubt: &mut Mask<S>) {
+    fn turn<'a>(&mut self, simd: S, aims: impl Iterator<Item = &'a Aim<S>>, doubt: &mut Mask<S>)
+    where
+        S: 'a,
+    {
         let zero = all(simd, 0.0);
         let (mut aside, mut by) = (zero, zero);
-        for aim in self.aims.iter().flatten() {
+        for aim in aims {
             let [one, slope] = aim.aside(simd, self.turned);
             (aside, by) = (aside + one, by + slope);
         }
@@ -175,7 +186,7 @@ impl<S: Vector> Joint<S> {
         *doubt = *doubt | (self.open & !(length.at_most(most) & steep));
         let (sin, cos) = self.turned;
         let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
-        let inverse = all(simd, 1.0).quotient(step.mul_add(step, all(simd, 1.0)).sqrt());
+        let inverse = step.mul_add(step, all(simd, 1.0)).inverse_root();
         self.turned = (
             self.open.select(s * inverse, sin),
             self.open.select(c * inverse, cos),
@@ -190,40 +201,44 @@ impl<S: Vector> Joint<S> {
 #[inline(always)]
 pub(super) fn aimed<S: Vector>(
     simd: S,
-    steering: impl Fn(usize) -> Option<usize>,
+    steering: impl Fn(usize) -> Option<usize> + Copy,
     locals: &[Local<S>],
     touching: &[Lanes<S>; MAX_WHEELS],
     doubt: &mut Mask<S>,
 ) -> [Option<Aimed<S>>; MAX_WHEELS] {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+    let still = Aim {
+        local: Local::none(simd),
+        rim: [zero; 3],
+        counts: one,
+    };
+    let mut aims = [still; MAX_WHEELS];
+    let joint_of = |wheel: usize| (wheel < locals.len()).then(|| steering(wheel)).flatten();
+    let of = |joint: usize| move |wheel: &usize| joint_of(*wheel) == Some(joint);
     let mut joints: [Option<Joint<S>>; MAX_WHEELS] = [None; MAX_WHEELS];
     for (joint, slot) in joints.iter_mut().enumerate() {
-        let of = |wheel: &usize| steering(*wheel) == Some(joint);
-        let wheels = || (0..locals.len()).filter(of);
+        let wheels = || (0..MAX_WHEELS).filter(of(joint));
         if wheels().next().is_none() {
             continue;
         }
-        let touches = wheels().fold(zero, |any, wheel| any.max(touching[wheel]));
-        let mut aims = [None; MAX_WHEELS];
+        let mut touches = zero;
+        for wheel in wheels() {
+            touches = touches.max(touching[wheel]);
+        }
         let (mut size, mut way_of) = (zero, [zero; 2]);
         for wheel in wheels() {
-            let local = locals[wheel];
-            let mut rim = cross(local.normal, local.turn);
-            for part in &mut rim {
-                *part = *part * all(simd, local.radius);
-            }
-            let counts = zero.below(touches).select(touching[wheel], one);
-            let aim = Aim { local, rim, counts };
+            let (aim, local) = (&mut aims[wheel], &locals[wheel]);
+            aim.local = *local;
+            aim.rim = scaled(cross(local.normal, local.turn), all(simd, local.radius));
+            aim.counts = zero.below(touches).select(touching[wheel], one);
             let [ahead, left] = aim.ways();
             way_of = [way_of[0] + ahead, way_of[1] + left];
             size = size + aim.size(simd);
-            aims[wheel] = Some(aim);
         }
         let Way { turned, rests, .. } = way(way_of, (zero, one), doubt);
         let slight = way_of[0].abs().below(all(simd, SLIGHT) * size);
         *doubt = *doubt | (slight & !rests);
         *slot = Some(Joint {
-            aims,
             turned,
             size,
             last: all(simd, 0.5),
@@ -232,9 +247,12 @@ pub(super) fn aimed<S: Vector>(
     }
     for _ in 0..TURNS {
         let mut open = zero.below(zero);
-        for joint in joints.iter_mut().flatten() {
-            joint.turn(simd, doubt);
-            open = open | joint.open;
+        for (joint, slot) in joints.iter_mut().enumerate() {
+            let Some(found) = slot else { continue };
+            let wheels = aims.iter().enumerate();
+            let own = wheels.filter(|(wheel, _)| of(joint)(wheel));
+            found.turn(simd, own.map(|(_, aim)| aim), doubt);
+            open = open | found.open;
         }
         // Whoever is in doubt need not be waited for.
         if !(open & !*doubt).any() {
@@ -242,11 +260,14 @@ pub(super) fn aimed<S: Vector>(
         }
     }
     let mut aimed = [None; MAX_WHEELS];
-    for (found, joint) in aimed.iter_mut().zip(joints) {
-        let Some(joint) = joint else { continue };
-        *doubt = *doubt | joint.open;
-        let (sin, cos) = joint.turned;
-        let beside = joint.wheels().any(|aim| aim.local.is_beside());
+    for (joint, (found, slot)) in aimed.iter_mut().zip(&joints).enumerate() {
+        let Some(Joint { turned, open, .. }) = slot else {
+            continue;
+        };
+        *doubt = *doubt | *open;
+        let (sin, cos) = *turned;
+        let mut wheels = (0..MAX_WHEELS).filter(of(joint));
+        let beside = wheels.any(|wheel| aims[wheel].local.is_beside());
         let square = cos.abs().below(all(simd, SLIGHT));
         *doubt = *doubt | square;
         let behind = cos.sign();

@@ -40,6 +40,12 @@ impl Span {
             }
             return lanes;
         }
+        if self.count == 1 {
+            for (lanes, value) in lanes.iter_mut().zip(&rows[..width]) {
+                *lanes = all(simd, *value);
+            }
+            return lanes;
+        }
         let mut columns = [Column::ZERO; W];
         for lane in 0..S::F64_LANES {
             let row = &rows[lane.min(self.count - 1) * width..][..width];
@@ -100,22 +106,15 @@ impl Span {
         }
     }
 
-    /// Writes the first `width` of these truths, 0 or 1, likewise.
+    /// Writes the first `width` of the lowest bits of whole numbers, likewise.
     #[inline(always)]
-    pub fn flags<S: Vector, const W: usize>(
-        self,
-        lanes: &[Lanes<S>; W],
-        width: usize,
-        rows: &mut [bool],
-    ) {
+    pub fn flags<S: Vector>(self, bits: Lanes<S>, width: usize, rows: &mut [bool]) {
         let rows = &mut rows[self.first * width..][..self.count * width];
-        let mut columns = [Column::ZERO; W];
-        for (column, lanes) in columns.iter_mut().zip(lanes) {
-            *column = Column::of(*lanes);
-        }
-        for (lane, row) in rows.chunks_exact_mut(width.max(1)).enumerate() {
-            for (value, column) in row.iter_mut().zip(&columns) {
-                *value = column.0[lane % column.0.len()] != 0.0;
+        let column = Column::of(bits);
+        for (row, bits) in rows.chunks_exact_mut(width.max(1)).zip(column.0) {
+            let bits = bits as u32;
+            for (k, value) in row.iter_mut().enumerate() {
+                *value = bits >> k & 1 == 1;
             }
         }
     }
@@ -150,7 +149,7 @@ pub(super) struct Way<S: Simd> {
 
 /// The way of a velocity ahead and aside. Adds to the doubtful lanes those whose squares are lost.
 #[inline(always)]
-pub(super) fn way<S: Simd>(
+pub(super) fn way<S: Vector>(
     [ahead, aside]: [Lanes<S>; 2],
     rest: Turned<S>,
     doubt: &mut Mask<S>,
@@ -160,9 +159,12 @@ pub(super) fn way<S: Simd>(
     let size = ahead.abs() + aside.abs();
     let rests = size.at_most(zero);
     *doubt = *doubt | (square.below(all(ahead.simd(), TINY)) & !rests);
-    let length = square.sqrt();
+    let inverse = rests.select(one, square).inverse_root();
+    let near = square * inverse;
+    // What the product rounds away is added back.
+    let missing = (-near).mul_add(near, square);
+    let length = missing.mul_add(inverse * all(ahead.simd(), 0.5), near);
     let sign = ahead.below(zero).select(all(ahead.simd(), -0.0), zero);
-    let inverse = one.quotient(rests.select(one, length));
     Way {
         length,
         sign,

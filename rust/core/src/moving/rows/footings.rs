@@ -6,8 +6,8 @@ use crate::batch::machine::polynomials::{LARGEST_ANGLE, direction, sin_cos};
 use crate::batch::machine::vector::Vector;
 use crate::ground::Stand;
 use crate::moving::Footing;
-use crate::suspension::lanes::{Column, LARGEST_TURN, MOST, Turned, Vectors, all, rotated, scaled};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::suspension::lanes::{LARGEST_TURN, MOST, Turned, Vectors, all, rotated, scaled};
+use crate::suspension::{Chain, Joint, MAX_FREE, MAX_WHEELS};
 use crate::terrain::normal;
 use crate::wheels::Direction;
 
@@ -57,37 +57,30 @@ pub struct Told<'a> {
     pub gap: &'a [f64],
 }
 
-/// The numbers of one row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct One {
-    attitude: [f64; 3],
-    joints: [f64; MAX_FREE],
-    steering: [f64; MAX_WHEELS],
-    at: [Direction; MAX_WHEELS],
-    /// Not of unit length where it is settled.
-    upwards: [[f64; 3]; MAX_WHEELS],
-    touching: [bool; MAX_WHEELS],
-    stopped: [bool; MAX_FREE],
-}
+/// The numbers of one row, eight and eight, as they are turned into columns: roll, pitch, yaw and the free angles [rad];
+/// the steering angles [rad]; of every wheel its gap [m], sine and cosine of its contact angle, and the slopes of
+/// the ground where it is settled or else its normal.
+type One = [[f64; MOST]; 2 + MAX_WHEELS];
 
-/// Which of some gaps are closed, and which joints are at a stop: none unless a wheel hangs.
-fn contacts(
-    chain: &Chain,
-    gaps: [f64; MAX_WHEELS],
-    joints: &[f64; MAX_FREE],
-) -> ([bool; MAX_WHEELS], [bool; MAX_FREE]) {
-    let mut stopped = [false; MAX_FREE];
-    if gaps.iter().any(|gap| *gap > HANGING) {
-        for ((stopped, angle), joint) in stopped.iter_mut().zip(joints).zip(chain.joints()) {
-            let range = joint.range;
-            *stopped = *angle <= range.lower + STOPPED || *angle >= range.upper - STOPPED;
-        }
+/// The numbers of as many rows as there are lanes at most.
+#[repr(align(64))]
+pub(super) struct Eights([One; MOST]);
+
+impl Eights {
+    pub fn new() -> Self {
+        Self([ZERO; MOST])
     }
-    let mut touching = [false; MAX_WHEELS];
-    for (touching, gap) in touching.iter_mut().zip(gaps) {
-        *touching = gap.abs() <= HANGING;
+
+    /// Eight columns of them.
+    #[inline(always)]
+    fn columns<S: Vector>(&self, simd: S, part: usize) -> [Lanes<S>; MOST] {
+        let rows = self.0.as_flattened().as_flattened();
+        Lanes::columns(
+            simd,
+            &rows[part * MOST..],
+            size_of::<One>() / size_of::<f64>(),
+        )
     }
-    (touching, stopped)
 }
 
 /// The row of so many numbers each, of which there may be one for all.
@@ -96,21 +89,22 @@ fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
     values.get(first..first + width).unwrap_or_default()
 }
 
+const ZERO: One = [[0.0; MOST]; 2 + MAX_WHEELS];
+
 impl Footings<'_> {
-    #[inline(always)]
-    pub(super) fn one(&self, chain: &Chain, k: usize) -> One {
-        let mut one = One {
-            attitude: [0.0; 3],
-            joints: [0.0; MAX_FREE],
-            steering: [0.0; MAX_WHEELS],
-            at: [Direction { sin: 0.0, cos: 1.0 }; MAX_WHEELS],
-            upwards: [[0.0, 0.0, 1.0]; MAX_WHEELS],
-            touching: [false; MAX_WHEELS],
-            stopped: [false; MAX_FREE],
-        };
-        let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
-        let mut gaps = [f64::NAN; MAX_WHEELS];
+    /// Whether anything is steered.
+    fn steers(&self) -> bool {
         match self {
+            Self::Settled { steering, .. } => !steering.is_empty(),
+            Self::Told(told) => !told.steering.is_empty(),
+        }
+    }
+
+    /// Puts down the numbers of a row.
+    #[inline(always)]
+    fn put(&self, chain: &Chain, k: usize, one: &mut One) {
+        let [body, steered, contacts @ ..] = one;
+        let (place, steering) = match self {
             Self::Settled {
                 stands,
                 poses,
@@ -118,67 +112,80 @@ impl Footings<'_> {
             } => {
                 let place = if stands.len() == 1 { 0 } else { k };
                 let stand = &stands[place];
-                let [_, roll, pitch, joints @ ..] = stand.state;
-                one.attitude = [roll, pitch, poses[place][2]];
-                one.joints = joints;
-                for (wheel, gap) in gaps.iter_mut().enumerate().take(wheels) {
-                    let contact = &stand.wheels[wheel];
-                    let [x, y] = contact.gradient;
-                    one.at[wheel] = contact.at;
-                    one.upwards[wheel] = [-x, -y, 1.0];
-                    *gap = contact.gap;
+                let [_, roll, pitch, a, b, c] = stand.state;
+                *body = [roll, pitch, poses[place][2], a, b, c, 0.0, 0.0];
+                for (numbers, contact) in contacts.iter_mut().zip(&stand.wheels) {
+                    let (at, [x, y]) = (contact.at, contact.gradient);
+                    numbers[..5].copy_from_slice(&[contact.gap, at.sin, at.cos, x, y]);
                 }
-                for (to, from) in one.steering.iter_mut().zip(row(steering, steered, place)) {
-                    *to = *from;
-                }
+                (place, *steering)
             }
             Self::Told(told) => {
                 let place = if told.roll.len() == 1 { 0 } else { k };
                 let transform = &told.transform[place];
                 let yaw = transform[4].atan2(transform[0]);
-                one.attitude = [told.roll[place], told.pitch[place], yaw];
-                let free = chain.joints().len();
-                for (to, from) in one.joints.iter_mut().zip(row(told.joints, free, place)) {
-                    *to = *from;
-                }
-                for (to, from) in one
-                    .steering
-                    .iter_mut()
-                    .zip(row(told.steering, steered, place))
-                {
-                    *to = *from;
-                }
-                for (wheel, gap) in gaps.iter_mut().enumerate().take(wheels) {
+                body[..3].copy_from_slice(&[told.roll[place], told.pitch[place], yaw]);
+                let angles = row(told.joints, chain.joints().len(), place);
+                body[3..3 + angles.len()].copy_from_slice(angles);
+                let wheels = chain.wheels().len();
+                for (wheel, numbers) in contacts.iter_mut().enumerate().take(wheels) {
                     let which = place * wheels + wheel;
-                    one.at[wheel] = Direction::from(told.angles[which]);
-                    one.upwards[wheel] = told.normals[which];
-                    *gap = told.gap[which];
+                    let at = Direction::from(told.angles[which]);
+                    let [x, y, z] = told.normals[which];
+                    *numbers = [told.gap[which], at.sin, at.cos, x, y, z, 0.0, 0.0];
                 }
+                (place, told.steering)
             }
+        };
+        if !steering.is_empty() {
+            let angles = row(steering, chain.steering().len(), place);
+            steered[..angles.len()].copy_from_slice(angles);
         }
-        (one.touching, one.stopped) = contacts(chain, gaps, &one.joints);
-        one
     }
 
     /// Does something with one row, the plain way.
     pub fn with<T>(&self, chain: &Chain, k: usize, work: impl FnOnce(&mut Footing<'_>) -> T) -> T {
-        let one = self.one(chain, k);
+        let mut one = ZERO;
+        self.put(chain, k, &mut one);
         let settled = matches!(self, Self::Settled { .. });
-        let angles = one.at.map(|at| at.sin.atan2(at.cos));
-        let normals = one.upwards.map(|[x, y, z]| match settled {
-            true => normal([-x, -y]).into(),
-            false => [x, y, z],
-        });
+        let (mut angles, mut normals) = ([0.0; MAX_WHEELS], [[0.0, 0.0, 1.0]; MAX_WHEELS]);
+        let (mut touching, mut stopped) = ([false; MAX_WHEELS], [false; MAX_FREE]);
+        let (wheels, free) = (chain.wheels().len(), chain.joints().len());
+        let mut hangs = false;
+        for wheel in 0..wheels {
+            let [gap, sin, cos, x, y, z, ..] = one[2 + wheel];
+            angles[wheel] = sin.atan2(cos);
+            normals[wheel] = match settled {
+                true => normal([x, y]).into(),
+                false => [x, y, z],
+            };
+            touching[wheel] = gap.abs() <= HANGING;
+            hangs |= gap > HANGING;
+        }
+        let joints = &one[0][3..3 + free];
+        // None is at a stop unless a wheel hangs.
+        if hangs {
+            for ((stopped, angle), joint) in stopped.iter_mut().zip(joints).zip(chain.joints()) {
+                let [lower, upper] = stops(joint);
+                *stopped = *angle <= lower || *angle >= upper;
+            }
+        }
+        let [roll, pitch, yaw, ..] = one[0];
         work(&mut Footing {
-            attitude: one.attitude,
-            joints: &one.joints[..chain.joints().len()],
-            steering: &one.steering[..chain.steering().len()],
-            angles: &angles[..chain.wheels().len()],
-            normals: &normals[..chain.wheels().len()],
-            touching: one.touching,
-            stopped: one.stopped,
+            attitude: [roll, pitch, yaw],
+            joints,
+            steering: &one[1][..chain.steering().len()],
+            angles: &angles[..wheels],
+            normals: &normals[..wheels],
+            touching,
+            stopped,
         })
     }
+}
+
+/// From where on a free angle is at its lower and its upper stop [rad].
+fn stops(joint: &Joint) -> [f64; 2] {
+    [joint.range.lower + STOPPED, joint.range.upper - STOPPED]
 }
 
 /// Rows where they stand, in lanes.
@@ -189,6 +196,8 @@ pub(super) struct Standing<S: Vector> {
     pub joints: [Lanes<S>; MAX_FREE],
     /// Angles of the steering joints [rad].
     pub steering: [Lanes<S>; MAX_WHEELS],
+    /// Whether one of them is not 0.
+    pub steers: bool,
     /// Of the contact angles.
     pub at: [Turned<S>; MAX_WHEELS],
     /// Of the ground, in the body.
@@ -203,50 +212,6 @@ pub(super) struct Standing<S: Vector> {
     pub nowhere: Mask<S>,
 }
 
-/// What [`Standing`] is made of, as it is read.
-struct Read {
-    attitude: [Column; 3],
-    joints: [Column; MAX_FREE],
-    steering: [Column; MAX_WHEELS],
-    at: [[Column; 2]; MAX_WHEELS],
-    upwards: [[Column; 3]; MAX_WHEELS],
-    touching: [Column; MAX_WHEELS],
-    stopped: [Column; MAX_FREE],
-    nowhere: Column,
-}
-
-impl Read {
-    const ZERO: Self = Self {
-        attitude: [Column::ZERO; 3],
-        joints: [Column::ZERO; MAX_FREE],
-        steering: [Column::ZERO; MAX_WHEELS],
-        at: [[Column::ZERO; 2]; MAX_WHEELS],
-        upwards: [[Column::ZERO; 3]; MAX_WHEELS],
-        touching: [Column::ZERO; MAX_WHEELS],
-        stopped: [Column::ZERO; MAX_FREE],
-        nowhere: Column::ZERO,
-    };
-
-    #[inline(always)]
-    fn put(&mut self, lane: usize, one: &One) {
-        let lane = lane % MOST;
-        for k in 0..3 {
-            self.attitude[k].0[lane] = one.attitude[k];
-        }
-        for k in 0..MAX_FREE {
-            self.joints[k].0[lane] = one.joints[k];
-        }
-        for k in 0..MAX_WHEELS {
-            self.steering[k].0[lane] = one.steering[k];
-            self.at[k][0].0[lane] = one.at[k].sin;
-            self.at[k][1].0[lane] = one.at[k].cos;
-            for i in 0..3 {
-                self.upwards[k][i].0[lane] = one.upwards[k][i];
-            }
-        }
-    }
-}
-
 impl<S: Vector> Standing<S> {
     /// Some rows; adds to the doubtful lanes those that are not for lanes.
     #[inline(always)]
@@ -255,78 +220,71 @@ impl<S: Vector> Standing<S> {
         chain: &Chain,
         footings: &Footings<'_>,
         span: Span,
+        read: &mut Eights,
         doubt: &mut Mask<S>,
     ) -> Self {
-        let mut read = Read::ZERO;
-        let (mut all_touch, mut any_stopped) = (true, false);
-        let wheels = chain.wheels().len().min(MAX_WHEELS);
-        for lane in 0..S::F64_LANES {
-            let one = footings.one(chain, span.first + lane.min(span.count - 1));
-            read.put(lane, &one);
-            let touching = &one.touching[..wheels];
-            all_touch &= !touching.contains(&false);
-            if !touching.contains(&true) {
-                read.nowhere.0[lane] = 1.0;
-            }
-            any_stopped |= one.stopped.contains(&true);
-            for (column, touches) in read.touching.iter_mut().zip(one.touching) {
-                column.0[lane] = f64::from(u8::from(touches));
-            }
-            for (column, stopped) in read.stopped.iter_mut().zip(one.stopped) {
-                column.0[lane] = f64::from(u8::from(stopped));
-            }
+        for (lane, one) in read.0.iter_mut().enumerate().take(S::F64_LANES) {
+            footings.put(chain, span.first + lane.min(span.count - 1), one);
         }
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let [roll, pitch, yaw] = [
-            read.attitude[0].load(simd),
-            read.attitude[1].load(simd),
-            read.attitude[2].load(simd),
-        ];
-        let nowhere = zero.below(read.nowhere.load(simd));
-        let mut plain = all(simd, LARGEST_ANGLE).below(yaw.abs());
+        let [roll, pitch, yaw, joints @ ..] = read.columns(simd, 0);
         let far = all(simd, LARGEST_TURN);
+        let mut plain = all(simd, LARGEST_ANGLE).below(yaw.abs());
         plain = plain | far.below(roll.abs()) | far.below(pitch.abs());
         let mut standing = Self {
             roll: direction(simd, roll),
             pitch: direction(simd, pitch),
             joints: [zero; MAX_FREE],
             steering: [zero; MAX_WHEELS],
+            steers: footings.steers(),
             at: [(zero, one); MAX_WHEELS],
             normals: [[zero; 3]; MAX_WHEELS],
             touching: [zero; MAX_WHEELS],
-            all_touch,
+            all_touch: true,
             stopped: [zero; MAX_FREE],
-            any_stopped,
-            nowhere,
+            any_stopped: false,
+            nowhere: zero.at_most(zero),
         };
-        for k in 0..chain.joints().len().min(MAX_FREE) {
-            standing.joints[k] = read.joints[k].load(simd);
-            plain = plain | far.below(standing.joints[k].abs());
-            standing.stopped[k] = read.stopped[k].load(simd);
-        }
-        for k in 0..chain.steering().len().min(MAX_WHEELS) {
-            standing.steering[k] = read.steering[k].load(simd);
-            plain = plain | far.below(standing.steering[k].abs());
+        if standing.steers {
+            let angles = read.columns(simd, 1);
+            let steered = chain.steering().len();
+            for (to, angle) in standing.steering.iter_mut().zip(angles).take(steered) {
+                *to = angle;
+                plain = plain | far.below(angle.abs());
+            }
         }
         let heading = sin_cos(simd, yaw);
         let settled = matches!(footings, Footings::Settled { .. });
-        for k in 0..wheels {
-            standing.touching[k] = read.touching[k].load(simd);
-            standing.at[k] = (read.at[k][0].load(simd), read.at[k][1].load(simd));
-            let up = [
-                read.upwards[k][0].load(simd),
-                read.upwards[k][1].load(simd),
-                read.upwards[k][2].load(simd),
-            ];
-            let mut normal = standing.in_body(heading, up);
+        let (hanging, mut hangs) = (all(simd, HANGING), zero.below(zero));
+        for k in 0..chain.wheels().len().min(MAX_WHEELS) {
+            let [gap, sin, cos, x, y, z, ..] = read.columns(simd, 2 + k);
+            let touches = gap.abs().at_most(hanging);
+            standing.touching[k] = touches.select(one, zero);
+            standing.all_touch &= !(!touches).any();
+            standing.nowhere = standing.nowhere & !touches;
+            hangs = hangs | hanging.below(gap);
+            standing.at[k] = (sin, cos);
+            let upwards = if settled { [-x, -y, one] } else { [x, y, z] };
+            let mut normal = standing.in_body(heading, upwards);
             if settled {
-                let square = up[0].mul_add(up[0], up[1].mul_add(up[1], one));
+                let square = x.mul_add(x, y.mul_add(y, one));
                 plain = plain | all(simd, STEEP).below(square);
-                normal = scaled(normal, one.quotient(square.sqrt()));
+                normal = scaled(normal, square.inverse_root());
             }
             standing.normals[k] = normal;
         }
-        *doubt = *doubt | (plain & !nowhere);
+        let hang = hangs.any();
+        for (k, joint) in chain.joints().iter().enumerate().take(MAX_FREE) {
+            standing.joints[k] = joints[k];
+            plain = plain | far.below(joints[k].abs());
+            if hang {
+                let [lower, upper] = stops(joint).map(|stop| all(simd, stop));
+                let stopped = hangs & (joints[k].at_most(lower) | upper.at_most(joints[k]));
+                standing.stopped[k] = stopped.select(one, zero);
+                standing.any_stopped |= stopped.any();
+            }
+        }
+        *doubt = *doubt | (plain & !standing.nowhere);
         standing
     }
 
@@ -346,8 +304,8 @@ impl<S: Vector> Standing<S> {
 /// The direction in which a wheel rolls over a plane, and where it touches, from its axes and the plane's normal: the
 /// sine and cosine of its contact angle.
 #[inline(always)]
-pub(super) fn on_plane<S: Vector>(simd: S, forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
-    let inverse = all(simd, 1.0).quotient(forward.mul_add(forward, up * up).sqrt());
+pub(super) fn on_plane<S: Vector>(forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
+    let inverse = forward.mul_add(forward, up * up).inverse_root();
     (-(forward * inverse), up * inverse)
 }
 

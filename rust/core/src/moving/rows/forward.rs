@@ -1,18 +1,19 @@
 //! [`Contacts::forward`](super::super::Contacts::forward) for many rows.
 
 use super::Prepared;
-use super::columns::{Span, truths};
-use super::follow::{Follow, Known, Row, Touch, row, swivel};
+use super::columns::Span;
+use super::follow::{Contact, Contacts, Follow, Known, Room, Row, Touch, answers, swivel};
 use super::footings::{Footings, Standing, on_plane};
-use super::solve::{back, triangular};
+use super::run::{InLanes, Rows, through};
+use super::solve::Normal;
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
-use crate::moving::contact::{COLUMNS, Contacts};
-use crate::moving::motion::{Readings, weights};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Vectors, WheelAt, all, cross, dot};
+use crate::error::Error;
+use crate::moving::contact::{self, COLUMNS};
+use crate::moving::motion::{PLAN, Readings, weights};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, WheelAt, all, cross, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What was measured, row after row: see [`Readings`].
@@ -73,15 +74,7 @@ pub fn forward_rows(
             },
         });
     // A job does not fail.
-    let _ = workers.each(jobs, |mut job| {
-        match &prepared.plan {
-            Some(plan) if workers.level != Level::Plain => {
-                workers.level.run(InLanes { plan, job });
-            }
-            _ => (0..job.movings.twists.len()).for_each(|row| job.one(row)),
-        }
-        Ok(())
-    });
+    let _ = workers.each(jobs, |job| through(prepared, workers.level, job));
 }
 
 /// Rows that one thread takes.
@@ -94,9 +87,33 @@ struct Job<'a> {
     movings: Movings<'a>,
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
-    fn one(&mut self, row: usize) {
+impl Rows for Job<'_> {
+    type Room<S: Vector> = Room<S>;
+
+    #[inline(always)]
+    fn room<S: Vector>(simd: S) -> Room<S> {
+        Room::new(simd)
+    }
+
+    fn count(&self) -> usize {
+        self.movings.twists.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
+    ) -> Mask<S> {
+        match lanes.measures() {
+            true => lanes.some::<S, 4>(simd, span, placing, room),
+            false => lanes.some::<S, 3>(simd, span, placing, room),
+        }
+    }
+
+    fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
         let (wheels, free, steered) = (
             chain.wheels().len(),
@@ -119,7 +136,7 @@ impl Job<'_> {
         let given = some.steering.map(|angles| &angles[of(steered)]);
         let moving = self.footings.with(chain, place, |footing| {
             let turned = given.filter(|angles| *angles != footing.steering);
-            let contacts = Contacts::new(chain, footing, turned);
+            let contacts = contact::Contacts::new(chain, footing, turned);
             contacts.map(|contacts| contacts.forward(&readings, &radii))
         });
         let (twist, rates, residual) = moving.map_or(
@@ -134,157 +151,90 @@ impl Job<'_> {
         self.movings.joint_rates[row * free..][..free].copy_from_slice(&rates[..free]);
         self.movings.residuals[row * 3 * wheels..][..3 * wheels]
             .copy_from_slice(residual[..wheels].as_flattened());
+        Ok(())
     }
 }
 
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = ();
-
+impl InLanes<'_, Job<'_>> {
+    /// Some rows, and the lanes that are for the plain way. Of right-hand sides there are 4, but 3 where nothing
+    /// is measured beside the wheels.
     #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) {
-        let rows = self.job.movings.twists.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let span = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, span, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..span.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane);
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-    }
-}
-
-/// Products of the diagonal of a triangle above this share of the cube of its size are sure to come from columns that
-/// do not depend on each other.
-const INDEPENDENT: f64 = 1e-6;
-
-/// What a wheel says: how its contact moves along the normal, along the rim and to the left, by the rates, and what of it
-/// its steering adds.
-#[derive(Clone, Copy)]
-struct Contact<S: Vector> {
-    normal: Row<S>,
-    rolling: Row<S>,
-    side: Row<S>,
-    swivel: [Lanes<S>; 3],
-}
-
-impl InLanes<'_> {
-    /// Some rows, and the lanes that are for the plain way.
-    #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+    fn some<S: Vector, const RIGHT: usize>(
+        &mut self,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
+    ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
             first: self.job.first + span.first,
             ..span
         };
-        let zero = all(simd, 0.0);
+        let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let mut doubt = zero.below(zero);
-        let standing = Standing::new(simd, chain, self.job.footings, given, &mut doubt);
-        let contacts = self.contacts(simd, given, &standing, placing, &mut doubt);
-        let contacts = &contacts[..plan.wheels().min(MAX_WHEELS)];
+        let footings = self.job.footings;
+        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut doubt);
+        placing.place(simd, &standing.joints);
+        let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
+        let (contacts, equations) = (&mut room.contacts, &mut room.equations);
+        self.contacts(simd, given, &standing, placing, contacts, &mut doubt);
         let known = self.known(simd, given, &standing);
-        let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
-        for (normal, contact) in normals.iter_mut().zip(contacts) {
-            *normal = (contact.normal, contact.swivel[0]);
-        }
-        let follow = Follow::new::<4>(simd, &standing, &known, &normals[..contacts.len()]);
-        let exactly = follow.exactly(simd, &known, contacts.len());
-        let everywhere = !(!exactly).any();
-        let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, contacts.len());
-        let nan = all(simd, f64::NAN);
-        let mut rows = [[zero; 4]; 3 * MAX_WHEELS];
-        let mut told = [[([zero; 3], zero); 3]; MAX_WHEELS];
-        // What the wheels do along the normals comes last: then rows of nothing, in lanes where it is nothing, are as none.
-        let lifts = if everywhere { 0 } else { contacts.len() };
-        let mut filled = 0;
-        for (wheel, contact) in contacts.iter().enumerate() {
-            let [roll, side] = weights(self.job.readings.weights, contacts.len(), wheel);
+        let follow = Follow::new::<RIGHT>(simd, plan, &standing, &known, contacts, equations);
+        let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
+        let mut fit = Normal::new(simd);
+        let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
+        for (wheel, says) in says.iter_mut().enumerate().take(wheels) {
+            let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
             let speed = speeds[wheel];
             let measured = speed.at_most(speed);
-            let speed = measured.select(speed, zero);
-            let (root, radius) = (all(simd, roll.sqrt()), plan.radius(wheel));
+            let rolled = all(simd, plan.radius(wheel)) * measured.select(speed, zero);
+            let Contact { rows, swivel } = &contacts[wheel];
+            says[0] = follow.told::<RIGHT>(plan, wheel, &rows[1], swivel[1] - rolled);
+            says[1] = follow.told::<RIGHT>(plan, wheel, &rows[2], swivel[2]);
             let touching = standing.touching[wheel];
-            let says = [
-                (&contact.normal, contact.swivel[0], all(simd, 1.0)),
-                (
-                    &contact.rolling,
-                    contact.swivel[2] - speed,
-                    all(simd, radius),
-                ),
-                (&contact.side, contact.swivel[1], all(simd, 1.0)),
-            ];
-            let aside = all(simd, side.sqrt());
-            let roots = [
-                measured.select(all(simd, roll.max(side).sqrt()), aside),
-                measured.select(root, zero),
-                aside,
-            ];
-            for (i, (direction, beside, unit)) in says.into_iter().enumerate() {
-                let mut left = beside;
-                for (part, rate) in direction.iter().zip(&follow.offset) {
-                    left = part.mul_add(*rate, left);
-                }
-                let left = left * unit;
-                let mut columns = follow.plan(direction);
-                for column in &mut columns {
-                    *column = *column * unit;
-                }
-                told[wheel][i] = (columns, left);
-                let mut root = roots[i] * touching;
-                let place = if i > 0 {
-                    filled += 1;
-                    filled - 1
-                } else if everywhere {
-                    continue;
-                } else {
-                    root = exactly.select(zero, root);
-                    2 * contacts.len() + wheel
-                };
-                rows[place] = [
-                    columns[0] * root,
-                    columns[1] * root,
-                    columns[2] * root,
-                    -(left * root),
-                ];
+            let counts = measured.select(all(simd, roll), zero) * touching;
+            fit.add(says[0].0, says[0].1, counts);
+            fit.add(says[1].0, says[1].1, all(simd, side) * touching);
+        }
+        // What the wheels do along the normals comes last: in lanes where it is nothing it is as if there were none.
+        let exactly = follow.exactly(simd, &known, wheels);
+        if (!exactly).any() {
+            for (wheel, Contact { rows, swivel }) in contacts.iter().enumerate().take(wheels) {
+                let [roll, side] = weights(self.job.readings.weights, wheels, wheel);
+                let measured = speeds[wheel].at_most(speeds[wheel]);
+                let share = measured.select(all(simd, roll.max(side)), all(simd, side));
+                let counts = exactly.select(zero, share * standing.touching[wheel]);
+                let (columns, left) = follow.told::<RIGHT>(plan, wheel, &rows[0], swivel[0]);
+                fit.add(columns, left, counts);
             }
         }
-        let rows = &mut rows[..filled + lifts];
-        triangular(simd, rows, 3, 4);
-        doubt = doubt | (dependent(simd, rows) & !standing.nowhere);
-        let solution: [[Lanes<S>; 1]; 3] = back(simd, rows, 3);
-        let motion = [
-            standing.nowhere.select(nan, solution[0][0]),
-            standing.nowhere.select(nan, solution[1][0]),
-            standing.nowhere.select(nan, solution[2][0]),
-        ];
+        if let Known::Somewhere(here, _) = known[PLAN[2]] {
+            fit.know_last(here);
+        }
+        let (mut motion, sure) = fit.solve(simd);
+        doubt = doubt | (!(sure & follow.sure) & !standing.nowhere);
+        for rate in &mut motion {
+            *rate = standing.nowhere.select(nan, *rate);
+        }
         let rates = follow.rates(motion);
         let mut residuals = [nan; 3 * MAX_WHEELS];
-        for (wheel, told) in told.iter().enumerate().take(contacts.len()) {
+        for (wheel, says) in says.iter().enumerate().take(wheels) {
             let touches = zero.below(standing.touching[wheel]);
-            for (i, (columns, left)) in told.iter().enumerate() {
-                let mut residual = *left;
-                for (column, rate) in columns.iter().zip(motion) {
-                    residual = column.mul_add(rate, residual);
-                }
-                if i == 1 {
-                    let speed = speeds[wheel];
-                    residual = speed.at_most(speed).select(residual, nan);
-                }
+            let Contact { rows, swivel } = &contacts[wheel];
+            let mut lift = swivel[0];
+            for (part, rate) in rows[0].iter().zip(rates) {
+                lift = part.mul_add(rate, lift);
+            }
+            let [mut rolled, aside] = says.map(|(columns, left)| {
+                let [ahead, to_left, turn] = columns;
+                ahead.mul_add(
+                    motion[0],
+                    to_left.mul_add(motion[1], turn.mul_add(motion[2], left)),
+                )
+            });
+            rolled = speeds[wheel].at_most(speeds[wheel]).select(rolled, nan);
+            for (i, residual) in [lift, rolled, aside].into_iter().enumerate() {
                 residuals[3 * wheel + i] = touches.select(residual, nan);
             }
         }
@@ -299,15 +249,17 @@ impl InLanes<'_> {
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        placing: &mut Placing<'_, S>,
+        placing: &Placing<'_, S>,
+        contacts: &mut Contacts<S>,
         doubt: &mut Mask<S>,
-    ) -> [Contact<S>; MAX_WHEELS] {
+    ) {
         let (plan, zero) = (self.plan, all(simd, 0.0));
         let steered = self.job.chain.steering().len().min(MAX_WHEELS);
-        let mut angles = standing.steering;
+        let (mut angles, mut steers) = (standing.steering, standing.steers);
         let mut turned = zero.below(zero);
         if let Some(steering) = self.job.readings.steering {
             angles = given.read::<S, MAX_WHEELS>(simd, steering, steered);
+            steers = true;
             for (angle, stands) in angles.iter().zip(standing.steering).take(steered) {
                 turned = turned | !(*angle - stands).abs().at_most(zero);
                 *doubt = *doubt | all(simd, LARGEST_TURN).below(angle.abs());
@@ -316,51 +268,29 @@ impl InLanes<'_> {
         let any_turned = turned.any();
         let rates = self.job.readings.steering_rates;
         let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, steered));
-        placing.place(simd, &standing.joints);
-        let placing = &*placing;
-        let blank = Contact {
-            normal: [zero; COLUMNS],
-            rolling: [zero; COLUMNS],
-            side: [zero; COLUMNS],
-            swivel: [zero; 3],
-        };
-        let mut contacts = [blank; MAX_WHEELS];
         for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
-            let joint = plan.steering(wheel);
-            let at_angle = |angles: &[Lanes<S>; MAX_WHEELS]| match joint {
-                Some(joint) => {
-                    let turned = direction(simd, angles[joint % MAX_WHEELS]);
-                    placing.steered(simd, wheel, turned)
-                }
-                None => placing.wheels[wheel],
-            };
-            let tread = at_angle(&angles);
+            let tread = at_angle(simd, plan, placing, wheel, &angles, steers);
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
-                let stands = at_angle(&standing.steering);
-                let (forward, up) = (dot(stands.forward, normal), dot(stands.up, normal));
+                let stood = (&standing.steering, standing.steers);
+                let stands = at_angle(simd, plan, placing, wheel, stood.0, stood.1);
+                let (forward, up) = (dot(stands.forward, normal), dot(tread.up, normal));
                 // The far side of the rim.
                 *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
-                let (forward, up) = (dot(tread.forward, normal), dot(tread.up, normal));
-                let plane = on_plane(simd, forward, up);
+                let plane = on_plane(dot(tread.forward, normal), up);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));
             }
-            let radius = plan.radius(wheel);
-            let touch = Touch::new(simd, &tread, radius, at);
-            let left = cross(normal, touch.tangent);
-            contact.normal = row(simd, placing, wheel, touch.point, normal);
-            contact.side = row(simd, placing, wheel, touch.point, left);
-            contact.rolling = rolling(simd, placing, wheel, &tread, touch.tangent, radius);
-            if let (Some(joint), Some(rates)) = (joint, &rates) {
-                let directions = [normal, left];
-                contact.swivel = swivel(simd, placing, wheel, &tread, radius, &touch, directions);
+            let touch = Touch::new(simd, &tread, plan.radius(wheel), at);
+            let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
+            answers(placing, wheel, touch.point, directions, &mut contact.rows);
+            if let (Some(joint), Some(rates)) = (plan.steering(wheel), &rates) {
+                contact.swivel = swivel(placing, wheel, tread.up, touch.point, directions);
                 for part in &mut contact.swivel {
                     *part = *part * rates[joint % MAX_WHEELS];
                 }
             }
         }
-        contacts
     }
 
     /// Rates that are no unknowns.
@@ -404,6 +334,17 @@ impl InLanes<'_> {
         known
     }
 
+    /// Whether anything is measured beside the wheels.
+    fn measures(&self) -> bool {
+        let readings = self.job.readings;
+        let beside = [
+            readings.joint_rates,
+            readings.angular_velocity,
+            readings.steering_rates,
+        ];
+        beside.iter().any(Option::is_some)
+    }
+
     #[inline(always)]
     fn write<S: Vector>(
         &mut self,
@@ -429,29 +370,23 @@ impl InLanes<'_> {
     }
 }
 
-/// The rate of an encoder that does not slip.
+/// A wheel where its joint is turned like this, if any is.
 #[inline(always)]
-fn rolling<S: Vector>(
+fn at_angle<S: Vector>(
     simd: S,
+    plan: &Plan,
     placing: &Placing<'_, S>,
     wheel: usize,
-    tread: &WheelAt<S>,
-    tangent: Vectors<S>,
-    radius: f64,
-) -> Row<S> {
-    let mut rolling = row(simd, placing, wheel, tread.centre, tangent);
-    let inverse = all(simd, 1.0 / radius);
-    for part in &mut rolling {
-        *part = *part * inverse;
+    angles: &[Lanes<S>; MAX_WHEELS],
+    steers: bool,
+) -> WheelAt<S> {
+    match plan.steering(wheel) {
+        Some(joint) if steers => {
+            let turned = direction(simd, angles[joint % MAX_WHEELS]);
+            placing.steered(simd, wheel, turned)
+        }
+        _ => placing.wheels[wheel],
     }
-    for k in 0..3 {
-        rolling[3 + k] = rolling[3 + k] - tread.axle[k];
-    }
-    for axis in placing.axes(wheel) {
-        let place = 6 + axis.joint % MAX_FREE;
-        rolling[place] = rolling[place] - dot(axis.axis, tread.axle);
-    }
-    rolling
 }
 
 /// A rate that is NaN where it was not measured.
@@ -466,21 +401,4 @@ fn measured<S: Vector>(simd: S, rate: Lanes<S>) -> Known<S> {
         let one = all(simd, 1.0);
         Known::Somewhere(here.select(one, zero), here.select(rate, zero))
     }
-}
-
-/// Where the columns of a triangle may depend on each other.
-#[inline(always)]
-fn dependent<S: Vector>(simd: S, rows: &[[Lanes<S>; 4]]) -> Mask<S> {
-    let zero = all(simd, 0.0);
-    let Some([a, b, c]) = rows.first_chunk::<3>() else {
-        return zero.at_most(zero);
-    };
-    let largest = [a[0], a[1], a[2], b[1], b[2], c[2]];
-    let mut size = zero;
-    for value in largest {
-        size = size.max(value.abs());
-    }
-    let product = (a[0] * b[1] * c[2]).abs();
-    let bound = all(simd, INDEPENDENT) * size * size * size;
-    !bound.below(product)
 }

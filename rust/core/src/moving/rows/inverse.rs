@@ -2,19 +2,19 @@
 
 use super::Prepared;
 use super::aim::{Local, aimed};
-use super::columns::{Span, finite, truths, within};
-use super::follow::{Follow, Known, Row, Touch, row};
+use super::columns::{Span, finite, within};
+use super::follow::{Follow, Known, Room, Row, Touch, answers};
 use super::footings::{Footings, Standing, on_plane};
-use super::solve::{back, triangular};
+use super::run::{InLanes, Rows, through};
+use super::solve::Equations;
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{Command, PLAN, View, Wanted, inverse};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Turned, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
@@ -75,13 +75,7 @@ pub fn inverse_rows(
                 scales,
             },
         });
-    workers.each(jobs, |mut job| match &prepared.plan {
-        Some(plan) if workers.level != Level::Plain => {
-            let done = workers.level.run(InLanes { plan, job });
-            done.unwrap_or(Ok(()))
-        }
-        _ => (0..job.commands.scales.len()).try_for_each(|row| job.one(row)),
-    })
+    workers.each(jobs, |job| through(prepared, workers.level, job))
 }
 
 /// Rows that one thread takes.
@@ -96,8 +90,29 @@ struct Job<'a> {
     commands: Commands<'a>,
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
+impl Rows for Job<'_> {
+    type Room<S: Vector> = Room<S>;
+
+    #[inline(always)]
+    fn room<S: Vector>(simd: S) -> Room<S> {
+        Room::new(simd)
+    }
+
+    fn count(&self) -> usize {
+        self.commands.scales.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
+    ) -> Mask<S> {
+        lanes.some(simd, span, placing, room)
+    }
+
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
         let (wheels, free, steered) = (
@@ -127,39 +142,6 @@ impl Job<'_> {
     }
 }
 
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = Result<(), Error>;
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.commands.scales.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let span = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, span, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..span.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-        Ok(())
-    }
-}
-
 /// Where steering joints point [rad], how far from where they are, and whether they are elsewhere.
 struct Steered<S: Vector> {
     angles: [Lanes<S>; MAX_WHEELS],
@@ -167,10 +149,16 @@ struct Steered<S: Vector> {
     moved: Mask<S>,
 }
 
-impl InLanes<'_> {
+impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
+    fn some<S: Vector>(
+        &mut self,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        room: &mut Room<S>,
+    ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
         let given = Span {
             first: self.job.first + span.first,
@@ -178,22 +166,30 @@ impl InLanes<'_> {
         };
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let mut never = zero.below(zero);
-        let standing = Standing::new(simd, chain, self.job.footings, given, &mut never);
+        let footings = self.job.footings;
+        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut never);
         placing.place(simd, &standing.joints);
         let placing = &*placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
         let mut treads = placing.wheels;
-        let mut normals = [([zero; COLUMNS], zero); MAX_WHEELS];
-        for wheel in 0..wheels {
-            if let Some(joint) = plan.steering(wheel) {
+        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
+            if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                treads[wheel] = placing.steered(simd, wheel, turned);
+                *tread = placing.steered(simd, wheel, turned);
             }
             let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
-            let touch = Touch::new(simd, &treads[wheel], radius, at);
-            normals[wheel].0 = row(simd, placing, wheel, touch.point, standing.normals[wheel]);
+            let touch = Touch::new(simd, tread, radius, at);
+            let [normal, ..] = room.contacts[wheel].rows.each_mut();
+            answers(
+                placing,
+                wheel,
+                touch.point,
+                [standing.normals[wheel]],
+                std::array::from_mut(normal),
+            );
         }
-        let rates = self.rates(simd, given, &standing, &normals[..wheels]);
+        let (rates, sure) = self.rates(simd, given, &standing, room);
+        never = never | (!sure & !standing.nowhere);
         let mut total = zero;
         for rate in rates {
             total = total + rate;
@@ -206,21 +202,15 @@ impl InLanes<'_> {
             [rates[3], rates[4], rates[5]],
         ];
         let mut doubt = zero.below(zero);
-        let blank = Local {
-            normal: [zero; 3],
-            velocity: [zero; 3],
-            turn: [zero; 3],
-            offset: [0.0; 2],
-            radius: 1.0,
-        };
-        let mut locals = [blank; MAX_WHEELS];
+        let flow = placing.moving(simd, body, &joints);
+        let mut locals = [Local::none(simd); MAX_WHEELS];
         for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
             let tread = &treads[wheel];
             let own = |vector| {
                 let [ahead, left, up] = [tread.forward, tread.axle, tread.up];
                 [dot(ahead, vector), dot(left, vector), dot(up, vector)]
             };
-            let [velocity, turn] = placing.carried(wheel, tread.centre, body, &joints);
+            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
             *local = Local {
                 normal: own(standing.normals[wheel]),
                 velocity: own(velocity),
@@ -240,7 +230,7 @@ impl InLanes<'_> {
             // The far side of the rim.
             doubt = doubt | (up * cos).below(forward * sin);
             let [forward, up] = local.upright(to);
-            let plane = on_plane(simd, forward, up);
+            let plane = on_plane(forward, up);
             let at = (
                 steered.moved.select(plane.0, sin),
                 steered.moved.select(plane.1, cos),
@@ -272,8 +262,9 @@ impl InLanes<'_> {
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        normals: &[(Row<S>, Lanes<S>)],
-    ) -> Row<S> {
+        room: &mut Room<S>,
+    ) -> (Row<S>, Mask<S>) {
+        let (contacts, equations) = (&room.contacts, &mut room.equations);
         let zero = all(simd, 0.0);
         let (speed, yaw_rate) = match self.job.wanted {
             [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
@@ -300,11 +291,15 @@ impl InLanes<'_> {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
                     known[column] = Known::Everywhere(rate);
                 }
-                Follow::new::<1>(simd, standing, &known, normals).offset
+                let follow =
+                    Follow::new::<1>(simd, self.plan, standing, &known, contacts, equations);
+                (follow.offset, follow.sure)
             }
             View::Plan => {
-                let follow = Follow::new::<3>(simd, standing, &known, normals);
-                follow.rates(seen_from_above(simd, standing, &follow, plan))
+                let follow =
+                    Follow::new::<3>(simd, self.plan, standing, &known, contacts, equations);
+                let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
+                (follow.rates(plan), follow.sure & sure)
             }
         }
     }
@@ -401,7 +396,8 @@ fn seen_from_above<S: Vector>(
     standing: &Standing<S>,
     follow: &Follow<S>,
     wanted: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
+    equations: &mut Equations<S>,
+) -> ([Lanes<S>; 3], Mask<S>) {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
     let ((sr, cr), (sp, cp)) = (standing.roll, standing.pitch);
     let level = [[cp, sp * sr, sp * cr], [zero, cr, -sr]];
@@ -415,7 +411,7 @@ fn seen_from_above<S: Vector>(
     for (column, told) in follow.unknown.iter().zip(&follow.spread).take(follow.count) {
         spread[*column] = *told;
     }
-    let mut system = [[zero; 4]; 3];
+    let mut system = [[zero; 3]; 3];
     for k in 0..3 {
         for (cells, row) in system.iter_mut().zip(&level) {
             for c in 0..3 {
@@ -424,10 +420,12 @@ fn seen_from_above<S: Vector>(
         }
         system[2][k] = turning[0].mul_add(spread[4][k], turning[1] * spread[5][k]);
     }
-    for (cells, value) in system.iter_mut().zip(wanted) {
-        cells[3] = value;
+    equations.clear();
+    for (cells, value) in system.iter().zip(wanted) {
+        let row = equations.add(0b111);
+        row[..3].copy_from_slice(cells);
+        row[3] = value;
     }
-    triangular(simd, &mut system, 3, 4);
-    let solution: [[Lanes<S>; 1]; 3] = back(simd, &system, 3);
-    [solution[0][0], solution[1][0], solution[2][0]]
+    let (solution, sure) = equations.solve::<1>(simd, 3);
+    ([solution[0][0], solution[1][0], solution[2][0]], sure)
 }

@@ -10,6 +10,7 @@ mod follow;
 mod footings;
 mod forward;
 mod inverse;
+mod run;
 mod slip;
 mod solve;
 mod traction;

@@ -1,15 +1,15 @@
 //! [`traction`] for many rows.
 
 use super::Prepared;
-use super::columns::{Span, Way, angle_of, finite, truths, way, within};
+use super::columns::{Span, Way, angle_of, finite, way, within};
+use super::run::{InLanes, Rows, through};
+use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
 use crate::error::Error;
 use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, Turned, Vectors, WheelAt, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, WheelAt, all, dot};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What turning is commanded, one number or one per row.
@@ -66,6 +66,7 @@ pub fn traction_rows(
     workers: Workers,
 ) -> Result<(), Error> {
     let workers = workers.here();
+    let steepest = driving.lift.angle.tan();
     let rows = drives.vertical.len();
     let share = workers.share(rows);
     let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
@@ -81,6 +82,7 @@ pub fn traction_rows(
             chain,
             prepared,
             driving,
+            steepest,
             first: k * share,
             drives: Drives {
                 steering: steering.next().unwrap_or_default(),
@@ -90,13 +92,7 @@ pub fn traction_rows(
                 vertical,
             },
         });
-    workers.each(jobs, |mut job| match &prepared.plan {
-        Some(plan) if workers.level != Level::Plain => {
-            let done = workers.level.run(InLanes { plan, job });
-            done.unwrap_or(Ok(()))
-        }
-        _ => (0..job.drives.vertical.len()).try_for_each(|row| job.one(row)),
-    })
+    workers.each(jobs, |job| through(prepared, workers.level, job))
 }
 
 /// Rows that one thread takes.
@@ -104,6 +100,8 @@ struct Job<'a> {
     chain: &'a Chain,
     prepared: &'a Prepared,
     driving: &'a Driving<'a>,
+    /// Slope that is the steepest: see [`Lift`].
+    steepest: f64,
     /// The first of its rows among all.
     first: usize,
     drives: Drives<'a>,
@@ -117,8 +115,26 @@ fn at(values: &[f64], row: usize) -> f64 {
     }
 }
 
-impl Job<'_> {
-    /// A row of its own, the plain way.
+impl Rows for Job<'_> {
+    type Room<S: Vector> = ();
+
+    fn room<S: Vector>(_: S) {}
+
+    fn count(&self) -> usize {
+        self.drives.vertical.len()
+    }
+
+    #[inline(always)]
+    fn some<S: Vector>(
+        lanes: &mut InLanes<'_, Self>,
+        simd: S,
+        span: Span,
+        placing: &mut Placing<'_, S>,
+        (): &mut (),
+    ) -> Mask<S> {
+        lanes.some(simd, span, placing)
+    }
+
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (all, driving) = (self.first + row, self.driving);
         let (wheels, free, steered) = (
@@ -161,39 +177,6 @@ impl Job<'_> {
     }
 }
 
-struct InLanes<'a> {
-    plan: &'a Plan,
-    job: Job<'a>,
-}
-
-impl Kernel for InLanes<'_> {
-    type Output = Result<(), Error>;
-
-    #[inline(always)]
-    fn run<S: Vector>(mut self, simd: S) -> Self::Output {
-        let rows = self.job.drives.vertical.len();
-        let mut placing = Placing::new(simd, self.plan);
-        let mut first = 0;
-        while first < rows {
-            let some = Span {
-                first,
-                count: S::F64_LANES.min(rows - first),
-            };
-            let doubt = self.some(simd, some, &mut placing);
-            if doubt.any() {
-                let doubtful = truths(simd, doubt);
-                for lane in 0..some.count {
-                    if doubtful.0[lane] != 0.0 {
-                        self.job.one(first + lane)?;
-                    }
-                }
-            }
-            first += S::F64_LANES;
-        }
-        Ok(())
-    }
-}
-
 /// What is wanted of the body, and what it and the free angles do.
 struct Wanted<S: Vector> {
     body: [Vectors<S>; 2],
@@ -229,7 +212,7 @@ impl<S: Vector> Centre<S> {
     }
 }
 
-impl InLanes<'_> {
+impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
@@ -263,9 +246,10 @@ impl InLanes<'_> {
             radius: 1.0,
         };
         let mut centres = [none; MAX_WHEELS];
+        let flow = placing.moving(simd, wanted.body, &wanted.rates);
         for wheel in 0..wheels {
             let tread = &treads[wheel];
-            let [velocity, turn] = placing.carried(wheel, tread.centre, wanted.body, &wanted.rates);
+            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
             centres[wheel] = Centre {
                 along: dot(velocity, tread.forward),
                 across: dot(velocity, tread.up),
@@ -282,8 +266,8 @@ impl InLanes<'_> {
         }
         let mut checked = vertical;
         let (mut speeds, mut contacts) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
-        let mut lifted = [zero; MAX_WHEELS];
-        let steepest = all(simd, driving.lift.angle.tan());
+        let mut lifted = zero;
+        let steepest = all(simd, self.job.steepest);
         for (wheel, centre) in centres.iter().enumerate() {
             let velocity = centre.at(vertical);
             let to: Way<S> = way(velocity, (zero, one), &mut doubt);
@@ -294,11 +278,12 @@ impl InLanes<'_> {
             let [x, y] = wanted.in_plan(treads[wheel].centre);
             let slope = steepest * x.mul_add(x, y * y).sqrt();
             let most = all(simd, driving.lift.speed).max(slope);
-            lifted[wheel] = most.below(velocity[1].abs()).select(one, zero);
+            let bit = all(simd, f64::from(1_u32 << wheel));
+            lifted = lifted + most.below(velocity[1].abs()).select(bit, zero);
         }
         // What is not finite is not sure to be what the plain way says.
         doubt = doubt | !finite(simd, checked);
-        self.write(some, &angles, &speeds, &contacts, &lifted, vertical);
+        self.write(some, &angles, &speeds, &contacts, lifted, vertical);
         doubt
     }
 
@@ -406,7 +391,7 @@ impl InLanes<'_> {
         angles: &[Lanes<S>; MAX_WHEELS],
         speeds: &[Lanes<S>; MAX_WHEELS],
         contacts: &[Lanes<S>; MAX_WHEELS],
-        lifted: &[Lanes<S>; MAX_WHEELS],
+        lifted: Lanes<S>,
         vertical: Lanes<S>,
     ) {
         let (wheels, steered) = (self.plan.wheels(), self.job.chain.steering().len());
