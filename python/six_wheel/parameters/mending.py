@@ -31,14 +31,8 @@ __all__ = ["text_for"]
 QUANTITIES = ("x", "y", "heading", "radius", "scrub", "trail", "roller_angle")
 SAME = 1e-12  # [m or rad], and of the value: what rounding leaves of a key that is a product of two
 STEPS = 8  # of Newton's method; keys enter linearly or in products of two, for which three are enough
-KEPT = (
-    "encoders",
-    "noise",
-    "odometry",
-    "gyroscope",
-    "truth",
-    "calibration",
-)  # what a calibration finds beside the rover
+# What a calibration finds beside the rover.
+KEPT = ("encoders", "noise", "odometry", "gyroscope", "truth", "calibration")
 COUNTS = frozenset({"wheels_per_side"})
 
 

@@ -9,6 +9,7 @@ from six_wheel._core import Rover
 from six_wheel.calibration.gyroscope.noise import resting
 from six_wheel.calibration.values import Estimate
 from six_wheel.logs.recordings import Log
+from six_wheel.odometry.dead_reckoning import dead_reckon
 from six_wheel.poses import Floats
 
 STRETCH = 1.0  # [s] over which turns are compared
@@ -114,8 +115,6 @@ def _true_headings(log: Log, offset: float) -> Floats:
 
 def _wheel_headings(rover: Rover, log: Log) -> Floats:
     """Headings by the wheels alone, NaN in rows that cannot be used."""
-    from six_wheel.odometry.dead_reckoning import dead_reckon
-
     track = dead_reckon(rover, log.steering, log.wheel_angles, log.stamps, covariances=False, residuals=False)
     headings = track.poses[:, 2].copy()
     headings[track.left_out] = np.nan

@@ -101,6 +101,8 @@ class RateBag:
     ----------
     up : ndarray, shape (3,), or None
         The rover's z in the axes of the sensor, where transforms in the bag tell it.
+    others : sequence of str
+        Topics that might be meant, where there are several and none was asked for.
     """
 
     IMU = "sensor_msgs/msg/Imu"
@@ -108,6 +110,8 @@ class RateBag:
     def __init__(self, bag: "Bag", topic: str | None, frames: Sequence[str]) -> None:
         self._bag, self.findings, self.time_unit = bag, bag.findings, bag.time_unit
         self.frame, self.up = "", None
+        self.position = 0
+        self.others: Sequence[str] = ()
         self.topic = self._chosen(topic)
         if self.topic is not None:
             bag.read_topics({self.topic})
@@ -131,11 +135,9 @@ class RateBag:
             # By REP 145 a first covariance of -1 says that there is no such measurement.
             if first is not None and first.angular_velocity_covariance[0] != -1.0:
                 telling.append(name)
-        self.others = telling if len(telling) > 1 else []
+        if len(telling) > 1:
+            self.others = telling
         return telling[0] if len(telling) == 1 else None
-
-    others: Sequence[str] = ()
-    position = 0
 
     @property
     def size(self) -> int:
@@ -160,6 +162,7 @@ class RateBag:
             return made
 
         for number, stamp, message in self._bag.messages():
+            self.position = number
             rate = message.angular_velocity
             numbers.append(number)
             stamps.append(stamp)
@@ -178,12 +181,11 @@ def _up(bag: "Bag", frame: str, own: Sequence[str]) -> Floats | None:
     for each in bag.transforms():
         q = each.transform.rotation
         x, y, z, w = q.x, q.y, q.z, q.w
-        third = np.array((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
         rows = np.array(
             (
                 (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
                 (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-                third,
+                (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
             )
         )
         child, parent = (str(name).lstrip("/") for name in (each.child_frame_id, each.header.frame_id))
