@@ -21,6 +21,10 @@ pub const MAX_WHEELS: usize = 64;
 /// Sine of the angle up to which two headings count as parallel: rounding of a heading given in degrees.
 const PARALLEL: f64 = 1e-9;
 
+/// Share of their distance from the origin by which pivots lie apart, at least, where twists are measured: below 1e-8 the
+/// rounding of squared distances hides it.
+const CLOSE: f64 = 1e-6;
+
 /// Sine of the angle between two axles, 10 degrees, from which on fixed wheels have no say in each other's side-slip row:
 /// beyond what any wheel is out of true by, and less than what a designer means.
 const ASIDE: f64 = 0.173_648_177_666_930_33;
@@ -59,7 +63,7 @@ pub struct Rover {
     pub(crate) centre: Vector2<f64>,
     /// Root mean square distance of the pivots from it.
     pub(crate) size: f64,
-    /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist.
+    /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist; positive definite.
     pub(crate) metric: Matrix3<f64>,
     /// Solution of the normal equations of the forward kinematics, where it does not depend on the steering angles.
     pub(crate) solution: Option<Matrix3<f64>>,
@@ -122,7 +126,9 @@ impl Rover {
         } else {
             wheels[0].radius
         };
-        let square = centre.norm_squared() + size * size;
+        // What turns about pivots that are far away and close together moves by more than rounding.
+        let turned = size.max(CLOSE * centre.norm());
+        let square = centre.norm_squared() + turned * turned;
         let metric = Matrix3::new(
             1.0, 0.0, -centre.y, //
             0.0, 1.0, centre.x, //

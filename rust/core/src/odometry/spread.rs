@@ -88,13 +88,15 @@ impl Spread {
         self.minors().into_iter().any(|value| value < 0.0)
     }
 
-    /// The same with variances of 0 where they are negative.
+    /// The same where no direction has a negative variance: what rounding made negative is as large the other way.
     #[cold]
     pub fn without_negative(&self) -> Self {
-        let parts = Jacobi::new(&self.matrix());
+        let matrix = self.matrix();
+        let size = matrix.amax(); // squares of which may not be finite
+        let parts = Jacobi::new(&(matrix / size));
         let mut positive = Self::default();
         for (k, value) in parts.values.iter().enumerate() {
-            positive.add(&parts.turn.column(k).into_owned(), value.max(0.0));
+            positive.add(&parts.turn.column(k).into_owned(), value * size);
         }
         positive
     }
