@@ -40,7 +40,7 @@ pub(crate) trait Vector: Simd {
     fn spread(self, register: Self::f64s) -> Self::f64s;
 
     /// Whether [`Self::stream`] goes past the caches.
-    const STREAMS: bool;
+    const STREAMS: bool = false;
 
     /// Writes a register past the caches.
     ///
@@ -48,10 +48,14 @@ pub(crate) trait Vector: Simd {
     ///
     /// `target` begins where a register may be stored whole, at a multiple of its size, and nobody looks at it
     /// before this thread has called [`Self::fence`].
-    unsafe fn stream(self, target: &mut Self::f64s, register: Self::f64s);
+    #[inline(always)]
+    unsafe fn stream(self, target: &mut Self::f64s, register: Self::f64s) {
+        *target = register;
+    }
 
     /// Waits until what [`Self::stream`] wrote is there for all to see.
-    fn fence(self);
+    #[inline(always)]
+    fn fence(self) {}
 
     /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
     fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
@@ -80,7 +84,8 @@ pub(crate) trait Vector: Simd {
     fn unpair(self, pairs: Self::f64s) -> [Self::f64s; 2];
 
     /// Asks for the line of an address, which need not be one.
-    fn fetch(self, address: *const f64);
+    #[inline(always)]
+    fn fetch(self, _: *const f64) {}
 
     /// Values of a grid, row after row, at whole places `[x, y]` that are in it with their neighbours: of each place
     /// and the next one in its row, and the two above.

@@ -48,16 +48,6 @@ impl Vector for Neon {
         f64x2(register.1, register.1)
     }
 
-    const STREAMS: bool = false;
-
-    #[inline(always)]
-    unsafe fn stream(self, target: &mut f64x2, register: f64x2) {
-        *target = register;
-    }
-
-    #[inline(always)]
-    fn fence(self) {}
-
     #[inline(always)]
     fn gather(self, table: &[f64], places: f64x2) -> f64x2 {
         let Some(last) = table.len().checked_sub(1) else {
@@ -87,7 +77,4 @@ impl Vector for Neon {
         let ([a, c], [b, d]) = (of_pair(pairs.0), of_pair(pairs.1));
         [f64x2(a.into(), b.into()), f64x2(c.into(), d.into())]
     }
-
-    #[inline(always)]
-    fn fetch(self, _: *const f64) {}
 }

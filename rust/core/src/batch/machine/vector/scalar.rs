@@ -45,16 +45,6 @@ impl Vector for Scalar {
         register
     }
 
-    const STREAMS: bool = false;
-
-    #[inline(always)]
-    unsafe fn stream(self, target: &mut f64, register: f64) {
-        *target = register;
-    }
-
-    #[inline(always)]
-    fn fence(self) {}
-
     #[inline(always)]
     fn gather(self, table: &[f64], place: f64) -> f64 {
         let last = table.len().saturating_sub(1);
@@ -83,7 +73,4 @@ impl Vector for Scalar {
     fn unpair(self, pair: f64) -> [f64; 2] {
         of_pair(pair).map(f64::from)
     }
-
-    #[inline(always)]
-    fn fetch(self, _: *const f64) {}
 }
