@@ -11,12 +11,16 @@ use super::steered::Steered;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::{ROUND, angle};
 use crate::steering::{ANGLE_TOLERANCE, UNDECIDED};
+use crate::wheels::Direction;
 
 /// Comparisons that rounding may turn are not sure within this [rad].
 const CLOSE: f64 = 1e-9;
 
 /// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
 const LEFT: f64 = 0.75;
+
+/// Angles beyond an end by no more than this surely count as inside [rad].
+const INSIDE: f64 = ANGLE_TOLERANCE / 2.0;
 
 /// What a wheel is asked.
 #[derive(Clone, Copy)]
@@ -120,6 +124,25 @@ impl Steered {
             inside: still | (!rests & overshoot.at_most(zero)),
             sure: rests | (sure & kept),
         }
+    }
+
+    /// Whether some angle of the range surely leaves nothing to slide: the slip at its two ends has different signs, or
+    /// is next to nothing at one of them.
+    #[inline(always)]
+    pub fn reaches<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rate: Lanes<S>) -> Mask<S> {
+        let splat = |number| Lanes::splat(simd, number);
+        let [x, y] = self.velocity(simd, twist);
+        let square = x.mul_add(x, y * y);
+        let across = splat(self.trail) * (twist[2] + rate);
+        let along = (-across).mul_add(across, square);
+        let none = along * splat(INSIDE * INSIDE);
+        let [lower, upper] = self.ends;
+        let slip = |end: Direction| (y * splat(end.cos) - x * splat(end.sin)) - across;
+        let (first, last) = (slip(lower), slip(upper));
+        let held = (first * last).below(splat(0.0))
+            | (first * first).at_most(none)
+            | (last * last).at_most(none);
+        held & (splat(LEFT * LEFT) * square).at_most(along) & !self.rests(simd, twist)
     }
 
     /// How a castor rolls that has swung in behind its pivot [m/s], and where that is sure.

@@ -170,13 +170,17 @@ impl<'a> Plan<'a> {
             };
             if steered.trail != 0.0 {
                 let rate = rates.get(joint).map_or(zero, |rates| rates.load(simd, k));
-                let asked = Asked {
-                    twist,
-                    before: zero,
-                    rate,
-                };
-                let chosen = steered.choose(simd, asked, None);
-                passes = passes & chosen.inside & chosen.sure;
+                let mut fits = steered.reaches(simd, twist, rate);
+                if (!fits).any() {
+                    let asked = Asked {
+                        twist,
+                        before: zero,
+                        rate,
+                    };
+                    let chosen = steered.choose(simd, asked, None);
+                    fits = fits | (chosen.inside & chosen.sure);
+                }
+                passes = passes & fits;
             }
             joint += 1;
         }

@@ -281,9 +281,9 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
                     };
                     let asked = (joint, per_radius * per_radius);
                     if reach.symmetric {
-                        self.steer::<true>(simd, steered, reach.ends, asked, twists, &per_dts);
+                        self.steer::<true>(simd, steered, asked, twists, &per_dts);
                     } else {
-                        self.steer::<false>(simd, steered, reach.ends, asked, twists, &per_dts);
+                        self.steer::<false>(simd, steered, asked, twists, &per_dts);
                     }
                     joint += 1;
                 }
@@ -310,7 +310,6 @@ impl<S: Vector> Judge<'_, '_, S> {
         &mut self,
         simd: S,
         steered: &Steered,
-        [(lower_sin, lower_cos), (upper_sin, upper_cos)]: [(f64, f64); 2],
         (joint, per_square): (usize, Lanes<S>),
         twists: &[S::f64s; WIDTH],
         per_dts: &PerStep<S>,
@@ -320,6 +319,7 @@ impl<S: Vector> Judge<'_, '_, S> {
         let (low, high) = (steered.range.lower, steered.range.upper);
         let (lower, upper) = (number(low), number(high));
         let middle = number((low + high) / 2.0);
+        let [lower_end, upper_end] = steered.ends;
         // Half a turn further on, counted from either end.
         let (back_to_lower, back_to_upper) = (number(low + PI), number(high - PI));
         let mut held = Lanes::load(simd, &self.held, joint);
@@ -347,8 +347,8 @@ impl<S: Vector> Judge<'_, '_, S> {
                 angle = backwards.below(over).select(end, angle);
             }
             let at_upper = middle.below(angle);
-            let sin = at_upper.select(number(upper_sin), number(lower_sin));
-            let cos = at_upper.select(number(upper_cos), number(lower_cos));
+            let sin = at_upper.select(number(upper_end.sin), number(lower_end.sin));
+            let cos = at_upper.select(number(upper_end.cos), number(lower_end.cos));
             let misses = zero.below(over) & !rests;
             let slip = misses.select((cos * y - sin * x).abs(), zero);
             slips = slips.max(slip);

@@ -29,8 +29,6 @@ pub(crate) struct Reach {
     pub folded: bool,
     /// Whether it is less than that, so that there is one way only of making a motion.
     pub inner: bool,
-    /// Sine and cosine of its lower and its upper end.
-    pub ends: [(f64, f64); 2],
 }
 
 impl Reach {
@@ -53,7 +51,6 @@ impl Reach {
             folded,
             inner: range.lower > quarter.lower + NEAR_AN_END
                 && range.upper < quarter.upper - NEAR_AN_END,
-            ends: [range.lower.sin_cos(), range.upper.sin_cos()],
         })
     }
 
@@ -86,6 +83,8 @@ pub(crate) struct Steered {
     /// `None` where it is straight ahead.
     pub heading: Option<Direction>,
     pub range: SteeringRange,
+    /// Of the lower and the upper end of the range.
+    pub ends: [Direction; 2],
     /// Contact to the left of the steering axis, and behind it [m].
     pub scrub: f64,
     pub trail: f64,
@@ -105,6 +104,7 @@ impl Steered {
             y: wheel.y,
             heading: (wheel.heading != 0.0).then_some(heading),
             range,
+            ends: [range.lower, range.upper].map(Direction::from),
             scrub: wheel.scrub,
             trail: wheel.trail,
             reach: Reach::new(range).filter(|_| wheel.is_centred()),
