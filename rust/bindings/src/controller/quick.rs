@@ -28,7 +28,7 @@ impl Quick<2> for Command {
         [twist, stamp]: [Option<Object<'_, 'py>>; 2],
     ) -> Option<Bound<'py, PyAny>> {
         let (twist, stamp) = (three(twist?)?, float(stamp?)?);
-        let mut core = this.get().core.try_lock()?;
+        let mut core = this.get().core.try_lock(this.py())?;
         let taken = core.command(Twist::from(twist), stamp, None);
         // A failed call has changed nothing: the general way may say why.
         Some(truth(this.py(), taken.ok()?))
@@ -58,7 +58,7 @@ impl Quick<2> for Step {
             Some(measured) => Some(unsafe { room.read(measured, controller.joints)? }),
         };
         let output = {
-            let mut core = controller.core.try_lock()?;
+            let mut core = controller.core.try_lock(py)?;
             core.step(now, measured).ok()?;
             ControllerOutput::of(&core, controller.rover.clone_ref(py))
         };

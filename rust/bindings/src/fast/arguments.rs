@@ -1,7 +1,13 @@
 //! Numbers out of the objects a caller hands over, by looking at exact types.
 
+use std::cell::UnsafeCell;
+use std::mem::MaybeUninit;
+use std::ops::Deref;
+
+use pyo3::PyClass;
 use pyo3::ffi;
 use pyo3::prelude::*;
+use pyo3::pyclass::boolean_struct::True;
 
 use super::arrays::Row;
 
@@ -15,29 +21,65 @@ pub fn float(object: Object<'_, '_>) -> Option<f64> {
     unsafe { number(object.as_ptr()) }
 }
 
-/// Whether there is no other reference to an object than this one.
-#[inline(always)]
-pub fn is_held_once<T>(object: &Py<T>, _py: Python<'_>) -> bool {
-    // SAFETY: a live object, and the interpreter's lock is held.
-    unsafe { ffi::Py_REFCNT(object.as_ptr()) == 1 }
+/// What an object holds that Python cannot change, and that is written anew while nobody else has the object.
+pub struct Renewed<T>(UnsafeCell<T>);
+
+// SAFETY: it is written through the only reference to the object there is, so nobody reads meanwhile.
+unsafe impl<T: Send + Sync> Sync for Renewed<T> {}
+
+impl<T> Renewed<T> {
+    pub const fn new(value: T) -> Self {
+        Self(UnsafeCell::new(value))
+    }
+
+    /// To write to, if there is no other reference to the object than this one.
+    #[inline(always)]
+    pub fn of<'a, C>(
+        object: &'a mut Py<C>,
+        _: Python<'a>,
+        part: fn(&C) -> &Self,
+    ) -> Option<&'a mut T>
+    where
+        C: PyClass<Frozen = True> + Sync,
+    {
+        // SAFETY: a live object, and the interpreter's lock is held, so that no reference is made meanwhile; who has none
+        // looks at nothing inside.
+        unsafe {
+            let is_alone = ffi::Py_REFCNT(object.as_ptr()) == 1;
+            is_alone.then(|| &mut *part(object.get()).0.get())
+        }
+    }
+}
+
+impl<T> Deref for Renewed<T> {
+    type Target = T;
+
+    #[inline(always)]
+    fn deref(&self) -> &T {
+        // SAFETY: whoever looks has a reference to the object, so that nothing is written.
+        unsafe { &*self.0.get() }
+    }
 }
 
 /// Three numbers in a tuple, a list or an array.
 #[inline(always)]
 pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {
-    let mut numbers = [0.0; 3];
-    if sequence(object, &mut numbers)? {
-        return Some(numbers);
+    let mut numbers = [MaybeUninit::uninit(); 3];
+    if let Some(numbers) = sequence(object, &mut numbers)? {
+        return (*numbers).try_into().ok();
     }
     // SAFETY: the numbers are copied at once.
     unsafe { Row::read(object, 3)?.numbers() }.try_into().ok()
 }
 
-/// Fills in the numbers of a tuple or list of just as many. `Some(false)` if it is neither.
+/// The numbers of a tuple or list of just as many, put into these places. `Some(None)` if it is neither.
 #[inline(always)]
-pub(super) fn sequence(object: Object<'_, '_>, numbers: &mut [f64]) -> Option<bool> {
+pub(super) fn sequence<'a>(
+    object: Object<'_, '_>,
+    places: &'a mut [MaybeUninit<f64>],
+) -> Option<Option<&'a [f64]>> {
     let object = object.as_ptr();
-    let count = numbers.len().cast_signed();
+    let count = places.len().cast_signed();
     // SAFETY: a live tuple or list, items inside it, and nothing in between that could change it.
     unsafe {
         let class = ffi::Py_TYPE(object);
@@ -45,21 +87,22 @@ pub(super) fn sequence(object: Object<'_, '_>, numbers: &mut [f64]) -> Option<bo
             if ffi::PyTuple_Size(object) != count {
                 return None;
             }
-            for (k, target) in numbers.iter_mut().enumerate() {
-                *target = number(ffi::PyTuple_GetItem(object, k.cast_signed()))?;
+            for (k, place) in places.iter_mut().enumerate() {
+                place.write(number(ffi::PyTuple_GetItem(object, k.cast_signed()))?);
             }
         } else if class == &raw mut ffi::PyList_Type {
             if ffi::PyList_Size(object) != count {
                 return None;
             }
-            for (k, target) in numbers.iter_mut().enumerate() {
-                *target = number(ffi::PyList_GetItem(object, k.cast_signed()))?;
+            for (k, place) in places.iter_mut().enumerate() {
+                place.write(number(ffi::PyList_GetItem(object, k.cast_signed()))?);
             }
         } else {
-            return Some(false);
+            return Some(None);
         }
     }
-    Some(true)
+    // SAFETY: every place has been written.
+    Some(Some(unsafe { &*(&raw const *places as *const [f64]) }))
 }
 
 /// # Safety

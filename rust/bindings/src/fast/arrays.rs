@@ -161,13 +161,13 @@ unsafe fn is_float64(numpy: Numpy, description: *mut PyArray_Descr) -> bool {
 }
 
 /// Room for the numbers of one row that have to be copied, or come in a tuple or list.
-pub struct Numbers(MaybeUninit<[f64; MAX_WHEELS]>);
+pub struct Numbers([MaybeUninit<f64>; MAX_WHEELS]);
 
 impl Numbers {
     /// With nothing in it.
     #[inline(always)]
     pub const fn new() -> Self {
-        Self(MaybeUninit::uninit())
+        Self([MaybeUninit::uninit(); MAX_WHEELS])
     }
 
     /// So many numbers out of an array, which is not copied, a tuple or a list.
@@ -185,20 +185,13 @@ impl Numbers {
             // SAFETY: for the caller to see to.
             return Some(unsafe { row.numbers() });
         }
-        if length > MAX_WHEELS {
-            return None;
-        }
-        let numbers = &mut self.0.write([0.0; MAX_WHEELS])[..length];
-        sequence(object, numbers)?.then_some(numbers)
+        sequence(object, self.0.get_mut(..length)?)?
     }
 
     /// A copy of a row, which may then be written to.
     #[inline(always)]
     pub fn copy(&mut self, row: Row<'_>) -> Option<&[f64]> {
-        if row.length > MAX_WHEELS {
-            return None;
-        }
-        let start = self.0.as_mut_ptr().cast::<f64>();
+        let start = self.0.get_mut(..row.length)?.as_mut_ptr().cast::<f64>();
         // SAFETY: so many numbers are in the array and fit in here; what is read back has been written.
         unsafe {
             std::ptr::copy_nonoverlapping(row.data.as_ptr(), start, row.length);

@@ -32,7 +32,7 @@ impl Quick<5> for Update {
     ) -> Option<Bound<'py, PyAny>> {
         let py = this.py();
         let this = this.get();
-        let mut work = this.work.try_lock()?;
+        let mut work = this.work.try_lock(py)?;
         let work = &mut *work;
         let (joints, count) = (this.joints(), this.wheels());
         let mut rooms = [Numbers::new(), Numbers::new()];

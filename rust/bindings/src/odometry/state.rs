@@ -9,15 +9,18 @@ use six_wheel_core::Method;
 use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::odometry::Odometry;
 
-use crate::fast::is_held_once;
+use crate::fast::Renewed;
 use crate::given;
 use crate::rover::Rover;
 
 /// Where the rover is after a sample, and how far that may be off.
 ///
 /// Python cannot change it; what nobody holds any more is written anew by `Odometry` (`Spares`).
-#[pyclass(module = "six_wheel")]
-pub struct OdometryState {
+#[pyclass(frozen, module = "six_wheel")]
+pub struct OdometryState(Renewed<Known>);
+
+/// What is known after a sample.
+pub struct Known {
     stamp: Option<f64>,
     pose: [f64; 3],
     twist: [f64; 3],
@@ -79,9 +82,17 @@ impl Deref for PerWheel {
     }
 }
 
+impl Deref for OdometryState {
+    type Target = Known;
+
+    fn deref(&self) -> &Known {
+        &self.0
+    }
+}
+
 impl OdometryState {
     pub fn of(odometry: &Odometry, rover: Py<Rover>) -> Self {
-        let mut state = Self {
+        let mut known = Known {
             stamp: None,
             pose: [0.0; 3],
             twist: [0.0; 3],
@@ -93,10 +104,12 @@ impl OdometryState {
             health: 0,
             rover,
         };
-        state.renew(odometry);
-        state
+        known.renew(odometry);
+        Self(Renewed::new(known))
     }
+}
 
+impl Known {
     /// Takes over the numbers of another sample of the same rover.
     #[inline]
     fn renew(&mut self, odometry: &Odometry) {
@@ -129,11 +142,8 @@ impl Spares {
         rover: &Py<Rover>,
         py: Python<'py>,
     ) -> PyResult<Bound<'py, OdometryState>> {
-        for state in self.states.iter().flatten() {
-            // Only this one reference, and the interpreter's lock: nobody can see it change.
-            if is_held_once(state, py)
-                && let Ok(mut free) = state.try_borrow_mut(py)
-            {
+        for state in self.states.iter_mut().flatten() {
+            if let Some(free) = Renewed::of(state, py, |state| &state.0) {
                 free.renew(odometry);
                 return Ok(state.bind(py).clone());
             }
