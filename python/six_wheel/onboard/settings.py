@@ -116,10 +116,11 @@ class Settings:
         if said.encoders.get("per_sample"):
             readings = "increments"
         options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
-        if self.listens and (known := said.known_gyroscope) is not None:
+        if self.listens and (gyroscope := said.known_gyroscope) is not None:
             if bias is not None:
-                known = Gyroscope(known.noise, bias=bias[0], bias_noise=bias[1], bias_walk=known.bias_walk)
-            options["gyroscope"] = with_readings_apart(known, said.gyroscope.get("period"), apart)
+                walk = gyroscope.bias_walk
+                gyroscope = Gyroscope(gyroscope.noise, bias=bias[0], bias_noise=bias[1], bias_walk=walk)
+            options["gyroscope"] = with_readings_apart(gyroscope, said.gyroscope.get("period"), apart)
         if said.encoders:
             _, scale = corrections(rover, said.encoders)
             known = encoders_of(rover, "wheel", said.encoders) or dict.fromkeys(rover.wheel_names, Encoder())

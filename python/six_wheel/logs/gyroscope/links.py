@@ -52,4 +52,5 @@ class Links:
             seen.add(frame)
             frame, rotation = self._parents[frame]
             turn = rotation @ turn
-        return turn[2]
+        up: Floats = turn[2]
+        return up
