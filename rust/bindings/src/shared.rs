@@ -22,7 +22,7 @@ pub struct Shared<T> {
     state: UnsafeCell<T>,
     at_work: AtomicBool,
     gate: Mutex<()>,
-    /// [`FORKS`] when it was last taken.
+    /// [`FORKS`] when the gate was last taken.
     taken: AtomicU64,
 }
 
@@ -81,8 +81,6 @@ impl<T: Send> Shared<T> {
     #[inline(always)]
     fn turn<'a>(&'a self, gate: Option<MutexGuard<'a, ()>>) -> Turn<'a, T> {
         self.at_work.store(true, Ordering::Relaxed);
-        self.taken
-            .store(FORKS.load(Ordering::Relaxed), Ordering::Relaxed);
         Turn {
             shared: self,
             _gate: gate,
@@ -92,32 +90,27 @@ impl<T: Send> Shared<T> {
     /// The state, as soon as nobody else works with it. Fails where that would be never: the thread that does has
     /// been left behind in another process.
     pub fn lock<'a>(&'a self, py: Python<'a>) -> PyResult<Turn<'a, T>> {
+        let forks = FORKS.load(Ordering::Relaxed);
         let gate = match self.gate.try_lock() {
             Ok(gate) => gate,
             // A panic cannot have left the state half changed: steps do not panic.
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
             Err(TryLockError::WouldBlock) => {
-                self.check_fork()?;
+                if self.taken.load(Ordering::Relaxed) != forks {
+                    return Err(PyRuntimeError::new_err(
+                        "another thread worked with this object when the process was forked: make a new one here",
+                    ));
+                }
                 let waited = self.gate.lock_py_attached(py);
                 waited.unwrap_or_else(PoisonError::into_inner)
             }
         };
         // A single call that the interpreter has interrupted.
         while self.at_work.load(Ordering::Relaxed) {
-            self.check_fork()?;
             py.detach(std::thread::yield_now);
         }
+        self.taken.store(forks, Ordering::Relaxed);
         Ok(self.turn(Some(gate)))
-    }
-
-    /// Fails if who works with the state is in another process.
-    fn check_fork(&self) -> PyResult<()> {
-        if self.taken.load(Ordering::Relaxed) == FORKS.load(Ordering::Relaxed) {
-            return Ok(());
-        }
-        Err(PyRuntimeError::new_err(
-            "another thread worked with this object when the process was forked: make a new one here",
-        ))
     }
 }
 
