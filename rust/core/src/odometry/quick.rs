@@ -3,7 +3,7 @@
 use super::arithmetic::{Apart, Arithmetic};
 use super::tolerant::{Recording, TrackRows};
 use super::{Health, Odometry, Sample, Settings};
-use crate::batch::one_row::step::log::{Block, Room, Rows};
+use crate::batch::one_row::step::log::{Block, Follow, Room, Rows};
 use crate::batch::one_row::step::{Given, LARGEST_STEP, SURELY, Targets};
 
 /// What the settings say of a step.
@@ -128,14 +128,16 @@ impl Odometry {
             stamps: &recording.stamps[first - 1..end],
             settings: &self.settings,
         };
-        let count = plan.follow(
-            &rows,
-            &self.reference.angles,
+        let follow = Follow {
+            plan,
+            rows,
+            angles: &self.reference.angles,
             room,
             block,
-            &mut self.state,
-            &mut self.work.noise,
-        );
+            state: &mut self.state,
+            noise: &mut self.work.noise,
+        };
+        let count = follow.go();
         let Some(last) = count.checked_sub(1) else {
             return 0;
         };

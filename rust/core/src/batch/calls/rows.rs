@@ -24,6 +24,14 @@ fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>>
         .map(move |first| first..end.min(first + size))
 }
 
+/// Rows at a time out of a share: all, unless they have to be read.
+fn block_of<const N: usize>(share: usize, tables: [Option<Table<'_>>; N]) -> usize {
+    if tables.into_iter().flatten().any(Table::is_read) {
+        return share.min(BLOCK_ROWS);
+    }
+    share
+}
+
 /// Twists with what goes with them.
 struct Commands<'a> {
     rover: &'a Rover,
@@ -36,22 +44,6 @@ struct Commands<'a> {
 }
 
 impl<'a> Commands<'a> {
-    /// Rows at a time: all, unless they have to be read.
-    fn block(&self, share: usize) -> usize {
-        let Beside {
-            previous,
-            previous_speeds,
-            steering_rates,
-        } = self.beside;
-        let beside = [previous, previous_speeds, steering_rates];
-        let tables = beside.into_iter().flatten().chain([self.twists]);
-        if tables.into_iter().any(Table::is_read) {
-            share.min(BLOCK_ROWS)
-        } else {
-            share
-        }
-    }
-
     fn rows<'b>(
         &self,
         rows: Range<usize>,
@@ -131,7 +123,16 @@ pub fn inverse<'a>(
         past: is_large(steering.len() + speeds.len()),
     };
     let share = workers.share(count);
-    let block = commands.block(share);
+    let (twists, beside) = (Some(commands.twists), commands.beside);
+    let block = block_of(
+        share,
+        [
+            twists,
+            beside.previous,
+            beside.previous_speeds,
+            beside.steering_rates,
+        ],
+    );
     if !fresh {
         workers.each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
@@ -181,20 +182,6 @@ struct Reports<'a> {
 }
 
 impl<'a> Reports<'a> {
-    fn block(&self, share: usize) -> usize {
-        let Readings {
-            steering,
-            speeds,
-            steering_rates,
-        } = self.readings;
-        let tables = [Some(steering), Some(speeds), steering_rates];
-        if tables.into_iter().flatten().any(Table::is_read) {
-            share.min(BLOCK_ROWS)
-        } else {
-            share
-        }
-    }
-
     fn rows<'b>(
         &self,
         rows: Range<usize>,
@@ -264,7 +251,12 @@ pub fn forward<'a>(
         past: is_large(twists.as_flattened().len()),
     };
     let share = workers.share(count);
-    let block = reports.block(share);
+    let tables = [
+        Some(readings.steering),
+        Some(readings.speeds),
+        readings.steering_rates,
+    ];
+    let block = block_of(share, tables);
     let check = |rows: Range<usize>, log: Log<'_>| {
         let checked = reports.check(log, rows.len());
         checked.map_err(|error| error.below(rows.start))

@@ -39,11 +39,8 @@ impl Kernel for Admissible<'_> {
                 let verdict = self.cone.judge(simd, load(simd, &twists, k));
                 let open = !(verdict.yes | verdict.no);
                 doubt = doubt | open;
-                let store = |lanes: Lanes<S>, column: &mut Column| {
-                    lanes.store(S::as_mut_simd_f64s(&mut column.0).0, k);
-                };
-                store(verdict.yes.select(one, zero), &mut yes);
-                store(open.select(one, zero), &mut doubts);
+                yes.store(k, verdict.yes.select(one, zero));
+                doubts.store(k, open.select(one, zero));
             }
             for (answer, yes) in answers.iter_mut().zip(yes.0) {
                 *answer = yes != 0.0;
@@ -91,10 +88,9 @@ impl Kernel for Project<'_> {
                 let (point, sure) = self.cone.project(simd, faces, self.keep, wanted);
                 doubt = doubt | !sure;
                 for (column, part) in found.iter_mut().zip(point) {
-                    part.store(S::as_mut_simd_f64s(&mut column.0).0, k);
+                    column.store(k, part);
                 }
-                let open = sure.select(zero, one);
-                open.store(S::as_mut_simd_f64s(&mut doubts.0).0, k);
+                doubts.store(k, sure.select(zero, one));
             }
             weave(simd, &found, targets.as_flattened_mut());
             if doubt.any() {

@@ -41,43 +41,24 @@ pub(crate) struct Rows<'a> {
     pub settings: &'a Settings,
 }
 
-impl Plan {
-    /// Goes along rows of a log, from these angles of the joints on, as many as are usual; how many. Nothing but the
-    /// state and the noise of the last step has changed for them.
-    pub fn follow(
-        &self,
-        rows: &Rows<'_>,
-        angles: &[f64],
-        room: &mut Room,
-        block: &mut Block,
-        state: &mut State,
-        noise: &mut StepNoise,
-    ) -> usize {
-        let (level, parts) = (room.level, self.level.lanes());
-        let follow = Follow {
-            plan: self,
-            parts,
-            rows,
-            angles,
-            room,
-            block,
-            state,
-            noise,
-        };
-        level.run(follow).unwrap_or(0)
-    }
+/// Goes along rows of a log, from these angles of the joints on, as many as are usual. Nothing but the state and the noise
+/// of the last step has changed for them.
+pub(crate) struct Follow<'a> {
+    pub plan: &'a Plan,
+    pub rows: Rows<'a>,
+    pub angles: &'a [f64],
+    pub room: &'a mut Room,
+    pub block: &'a mut Block,
+    pub state: &'a mut State,
+    pub noise: &'a mut StepNoise,
 }
 
-struct Follow<'a> {
-    plan: &'a Plan,
-    /// Lanes of the kernel of one step.
-    parts: usize,
-    rows: &'a Rows<'a>,
-    angles: &'a [f64],
-    room: &'a mut Room,
-    block: &'a mut Block,
-    state: &'a mut State,
-    noise: &'a mut StepNoise,
+impl Follow<'_> {
+    /// How many rows were usual.
+    pub fn go(self) -> usize {
+        let level = self.room.level;
+        level.run(self).unwrap_or(0)
+    }
 }
 
 impl Kernel for Follow<'_> {
@@ -87,7 +68,6 @@ impl Kernel for Follow<'_> {
     fn run<S: Vector>(self, simd: S) -> usize {
         let Self {
             plan,
-            parts,
             rows,
             angles,
             room,
@@ -95,12 +75,13 @@ impl Kernel for Follow<'_> {
             state,
             noise,
         } = self;
-        let lanes = S::F64_LANES;
+        // Lanes of the kernel of one step, and of this one.
+        let (parts, lanes) = (plan.level.lanes(), S::F64_LANES);
         let count = (rows.stamps.len() - 1) / lanes * lanes;
         if count == 0 {
             return 0;
         }
-        apart(simd, rows, angles, count, room, block);
+        apart(simd, &rows, angles, count, room, block);
         let mut usual = 0;
         while usual < count && step(simd, plan, parts, rows.settings, usual / lanes, room, block) {
             usual += lanes;
