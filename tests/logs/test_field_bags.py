@@ -66,14 +66,15 @@ def test_reversed_joints_are_turned_round(tmp_path: Path, reading: Any) -> None:
     np.testing.assert_allclose(angles(table, rover)[-1], [0.4, -0.4])
 
 
-def test_a_truth_out_of_transforms(tmp_path: Path) -> None:
+@pytest.mark.parametrize("slash", ["", "/"])  # with which frames of ROS 1 began
+def test_a_truth_out_of_transforms(tmp_path: Path, slash: str) -> None:
     types = STORE.types
 
     def transform(stamp: int, parent: str, child: str, x: float, yaw: float) -> Any:
         turned = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
         moved = types["geometry_msgs/msg/Transform"](types["geometry_msgs/msg/Vector3"](x, 0.0, 0.0), turned)
-        top = types["std_msgs/msg/Header"](header(stamp).stamp, parent)
-        return types["geometry_msgs/msg/TransformStamped"](top, child, moved)
+        top = types["std_msgs/msg/Header"](header(stamp).stamp, f"{slash}{parent}")
+        return types["geometry_msgs/msg/TransformStamped"](top, f"{slash}{child}", moved)
 
     kind = types["tf2_msgs/msg/TFMessage"]
     first = kind([transform(START, "map", "odom", 1.0, math.pi / 2)])

@@ -1,6 +1,7 @@
 """A gyroscope in logs on disk: columns and messages, how it sits, its own stamps, gaps, what commands do."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ pytest.importorskip("rosbags", reason='needs pip install "six-wheel[bags]"')
 
 import itertools
 
+from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from six_wheel.logs import JointLog, TableError, read_log
 from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
@@ -26,8 +28,10 @@ from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 
 CART = sw.Rover.differential(0.5, 0.1)
-STORE = get_typestore(Stores.ROS2_HUMBLE)
+STORE, STORE_1 = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS1_NOETIC)
 TYPES = STORE.types
+for kind in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):  # which came before
+    STORE_1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", kind))
 
 
 def simulated(seed: int = 1, **options: Any) -> sw.Log:
@@ -205,7 +209,15 @@ def chain(*links: tuple[str, str, tuple[float, ...]]) -> Any:
     return make("tf2_msgs/msg/TFMessage", transforms=stamped)
 
 
-def bag(path: Path, *more: tuple[str, float, Any]) -> Path:
+def of_ros_1(message: Any) -> Any:
+    """The same message there: its header counts, and frames began with a slash for long."""
+    if hasattr(message, "transforms"):
+        return replace(message, transforms=[of_ros_1(each) for each in message.transforms])
+    kind, top = STORE_1.types["std_msgs/msg/Header"], message.header
+    return replace(message, header=kind(0, top.stamp, f"/{top.frame_id}"))
+
+
+def bag(path: Path, *more: tuple[str, float, Any], storage: str = "mcap") -> Path:
     """Joint states of two wheels at 20 Hz for 10 s, and other messages."""
     nothing = np.empty(0)
     messages: list[tuple[str, float, Any]] = [
@@ -214,13 +226,23 @@ def bag(path: Path, *more: tuple[str, float, Any]) -> Path:
                                   position=np.array([t, t]), velocity=nothing, effort=nothing))
         for t in np.arange(0.0, 10.0, 0.05).tolist()
     ]  # fmt: skip
-    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    first = storage == "ros 1"
+    path = path.with_suffix(".bag") if first else path
+    plugin = StoragePlugin.SQLITE3 if storage == "sqlite3" else StoragePlugin.MCAP
+    made: Any = Writer1(path) if first else Writer(path, version=9, storage_plugin=plugin)
+    store = STORE_1 if first else STORE
+    with made as writer:
         connections: dict[str, Any] = {}
         for topic, stamp, message in sorted([*messages, *more], key=lambda one: one[1]):
-            kind = message.__msgtype__
+            kind = "tf/msg/tfMessage" if topic == "/tf" else message.__msgtype__
             if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=STORE)
-            writer.write(connections[topic], round(stamp * 1e9), STORE.serialize_cdr(message, kind))
+                connections[topic] = writer.add_connection(topic, kind, typestore=store)
+            data = (
+                STORE_1.serialize_ros1(of_ros_1(message), kind)
+                if first
+                else STORE.serialize_cdr(message, kind)
+            )
+            writer.write(connections[topic], round(stamp * 1e9), data)
     return path
 
 
@@ -228,15 +250,20 @@ TIMES = np.arange(0.0, 10.1, 0.005)
 HALF = math.sqrt(0.5)
 
 
-def test_a_sensor_that_hangs_is_turned_by_the_transforms(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("storage", "topic"),
+    [("mcap", "/tf_static"), ("sqlite3", "/tf_static"), ("ros 1", "/tf_static"), ("ros 1", "/tf")],
+)
+def test_a_sensor_that_hangs_is_turned_by_the_transforms(tmp_path: Path, storage: str, topic: str) -> None:
     """On its side, on a plate that lies upside down: its y is down, the rover's z is its -y."""
     links = chain(("plate", "base_link", (1.0, 0.0, 0.0, 0.0)), ("imu_link", "plate", (HALF, 0.0, 0.0, HALF)))
     rates = [("/imu/data", t, imu(t, (9.0, -math.sin(t), 9.0))) for t in TIMES.tolist()]
-    log, reader = read_log(bag(tmp_path / "bag", ("/tf_static", 0.0, links), *rates), CART)
+    path = bag(tmp_path / "bag", (topic, 0.0, links), *rates, storage=storage)
+    log, reader = read_log(path, CART)
     assert reader.warnings == []
     np.testing.assert_allclose(log.yaw_rate[1:-1], np.sin(log.stamps[1:-1]), atol=1e-3)  # means of 0.05 s
     level = LogOptions(gyroscope={"roll": 0.0})  # which has the last word
-    assert read_log(tmp_path / "bag", CART, level)[0].yaw_rate[50] == pytest.approx(9.0)
+    assert read_log(path, CART, level)[0].yaw_rate[50] == pytest.approx(9.0)
 
 
 def test_what_is_not_known_of_how_it_sits_is_said(tmp_path: Path) -> None:
@@ -249,19 +276,22 @@ def test_what_is_not_known_of_how_it_sits_is_said(tmp_path: Path) -> None:
     assert read_log(tmp_path / "bag", CART, LogOptions(frame="imu_link"))[1].warnings == []
 
 
-def test_which_of_several(tmp_path: Path) -> None:
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3", "ros 1"])
+def test_which_of_several(tmp_path: Path, storage: str) -> None:
     without = [("/camera/accel", t, imu(t, (0, 0, 0), known=False)) for t in TIMES.tolist()]
     one = [("/one", t, imu(t, (0, 0, 0.1), "base_link")) for t in TIMES.tolist()]
     two = [("/two", t, imu(t, (0, 0, 0.2), "base_link")) for t in TIMES.tolist()]
-    log, _ = read_log(bag(tmp_path / "bag", *without, *one), CART)  # an accelerometer has no angular velocity
+    alone = bag(tmp_path / "bag", *without, *one, storage=storage)
+    log, _ = read_log(alone, CART)  # an accelerometer has no angular velocity
     np.testing.assert_allclose(log.yaw_rate, 0.1)
-    log, reader = read_log(bag(tmp_path / "both", *one, *two), CART)
+    both = bag(tmp_path / "both", *one, *two, storage=storage)
+    log, reader = read_log(both, CART)
     assert log.yaw_rate is None
     assert "2 topics have angular velocities, /one, /two: none is read" in reader.warnings[0]
-    log, _ = read_log(tmp_path / "both", CART, LogOptions(gyroscope={"topic": "/two"}))
+    log, _ = read_log(both, CART, LogOptions(gyroscope={"topic": "/two"}))
     np.testing.assert_allclose(log.yaw_rate, 0.2)
     with pytest.raises(TableError, match=r"gyroscope.topic must be one of /one, /two \(Imu\), got /three"):
-        read_log(tmp_path / "both", CART, LogOptions(gyroscope={"topic": "/three"}))
+        read_log(both, CART, LogOptions(gyroscope={"topic": "/three"}))
 
 
 def test_messages_that_lack_leave_rows_without(tmp_path: Path) -> None:

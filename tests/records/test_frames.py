@@ -71,6 +71,42 @@ def test_damaged_joint_states_are_refused_or_read(cut, at, count):
         frames.JointStates().parse(bytes(message[:cut]))
 
 
+def imu(frame_id: str, rates, variance: float):
+    """The bytes of a sensor_msgs/Imu, by the other serialiser."""
+    types = STORE.types
+    covariance = np.zeros(9)
+    covariance[0] = variance
+    message = types["sensor_msgs/msg/Imu"](
+        types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](*divmod(STAMP, 10**9)), frame_id),
+        types["geometry_msgs/msg/Quaternion"](0.1, 0.2, 0.3, 0.9),
+        np.full(9, 7.0),
+        types["geometry_msgs/msg/Vector3"](*rates),
+        covariance,
+        types["geometry_msgs/msg/Vector3"](1.0, 2.0, 9.8),
+        np.full(9, 8.0),
+    )
+    return bytes(STORE.serialize_cdr(message, "sensor_msgs/msg/Imu"))
+
+
+@given(frame_id=st.text("abc/", max_size=9), rates=st.tuples(*[st.floats()] * 3), variance=st.floats())
+def test_angular_velocities(frame_id, rates, variance):
+    stamp, frame, found, measured = frames.angular_velocity(imu(frame_id, rates, variance))
+    assert (stamp, frame, measured) == (STAMP, frame_id, variance != -1.0)
+    assert bits(found) == bits(rates)
+
+
+@given(cut=st.integers(0, 400), length=st.integers(0, 2**32 - 1))
+def test_damaged_angular_velocities_are_refused_or_read(cut, length):
+    message = bytearray(imu("imu_link", (1.0, 2.0, 3.0), 0.0))
+    whole = frames.angular_velocity(bytes(message))
+    if cut < len(message):
+        with pytest.raises(ValueError, match=r"must be (CDR|whole)"):
+            frames.angular_velocity(bytes(message[:cut]))
+    struct.pack_into("<I", message, 12, length)
+    with contextlib.suppress(ValueError):  # and nothing else
+        assert frames.angular_velocity(bytes(message))[0] == whole[0]
+
+
 def test_odometry_and_its_transform():
     pose, twist = frames.planar_pose((1.0, 2.0, math.pi / 2)), frames.planar_twist((0.1, 0.2, 0.3))
     covariances = np.arange(36.0), np.arange(36.0) + 100.0

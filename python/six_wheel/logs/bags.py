@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")  # the other one of ROS 1, from before tf2
 OWN_FRAMES = ("base_footprint", "base_link")  # of a rover, where nothing else is asked for
 POSES = (
     "nav_msgs/msg/Odometry",
@@ -112,7 +112,7 @@ class Bag:
         every = self._reader.connections
         there = [c for c in every if c.msgtype in types]
         if topics and types == POSES:
-            there += [c for c in every if c.msgtype == TRANSFORMS]
+            there += [c for c in every if c.msgtype in TRANSFORMS]
         if not there:
             kinds = ", ".join(each.rpartition("/")[2] for each in types)
             listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
@@ -146,7 +146,7 @@ class Bag:
     def transforms(self) -> Iterator[Any]:
         """Those of every chain, the lasting ones first, then of as many messages as tell all that move."""
         kept = self._topics
-        there = sorted({c.topic for c in self.connections if c.msgtype == TRANSFORMS and c.msgcount})
+        there = sorted({c.topic for c in self.connections if c.msgtype in TRANSFORMS and c.msgcount})
         for topic in sorted(there, key=lambda name: (not name.endswith("static"), name)):
             self.read_topics({topic})
             for _, _, message in itertools.islice(self.messages(), LOOK_AHEAD):
@@ -164,7 +164,7 @@ class Bag:
                 except Exception as error:  # struct.error and IndexError among them
                     self.findings.add(number, f"the message must be readable, got: {one_line(error)}")
                     continue
-                if connection.msgtype == TRANSFORMS:  # which has stamps inside
+                if connection.msgtype in TRANSFORMS:  # which has stamps inside
                     yield number, received, message
                     continue
                 stamp = message.header.stamp
@@ -361,7 +361,7 @@ class TruthBag(Bag):
     def __init__(self, path: Path, topic: str | None = None) -> None:
         super().__init__(path)
         name, _, frame = (topic or "").partition(":")
-        self._frames = (frame,) if frame else OWN_FRAMES
+        self._frames = (frame.lstrip("/"),) if frame else OWN_FRAMES
         self._tree: dict[str, tuple[str, Any]] = {}
         self._choose(POSES, None if topic is None else [name], usual="truth")
 
@@ -398,10 +398,11 @@ class TruthBag(Bag):
         """Stamps and poses of the rover that transforms tell, through the frames known so far."""
         found = []
         for each in message.transforms:
-            self._tree[each.child_frame_id] = (each.header.frame_id, each.transform)
-            if each.child_frame_id not in self._frames:
+            frame, parent = (str(name).lstrip("/") for name in (each.child_frame_id, each.header.frame_id))
+            self._tree[frame] = (parent, each.transform)
+            if frame not in self._frames:
                 continue
-            frame, poses = each.child_frame_id, list[tuple[float, float, float]]()
+            poses = list[tuple[float, float, float]]()
             while frame in self._tree and len(poses) < MAX_FRAMES:
                 frame, transform = self._tree[frame]
                 poses.append(_planar(transform.translation, transform.rotation))

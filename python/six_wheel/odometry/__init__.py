@@ -40,6 +40,7 @@ __getattr__, __dir__ = attach(
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
         "dimensions": ("deviations",),
+        "gyroscope": (),
         "mounts": (),
         "space": ("Track3",),
         "tables": (),

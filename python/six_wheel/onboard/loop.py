@@ -7,6 +7,7 @@ is complete, and by `tick` where none come in time. What a fault leads to:
   back and a command newer than the stop has come.
 - Where time jumps back, commands and readings from before are forgotten, and the loop begins as after a
   start.
+- Where the gyroscope is silent or late odometry goes by the wheels alone.
 - At a start the rover may be moving. The first commands are those of the motion that odometry measures.
 """
 
@@ -21,6 +22,7 @@ from six_wheel.odometry.tracks import Health
 from six_wheel.onboard.faults import ERROR, WARN, Faults
 from six_wheel.onboard.joints import JointReader, Numbers, Readings
 from six_wheel.onboard.settings import Settings
+from six_wheel.onboard.turning import Row, Rows
 from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Loop", "Send", "Step"]
@@ -96,6 +98,8 @@ class Loop:
         )
         self._controller: Controller | None = None
         self._odometry = settings.odometry()
+        self._rows = Rows(settings.parameters.gyroscope) if settings.listens else None
+        self._apart: float | None = None
         self._reader = self._new_reader()
         self._origin: int | None = (
             None  # times count from here: doubles hold seconds, not nanoseconds since 1970
@@ -161,13 +165,35 @@ class Loop:
         again = self._stepped is not None and now <= self._stepped  # as a simulation may have it
         if self._controller is not None and not again:
             step = self._step(now, stamp, send)
-            return step._replace(state=self._count(readings, stamp))
-        state = self._count(readings, stamp)
+            counted, state = self._count(readings, stamp, now)
+            return step._replace(stamp=counted, state=state)
+        counted, state = self._count(readings, stamp, now)
         if again:
             return None
         if not self._begin():
-            return Step(now, None, None, (0.0, 0.0, 0.0), 0, stamp, state)
-        return self._step(now, stamp, send)._replace(state=state)
+            return Step(now, None, None, (0.0, 0.0, 0.0), 0, counted, state)
+        return self._step(now, stamp, send)._replace(stamp=counted, state=state)
+
+    def imu(self, rates: Sequence[float], stamp: int, now: int) -> Step | None:
+        """What a gyroscope reads about its axes [rad/s] at `stamp` (0: now), that came at `now` [ns]. A step,
+        without commands, if odometry counts with it."""
+        now = self._move_on(now)
+        if self._rows is None:
+            return None
+        stamp = stamp or now
+        if abs(now - stamp) > self._timeout:
+            rule = f"stamps of the gyroscope must be within {self._timeout / SECOND:g} s of the clock"
+            self.faults.add("odometry", WARN, rule, f"{(now - stamp) / SECOND:.3g} s")
+        elif not self._rows.hear(rates, stamp, now):
+            self.faults.add("odometry", WARN, "a gyroscope must read finite rates at stamps that increase")
+        counted, state = self._count_ready(now)
+        return None if state is None else Step(now, None, None, self.twist, 0, counted, state)
+
+    def mount(self, up: Sequence[float], now: int) -> None:
+        """How the gyroscope sits: the rover's z in its axes. What the parameter file tells goes first."""
+        self._move_on(now)
+        if self._rows is not None:
+            self._rows.mount(up)
 
     def tick(self, now: int) -> Step | None:
         """The timer: a step if there has been none by joint states for a period."""
@@ -183,16 +209,19 @@ class Loop:
         if missing and now - self._first > self._timeout:
             self.stopping = "joint states are missing"
             self._say_missing(missing)
+            self._count_rest()  # there is nothing more to wait for
         return None if self._controller is None else self._step(now, None)
 
     def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
         """The rover is known to be here; readings count on."""
         self._move_on(now)
+        self._count_rest()
         self._odometry.set_pose(pose, covariance)
 
     def reset(self, now: int, pose: Numbers = (0.0, 0.0, 0.0), covariance: Numbers | None = None) -> None:
         """Odometry starts over; the motion goes on."""
         self._move_on(now)
+        self._count_rest()
         self._odometry.reset(pose, covariance)
         self._stamp_origin = None
 
@@ -210,9 +239,8 @@ class Loop:
             self._latest = -math.inf
             self._give_again()
         if (old.noise, old.odometry, old.calibration) != (new.noise, new.odometry, new.calibration):
-            state = self._odometry.state
-            self._odometry = settings.odometry()
-            self._odometry.reset(state.pose, state.covariance)
+            self._count_rest()
+            self._renew_odometry()
 
     def activate(self, now: int, active: bool = True) -> None:
         """Take commands; or stop within the limits, and take none."""
@@ -250,6 +278,11 @@ class Loop:
         return self._odometry.state
 
     @property
+    def gyroscope_bias(self) -> tuple[float, float] | None:
+        """What the gyroscope reads at rest, as far as is learnt, and its deviation [rad/s]; None without."""
+        return self._odometry.gyroscope_bias
+
+    @property
     def wanted(self) -> tuple[float, float, float]:
         """The last command that was taken."""
         return self._wanted
@@ -258,6 +291,7 @@ class Loop:
         self.settings = settings
         options = settings.options
         self._timeout = round(options.joint_state_timeout * SECOND)
+        self._patience = round(options.imu_timeout * SECOND)
         # Between two ticks, but for the jitter of the timer.
         self._period = round(0.9 * SECOND / options.update_rate)
         self._open_loop = options.open_loop
@@ -290,6 +324,8 @@ class Loop:
         self._latest = -math.inf
         self.stopping = None
         self._reader.forget()
+        if self._rows is not None:
+            self._rows.forget()
         if self.settings.options.reset_on_time_jump:
             self._odometry.reset()
         else:
@@ -312,18 +348,67 @@ class Loop:
         elif stamp < self._latest:
             self.faults.add("commands", WARN, "commands must come in the order of their stamps")
 
-    def _count(self, readings: Readings, stamp: int) -> OdometryState | None:
-        """Give readings to the odometry; what it says, if they count."""
+    def _count(self, readings: Readings, stamp: int, now: int) -> tuple[int | None, OdometryState | None]:
+        """Give readings to the odometry: which of them it has counted last with that, and what it says."""
+        rows = self._rows
+        if rows is None:
+            return stamp, self._update(readings, stamp)
+        newest = rows.newest
+        if newest is not None and stamp == newest:
+            self._say_health(Health.DUPLICATE)
+        elif newest is not None and stamp < newest:
+            # Odometry knows what to do with a clock that was set back; the gyroscope's is as uncertain.
+            self._count_rest()
+            rows.forget()
+            return stamp, self._update(readings, stamp)
+        else:
+            rows.add(Row(readings, stamp, now))
+        return self._count_ready(now)
+
+    def _count_ready(self, now: int) -> tuple[int | None, OdometryState | None]:
+        """Count what waits for the gyroscope no more."""
+        rows, counted, state = self._rows, None, None
+        assert rows is not None
+        for row, rate in rows.ready(now, self._patience):
+            if self._apart != rows.apart:
+                self._apart = rows.apart
+                self._renew_odometry()
+            if rate is None and now - self._first > self._timeout:
+                heard = rows.came
+                got = "nothing" if heard is None else f"the last one {(now - heard) / SECOND:.3g} s ago"
+                rule = "a gyroscope must speak in time: odometry goes by the wheels alone"
+                self.faults.add("odometry", WARN, rule, got)
+            if (said := self._update(row.readings, row.stamp, rate)) is not None:
+                counted, state = row.stamp, said
+        return counted, state
+
+    def _count_rest(self) -> None:
+        """Count all that waits."""
+        if self._rows is not None:
+            for row, _ in self._rows.rest():
+                self._update(row.readings, row.stamp)
+
+    def _renew_odometry(self) -> None:
+        """By the settings there are, from the present pose on, and with the bias that was learnt."""
+        state, bias = self._odometry.state, self._odometry.gyroscope_bias
+        self._odometry = self.settings.odometry(self._apart, bias)
+        self._odometry.reset(state.pose, state.covariance)
+
+    def _update(self, readings: Readings, stamp: int, rate: float | None = None) -> OdometryState | None:
+        """One step of odometry; what it says, if the readings count."""
         if self._stamp_origin is None:
             self._stamp_origin = stamp
         seconds = (stamp - self._stamp_origin) / SECOND
         steering = readings.steering or None
         try:
-            state = self._odometry.update(steering, readings.wheels, seconds)
+            state = self._odometry.update(steering, readings.wheels, seconds, yaw_rate=rate)
         except ValueError:
             # For rows it says which rule one breaks, and follows a clock or counter that moved for good.
             rows = None if steering is None else [steering]
-            track = self._odometry.run(rows, [readings.wheels], [seconds], covariances=False, residuals=False)
+            rates = None if rate is None else [rate]
+            track = self._odometry.run(
+                rows, [readings.wheels], [seconds], yaw_rate=rates, covariances=False, residuals=False
+            )
             health = Health(int(track.health[0]))
             self._say_health(health)
             return None if health & Health.LEFT_OUT else self._odometry.state

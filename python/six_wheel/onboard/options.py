@@ -59,6 +59,14 @@ OPTIONS = (
         most=60.0,
         live=True,
     ),
+    Option(
+        "imu_timeout",
+        0.1,
+        "how long joint readings wait for those of the gyroscope; then odometry goes by the wheels [s]",
+        least=0.001,
+        most=1.0,
+        live=True,
+    ),
     Option("update_rate", 50.0, "steps per second while no joint states come [Hz]", least=1.0, most=1000.0),
     Option(
         "publish_rate",
@@ -79,6 +87,7 @@ class Options:
     open_loop: bool = False
     position_feedback: bool = True
     joint_state_timeout: float = 0.5
+    imu_timeout: float = 0.1
     update_rate: float = 50.0
     publish_rate: float = 50.0
     reset_on_time_jump: bool = False

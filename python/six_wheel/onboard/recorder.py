@@ -38,6 +38,10 @@ class Recorder:
         """As `Loop.joints`: the message as it came."""
         self.record.joint_message(now, stamp, message)
 
+    def imu(self, message: bytes, stamp: int, now: int) -> None:
+        """As `Loop.imu`: the message as it came."""
+        self.record.imu_message(now, stamp, message)
+
     def tick(self, now: int) -> None:
         """As `Loop.tick`."""
         self.record.tick(now)

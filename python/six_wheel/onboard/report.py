@@ -71,6 +71,8 @@ def _odometry(loop: Loop) -> dict[str, str]:
         "standard deviation": "{:.2g} m, {:.2g} m, {:.2g} rad".format(*sigmas),
         "health": "|".join(str(each.name) for each in state.health) or "GOOD",
     }
+    if (bias := loop.gyroscope_bias) is not None:
+        said["bias of the gyroscope"] = "{:.4g} +- {:.2g} rad/s".format(*bias)
     slips = zip(loop.settings.rover.wheel_names, state.residual.tolist(), strict=True)
     return said | {f"slip of {wheel} [m/s]": f"{slip:.4f}" for wheel, slip in slips}
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
+from six_wheel._core import Controller, Encoder, Gyroscope, Noise, Odometry, Rover
 from six_wheel.logs.opening import corrections, encoders_of
+from six_wheel.odometry.gyroscope import with_readings_apart
 from six_wheel.onboard.options import OPTIONS, Options
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import Parameters, parse_parameters
@@ -102,13 +103,24 @@ class Settings:
         """A controller as the file says; `start` is where and how it begins."""
         return self.parameters.build_controller(**start)
 
-    def odometry(self) -> Odometry:
-        """Odometry as the file says, of joint states."""
+    @property
+    def listens(self) -> bool:
+        """Whether a gyroscope is used: the file says what it errs by, and wheels report."""
+        return self.parameters.known_gyroscope is not None and not self.options.open_loop
+
+    def odometry(self, apart: float | None = None, bias: tuple[float, float] | None = None) -> Odometry:
+        """Odometry as the file says, of joint states `apart` [s] from each other; `bias` is what has been
+        learnt of that of the gyroscope, with its deviation [rad/s]."""
         said, rover = self.parameters, self.rover
         readings = "angles" if self.options.position_feedback else "speeds"
         if said.encoders.get("per_sample"):
             readings = "increments"
         options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
+        if self.listens and (gyroscope := said.known_gyroscope) is not None:
+            if bias is not None:
+                walk = gyroscope.bias_walk
+                gyroscope = Gyroscope(gyroscope.noise, bias=bias[0], bias_noise=bias[1], bias_walk=walk)
+            options["gyroscope"] = with_readings_apart(gyroscope, said.gyroscope.get("period"), apart)
         if said.encoders:
             _, scale = corrections(rover, said.encoders)
             known = encoders_of(rover, "wheel", said.encoders) or dict.fromkeys(rover.wheel_names, Encoder())

@@ -22,7 +22,6 @@ which stays as the controller needs it::
 or in its place: ``traction_joints: {front_left: motor_1, ...}``. Every key is in ``docs/parameter_files.md``.
 """
 
-import math
 import os
 import re
 from dataclasses import dataclass, field
@@ -122,15 +121,6 @@ class Parameters:
     def build_controller(self, **changes: Any) -> Controller:
         """A `Controller` of the rover within the limits, in the ways the file says; `changes` go first."""
         return Controller(self.rover, self.limits, **self.control | changes)
-
-
-def with_readings_apart(known: Gyroscope, period: float | None, apart: float | None) -> Gyroscope:
-    """A gyroscope whose readings are means over `apart` [s], of what is known of those over `period` [s]: the
-    longer, the less white noise."""
-    if not (period and apart):
-        return known
-    bias = {name: getattr(known, name) for name in ("bias", "bias_noise", "bias_walk")}
-    return Gyroscope(known.noise * math.sqrt(period / apart), **bias)
 
 
 def load(path: str | os.PathLike[str], *, node: str | None = None, kind: str | None = None) -> Rover:

@@ -22,10 +22,10 @@ from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.recordings import Truth
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
+from six_wheel.odometry.gyroscope import with_readings_apart
 from six_wheel.odometry.trace import Trace
 from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
 from six_wheel.onboard.settings import text_of
-from six_wheel.parameters.file import with_readings_apart
 from six_wheel.poses import Floats, joined
 from six_wheel.reckoning.recording import TrackRecord
 from six_wheel.reckoning.slip import SlipSum

@@ -13,6 +13,7 @@ from typing import Self
 __all__ = [
     "Frame",
     "JointStates",
+    "angular_velocity",
     "clock",
     "joint_state",
     "odometry",
@@ -191,6 +192,29 @@ class JointStates:
         at += -at % 4
         self.names, self._block = names, bytes(message[12:at])
         return at
+
+
+def angular_velocity(message: bytes) -> tuple[int, str, tuple[float, ...], bool]:
+    """Of a sensor_msgs/Imu in bytes: stamp [ns], frame, rates about its three axes, and whether these were
+    measured at all (by REP 145 a first covariance of -1 says that they were not).
+
+    Raises
+    ------
+    ValueError
+        If it is no such message.
+    """
+    if message[: len(ENCAPSULATION)] != ENCAPSULATION:
+        raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
+    try:
+        second, nanosecond = struct.unpack_from("<iI", message, 4)
+        frame, at = _text(message, 12)
+        at += (len(ENCAPSULATION) - at) % 8
+        # An orientation with its covariance goes before, an acceleration with its own behind.
+        *rates, variance = struct.unpack_from("<4d", message, at + 8 * (4 + 9))
+        struct.unpack_from("<37d", message, at)
+    except (struct.error, UnicodeDecodeError) as error:
+        raise ValueError(f"a message must be whole, got {len(message)} bytes: {error}") from None
+    return second * NANOSECONDS + nanosecond, frame, tuple(rates), variance != -1.0
 
 
 def _text(message: bytes, at: int) -> tuple[str, int]:

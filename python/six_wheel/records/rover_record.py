@@ -17,6 +17,7 @@ __all__ = [
     "CHANGES",
     "COMMANDS",
     "GIVEN",
+    "IMU",
     "JOINTS",
     "LIMITED",
     "ODOMETRY",
@@ -31,6 +32,7 @@ __all__ += ["RoverRecord", "reason_names"]
 # In: what decides what a loop does, written as it comes.
 WANTED = "/cmd_vel"
 JOINTS = "/joint_states"
+IMU = "/imu"
 TICK = "/six_wheel/tick"  # a step of the timer, without new readings
 CHANGES = "/six_wheel/changes"  # parameters, poses, resets: JSON
 GIVEN = "/six_wheel/given"  # rows of a table of commands, in its own numbers: JSON
@@ -134,6 +136,10 @@ class RoverRecord:
     def joint_message(self, now: int, stamp: int, message: bytes) -> None:
         """The same, as the bytes that came."""
         self._file.write(self._file.topic(JOINTS, "sensor_msgs/msg/JointState"), now, message, stamp)
+
+    def imu_message(self, now: int, stamp: int, message: bytes) -> None:
+        """What a gyroscope read, as the bytes that came."""
+        self._file.write(self._file.topic(IMU, "sensor_msgs/msg/Imu"), now, message, stamp)
 
     def tick(self, now: int) -> None:
         """A step without new readings."""

@@ -14,7 +14,7 @@ import numpy as np
 from six_wheel.onboard import Loop, Options, Settings
 from six_wheel.onboard.recorder import Recorder
 from six_wheel.records import Record, RecordError, rover_record
-from six_wheel.records.frames import JointStates
+from six_wheel.records.frames import JointStates, angular_velocity
 from six_wheel.records.reader import Message
 from six_wheel.replay.drives import DRIVE, replay_drive
 from six_wheel.replay.runs import OUT, Collected, Replayed, planar
@@ -23,7 +23,7 @@ __all__ = ["replay", "settings_of"]
 
 LOOPS = ("node",)
 READ = ("odometry", "simulate")  # records of what was measured
-IN = (rover_record.WANTED, rover_record.JOINTS, rover_record.TICK, rover_record.CHANGES)
+IN = (rover_record.WANTED, rover_record.JOINTS, rover_record.IMU, rover_record.TICK, rover_record.CHANGES)
 
 
 def replay(
@@ -126,6 +126,11 @@ class _Again:
             step = loop.joints(names, positions, velocities, stamp, now)
             if recorder is not None:
                 recorder.joints(message.data, stamp, now)
+        elif message.topic == rover_record.IMU:
+            stamp, _, rates, _ = angular_velocity(message.data)
+            step = loop.imu(rates, stamp, now)
+            if recorder is not None:
+                recorder.imu(message.data, stamp, now)
         elif message.topic == rover_record.TICK:
             step = loop.tick(now)
             if recorder is not None:
@@ -157,6 +162,8 @@ class _Again:
             loop.set_pose(what["pose"], what["covariance"], now)
         elif "reset" in what:
             loop.reset(now, what["reset"])
+        elif "up" in what:
+            loop.mount(what["up"], now)
         elif "active" in what:
             loop.activate(now, what["active"])
         elif "begin" in what:

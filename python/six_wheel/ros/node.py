@@ -15,6 +15,7 @@ from six_wheel.onboard.loop import SECOND
 from six_wheel.records import frames
 from six_wheel.records.frames import planar_pose, planar_twist
 from six_wheel.ros.base import DEPTH, BaseNode
+from six_wheel.ros.imu import ImuInput
 from six_wheel.ros.interfaces import CommandInterface
 from six_wheel.ros.parameters import NODE
 
@@ -48,6 +49,8 @@ class RoverNode(BaseNode):
         sensor = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         if not self.settings.options.open_loop:
             self.subscribe(JointState, "joint_states", self._on_joints, sensor, raw=True)
+        if self.settings.listens:
+            self._imu = ImuInput(self, self._on_imu, self._on_mount)
         self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, QoSProfile(depth=DEPTH))
         service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
         self._things.append((self.destroy_service, service))
@@ -82,6 +85,19 @@ class RoverNode(BaseNode):
             self.recorder.joints(message, stamp, now)
             if step is not None:
                 self.recorder.step(step)
+
+    def _on_imu(self, message: bytes, rates: tuple[float, ...], stamp: int) -> None:
+        now = self.now()
+        step = self.loop.imu(rates, stamp, now)
+        if self.recorder is not None:
+            self.recorder.imu(message, stamp, now)
+        self.after(step)
+
+    def _on_mount(self, up: list[float]) -> None:
+        now = self.now()
+        self.loop.mount(up, now)
+        if self.recorder is not None:
+            self.recorder.change({"up": up}, now)
 
     def _publish(self, step: Step) -> None:
         if step.steering is not None and step.speeds is not None:

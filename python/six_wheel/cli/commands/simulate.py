@@ -138,7 +138,7 @@ def _on_a_plane(
 
     from six_wheel._core import Encoder, Noise
     from six_wheel.evaluation.paths import path_distance
-    from six_wheel.parameters.file import with_readings_apart
+    from six_wheel.odometry.gyroscope import with_readings_apart
     from six_wheel.simulation.running import simulate as run
     from six_wheel.simulation.writing import write_log
 

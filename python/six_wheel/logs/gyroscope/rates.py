@@ -96,7 +96,10 @@ class Turning:
         if piece is None:
             self._ended = True
             return
-        stamps, rates = piece
+        self.add(*piece)
+
+    def add(self, stamps: Floats, rates: Floats) -> None:
+        """More readings, behind those that are there."""
         self._stamps = np.concatenate((self._stamps, stamps))
         self._rates = np.concatenate((self._rates, rates))
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel.logs.columns import BRACKETS, TIME, Column, Quantity, TableError, find_columns, unit
+from six_wheel.logs.gyroscope.links import Links
 from six_wheel.logs.gyroscope.rates import ABOUT_Z, AXES, RATES, Floats, about_z
 from six_wheel.logs.tolerant import Batch, Sieve, Source, TolerantTable
 
@@ -115,8 +116,11 @@ class RateBag:
         self.topic = self._chosen(topic)
         if self.topic is not None:
             bag.read_topics({self.topic})
-            self.frame = next((str(m.header.frame_id).lstrip("/") for _, _, m in bag.messages()), "")
-            self.up = _up(bag, self.frame, frames)
+            self.frame = next((str(m.header.frame_id) for _, _, m in bag.messages()), "").lstrip("/")
+            links = Links(frames)
+            if not links.owns(self.frame):
+                links.add(bag.transforms())
+            self.up = links.up(self.frame)
             bag.read_topics({self.topic})
 
     def _chosen(self, topic: str | None) -> str | None:
@@ -171,28 +175,3 @@ class RateBag:
                 yield batch()
         if rates:
             yield batch()
-
-
-def _up(bag: "Bag", frame: str, own: Sequence[str]) -> Floats | None:
-    """The rover's z in the axes of a frame, by the transforms in a bag; None where they do not tell."""
-    if not frame or frame in own:
-        return np.array((0.0, 0.0, 1.0))
-    tree: dict[str, tuple[str, Floats]] = {}
-    for each in bag.transforms():
-        q = each.transform.rotation
-        x, y, z, w = q.x, q.y, q.z, q.w
-        rows = np.array(
-            (
-                (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-                (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-                (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-            )
-        )
-        child, parent = (str(name).lstrip("/") for name in (each.child_frame_id, each.header.frame_id))
-        tree.setdefault(child, (parent, rows))
-    turn, seen = np.eye(3), set[str]()
-    while frame not in own and frame in tree and frame not in seen:
-        seen.add(frame)
-        frame, rotation = tree[frame]
-        turn = rotation @ turn
-    return turn[2] if frame in own else None
