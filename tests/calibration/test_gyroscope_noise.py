@@ -109,7 +109,9 @@ def test_a_calibration_has_all_of_it():
     log = driven(1, -1.0)
     result = calibrate(PAIR, log, parameters=["track_width"], cross_validation=False)
     assert any("counts the other way" in message for message in result.observability.messages)
-    assert result.gyroscope.scale.value == pytest.approx(-1.0, abs=0.02)
+    factor = result.gyroscope.scale
+    assert factor.value == pytest.approx(-1.0, abs=0.02)
+    assert result.gyroscope.known.scale_noise == pytest.approx(factor.std / -factor.value, rel=0.01)
     report = result.to_markdown()
     assert "A reading of the gyroscope errs by" in report
     assert "Its readings are to be multiplied by" in report

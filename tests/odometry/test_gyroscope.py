@@ -53,9 +53,12 @@ def test_a_rover_that_is_turned_by_hand_does_not_stand():
     assert odometry.state.pose[2] > 0.05
 
 
-def test_it_is_as_far_off_as_it_says():
-    """Parked, then driven, biases at random: mean NEES of the yaw is 1 within 4 deviations of sqrt(2 / n)."""
-    known, runs, times = sw.Gyroscope(0.01, bias_noise=0.02, bias_walk=1e-3), 150, np.linspace(0, 10, 21)
+@pytest.mark.parametrize("scale_noise", [0.0, 0.05])
+def test_it_is_as_far_off_as_it_says(scale_noise):
+    """Parked, then driven, biases and scales at random: mean NEES of the yaw is 1 within 4 deviations of
+    sqrt(2 / n)."""
+    known = sw.Gyroscope(0.01, bias_noise=0.02, bias_walk=1e-3, scale_noise=scale_noise)
+    runs, times = 150, np.linspace(0, 10, 21)
     noise = sw.Noise(0.0, 0.0, slip=0.003)
     twists = np.zeros((21, 3))
     twists[5:, 0], twists[5:, 2] = 0.4, 0.3
@@ -65,6 +68,32 @@ def test_it_is_as_far_off_as_it_says():
         track = sw.dead_reckon(PAIR, log, noise=noise, gyroscope=known)
         values.append((track.poses[-1, 2] - log.truth.poses[-1, 2]) ** 2 / track.covariances[-1, 2, 2])
     assert abs(np.mean(values) - 1.0) < 4.0 * np.sqrt(2.0 / runs)
+
+
+@pytest.mark.parametrize("more", [{}, {"dimensions": 1e-9 * np.ones((2, 2, 9))}])
+def test_what_its_scale_may_be_off_by_grows_with_the_turn_and_goes_back_with_it(more):
+    """A gyroscope that alone says how the rover turns: the share of the turn, by definition."""
+    known = sw.Gyroscope(0.0, bias_noise=0.0, bias_walk=0.0, scale_noise=0.02)
+    odometry = sw.Odometry(PAIR, NOISE, gyroscope=known, **more)
+    rates = np.concatenate((np.full(100, 0.5), np.full(50, -0.5), np.full(50, -0.5)))
+    turned, angles = 0.0, np.zeros(2)
+    for k, rate in enumerate(rates.tolist()):
+        if k:
+            turned += 0.1 * (rate + rates[k - 1]) / 2.0
+            angles += 0.1 * (rate + rates[k - 1]) / 2.0 * np.array((-2.0, 2.0))
+        state = odometry.update(None, angles, 0.1 * k, yaw_rate=rate)
+        # One without noise has its word for it: wheels and dimensions add what their squares are rounded by.
+        assert np.sqrt(state.covariance[2, 2]) == pytest.approx(0.02 * abs(turned), rel=1e-6, abs=1e-7)
+    assert abs(turned) < 0.1  # and back again
+
+
+def test_a_motion_for_a_graph_keeps_no_such_error():
+    with pytest.raises(
+        ValueError, match="scale_noise must be 0: a motion keeps no error that lasts beyond it"
+    ):
+        sw.Preintegrated(PAIR, NOISE, gyroscope=sw.Gyroscope(scale_noise=0.01))
+    with pytest.raises(ValueError, match="scale_noise must be finite and not negative, got -1"):
+        sw.Gyroscope(scale_noise=-1.0)
 
 
 def test_without_a_gyroscope_there_is_no_bias():

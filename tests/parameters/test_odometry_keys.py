@@ -20,7 +20,7 @@ steering_encoders: {{resolution: 4096, gear: -1.0, modulus: 4096, reversed: [fro
 odometry: {{method: robust, inflate: true, slip_threshold: 0.1, max_gap: 1.0, max_speed: 2.0,
   max_steering_rate: 3.0, wheel_noise: {{rear: 1.5}}}}
 gyroscope: {{noise: 0.002, period: 0.01, bias: 0.01, bias_noise: 0.02, bias_walk: 1.0e-4, scale: 1.01,
-  roll: 3.14, pitch: -0.1, time_offset: 0.02, topic: imu/data}}
+  scale_noise: 0.01, roll: 3.14, pitch: -0.1, time_offset: 0.02, topic: imu/data}}
 """
 
 
@@ -30,7 +30,9 @@ def test_every_key_is_read_and_taken_by_the_library() -> None:
     for group in ("noise", "encoders", "steering_encoders", "odometry", "gyroscope"):
         assert set(getattr(found, group)) == set(GROUPS[group].model_fields)
     sw.Odometry(found.rover, sw.Noise(**found.noise), gyroscope=found.known_gyroscope, **found.odometry)
-    assert found.known_gyroscope == sw.Gyroscope(0.002, bias=0.01, bias_noise=0.02, bias_walk=1e-4)
+    assert found.known_gyroscope == sw.Gyroscope(
+        0.002, bias=0.01, bias_noise=0.02, bias_walk=1e-4, scale_noise=0.01
+    )
     assert parse_parameters(f"{BICYCLE}gyroscope: {{scale: 1.01}}\n").known_gyroscope is None
     again = parse_parameters(f"base:\n  ros__parameters:\n{indented(GOOD)}", node="base")
     assert (again.noise, again.encoders, again.odometry) == (found.noise, found.encoders, found.odometry)

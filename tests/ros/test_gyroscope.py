@@ -70,7 +70,7 @@ def test_odometry_turns_with_the_gyroscope_and_without_it_by_the_wheels(start, p
     peer.until(lambda: turns(peer))
     assert process.end() == 0
     replayed = replay(tmp_path / "run.mcap")
-    assert len(replayed.recorded.stamps) > 100
+    assert len(replayed.recorded.stamps) > 20  # as many as came while it was silent
     assert replayed.same_bits
 
 

@@ -23,7 +23,8 @@ from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import replacing
 from six_wheel.odometry.dead_reckoning import dead_reckon
 from six_wheel.odometry.dimensions import FRAME
-from six_wheel.parameters.file import GYROSCOPE, Parameters, parse_parameters
+from six_wheel.odometry.gyroscope import ARGUMENTS
+from six_wheel.parameters.file import Parameters, parse_parameters
 from six_wheel.parameters.mending import text_for
 from six_wheel.poses import Floats, joined
 
@@ -241,9 +242,12 @@ def _gyroscope(done: Calibrated, parameters: Parameters | None) -> dict[str, Any
     measured, offset = done.result.gyroscope, done.result.time_offset if done.by_gyroscope else 0.0
     found: dict[str, Any] = {}
     if measured is not None:
-        found = {name: getattr(measured.known, name) for name in GYROSCOPE} | {"period": measured.period}
-        if (scale := measured.scale) is not None and not scale.interval[0] <= 1.0 <= scale.interval[1]:
-            found["scale"] = kept.get("scale", 1.0) * scale.value
+        found = {name: getattr(measured.known, name) for name in ARGUMENTS} | {"period": measured.period}
+        if (scale := measured.scale) is not None:
+            if scale.interval[0] <= 1.0 <= scale.interval[1]:  # then it is left at that
+                found["scale_noise"] = math.hypot(scale.value - 1.0, scale.std)
+            else:
+                found["scale"] = kept.get("scale", 1.0) * scale.value
     if offset:
         found["time_offset"] = kept.get("time_offset", 0.0) + offset
     return kept | found if found else None

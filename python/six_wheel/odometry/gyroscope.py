@@ -1,10 +1,19 @@
 """What a gyroscope errs by in the rows of a log."""
 
 import math
+from typing import Any
 
 from six_wheel._core import Gyroscope
 
-__all__ = ["with_readings_apart"]
+__all__ = ["ARGUMENTS", "changed", "with_readings_apart"]
+
+ARGUMENTS = ("noise", "bias", "bias_noise", "bias_walk", "scale_noise")  # of `Gyroscope`
+
+
+def changed(known: Gyroscope, **others: float) -> Gyroscope:
+    """The same but for `others`."""
+    arguments: dict[str, Any] = {name: getattr(known, name) for name in ARGUMENTS}
+    return Gyroscope(**arguments | others)
 
 
 def with_readings_apart(known: Gyroscope, period: float | None, apart: float | None) -> Gyroscope:
@@ -12,5 +21,4 @@ def with_readings_apart(known: Gyroscope, period: float | None, apart: float | N
     longer, the less white noise."""
     if not (period and apart):
         return known
-    bias = {name: getattr(known, name) for name in ("bias", "bias_noise", "bias_walk")}
-    return Gyroscope(known.noise * math.sqrt(period / apart), **bias)
+    return changed(known, noise=known.noise * math.sqrt(period / apart))

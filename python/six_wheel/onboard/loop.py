@@ -20,9 +20,9 @@ from six_wheel._core import Controller, OdometryState
 from six_wheel.controller import Reason
 from six_wheel.odometry.tracks import Health
 from six_wheel.onboard.faults import ERROR, WARN, Faults
-from six_wheel.onboard.joints import JointReader, Numbers, Readings
+from six_wheel.onboard.joints import JointReader, Numbers
+from six_wheel.onboard.odometer import Odometer
 from six_wheel.onboard.settings import Settings
-from six_wheel.onboard.turning import Row, Rows
 from six_wheel.rebuild import joints_as_given
 
 __all__ = ["Loop", "Send", "Step"]
@@ -97,14 +97,11 @@ class Loop:
             for joints, places in zip(joints_as_given(rover), (steered, wheels), strict=True)
         )
         self._controller: Controller | None = None
-        self._odometry = settings.odometry()
-        self._rows = Rows(settings.parameters.gyroscope) if settings.listens else None
-        self._apart: float | None = None
+        self._odometer = Odometer(settings, self.faults, self._measure)
         self._reader = self._new_reader()
         self._origin: int | None = (
             None  # times count from here: doubles hold seconds, not nanoseconds since 1970
         )
-        self._stamp_origin: int | None = None
         self._now = 0
         self._first = 0
         self._stepped: int | None = None
@@ -165,9 +162,9 @@ class Loop:
         again = self._stepped is not None and now <= self._stepped  # as a simulation may have it
         if self._controller is not None and not again:
             step = self._step(now, stamp, send)
-            counted, state = self._count(readings, stamp, now)
+            counted, state = self._odometer.take_in(readings, stamp, now)
             return step._replace(stamp=counted, state=state)
-        counted, state = self._count(readings, stamp, now)
+        counted, state = self._odometer.take_in(readings, stamp, now)
         if again:
             return None
         if not self._begin():
@@ -178,22 +175,13 @@ class Loop:
         """What a gyroscope reads about its axes [rad/s] at `stamp` (0: now), that came at `now` [ns]. A step,
         without commands, if odometry counts with it."""
         now = self._move_on(now)
-        if self._rows is None:
-            return None
-        stamp = stamp or now
-        if abs(now - stamp) > self._timeout:
-            rule = f"stamps of the gyroscope must be within {self._timeout / SECOND:g} s of the clock"
-            self.faults.add("odometry", WARN, rule, f"{(now - stamp) / SECOND:.3g} s")
-        elif not self._rows.hear(rates, stamp, now):
-            self.faults.add("odometry", WARN, "a gyroscope must read finite rates at stamps that increase")
-        counted, state = self._count_ready(now)
+        counted, state = self._odometer.hear(rates, stamp or now, now)
         return None if state is None else Step(now, None, None, self.twist, 0, counted, state)
 
     def mount(self, up: Sequence[float], now: int) -> None:
         """How the gyroscope sits: the rover's z in its axes. What the parameter file tells goes first."""
         self._move_on(now)
-        if self._rows is not None:
-            self._rows.mount(up)
+        self._odometer.mount(up)
 
     def tick(self, now: int) -> Step | None:
         """The timer: a step if there has been none by joint states for a period."""
@@ -209,21 +197,18 @@ class Loop:
         if missing and now - self._first > self._timeout:
             self.stopping = "joint states are missing"
             self._say_missing(missing)
-            self._count_rest()  # there is nothing more to wait for
+            self._odometer.rest()  # there is nothing more to wait for
         return None if self._controller is None else self._step(now, None)
 
     def set_pose(self, pose: Numbers, covariance: Sequence[Numbers] | None, now: int) -> None:
         """The rover is known to be here; readings count on."""
         self._move_on(now)
-        self._count_rest()
-        self._odometry.set_pose(pose, covariance)
+        self._odometer.set_pose(pose, covariance)
 
     def reset(self, now: int, pose: Numbers = (0.0, 0.0, 0.0), covariance: Numbers | None = None) -> None:
         """Odometry starts over; the motion goes on."""
         self._move_on(now)
-        self._count_rest()
-        self._odometry.reset(pose, covariance)
-        self._stamp_origin = None
+        self._odometer.reset(pose, covariance)
 
     def change(self, settings: Settings, now: int) -> None:
         """Other limits, options or noise, from the present motion on; the rover itself stays what it is."""
@@ -238,9 +223,7 @@ class Loop:
             self._controller = settings.controller(steering=last.steering, twist=last.twist)
             self._latest = -math.inf
             self._give_again()
-        if (old.noise, old.odometry, old.calibration) != (new.noise, new.odometry, new.calibration):
-            self._count_rest()
-            self._renew_odometry()
+        self._odometer.change(settings)
 
     def activate(self, now: int, active: bool = True) -> None:
         """Take commands; or stop within the limits, and take none."""
@@ -275,12 +258,12 @@ class Loop:
     @property
     def state(self) -> OdometryState:
         """Of the odometry."""
-        return self._odometry.state
+        return self._odometer.odometry.state
 
     @property
     def gyroscope_bias(self) -> tuple[float, float] | None:
         """What the gyroscope reads at rest, as far as is learnt, and its deviation [rad/s]; None without."""
-        return self._odometry.gyroscope_bias
+        return self._odometer.odometry.gyroscope_bias
 
     @property
     def wanted(self) -> tuple[float, float, float]:
@@ -291,7 +274,6 @@ class Loop:
         self.settings = settings
         options = settings.options
         self._timeout = round(options.joint_state_timeout * SECOND)
-        self._patience = round(options.imu_timeout * SECOND)
         # Between two ticks, but for the jitter of the timer.
         self._period = round(0.9 * SECOND / options.update_rate)
         self._open_loop = options.open_loop
@@ -319,18 +301,12 @@ class Loop:
 
     def _start_over(self, now: int) -> None:
         self._origin = self._first = now
-        self._stamp_origin = self._stepped = self._command = self._controller = self._measured = None
+        self._stepped = self._command = self._controller = self._measured = None
         self._moved, self._seen = ((0.0, 0.0, 0.0), 0.0), None
         self._latest = -math.inf
         self.stopping = None
         self._reader.forget()
-        if self._rows is not None:
-            self._rows.forget()
-        if self.settings.options.reset_on_time_jump:
-            self._odometry.reset()
-        else:
-            state = self._odometry.state
-            self._odometry.reset(state.pose, state.covariance)
+        self._odometer.start_over()
 
     # Steps
 
@@ -348,78 +324,10 @@ class Loop:
         elif stamp < self._latest:
             self.faults.add("commands", WARN, "commands must come in the order of their stamps")
 
-    def _count(self, readings: Readings, stamp: int, now: int) -> tuple[int | None, OdometryState | None]:
-        """Give readings to the odometry: which of them it has counted last with that, and what it says."""
-        rows = self._rows
-        if rows is None:
-            return stamp, self._update(readings, stamp)
-        newest = rows.newest
-        if newest is not None and stamp == newest:
-            self._say_health(Health.DUPLICATE)
-        elif newest is not None and stamp < newest:
-            # Odometry knows what to do with a clock that was set back; the gyroscope's is as uncertain.
-            self._count_rest()
-            rows.forget()
-            return stamp, self._update(readings, stamp)
-        else:
-            rows.add(Row(readings, stamp, now))
-        return self._count_ready(now)
-
-    def _count_ready(self, now: int) -> tuple[int | None, OdometryState | None]:
-        """Count what waits for the gyroscope no more."""
-        rows, counted, state = self._rows, None, None
-        assert rows is not None
-        for row, rate in rows.ready(now, self._patience):
-            if self._apart != rows.apart:
-                self._apart = rows.apart
-                self._renew_odometry()
-            if rate is None and now - self._first > self._timeout:
-                heard = rows.came
-                got = "nothing" if heard is None else f"the last one {(now - heard) / SECOND:.3g} s ago"
-                rule = "a gyroscope must speak in time: odometry goes by the wheels alone"
-                self.faults.add("odometry", WARN, rule, got)
-            if (said := self._update(row.readings, row.stamp, rate)) is not None:
-                counted, state = row.stamp, said
-        return counted, state
-
-    def _count_rest(self) -> None:
-        """Count all that waits."""
-        if self._rows is not None:
-            for row, _ in self._rows.rest():
-                self._update(row.readings, row.stamp)
-
-    def _renew_odometry(self) -> None:
-        """By the settings there are, from the present pose on, and with the bias that was learnt."""
-        state, bias = self._odometry.state, self._odometry.gyroscope_bias
-        self._odometry = self.settings.odometry(self._apart, bias)
-        self._odometry.reset(state.pose, state.covariance)
-
-    def _update(self, readings: Readings, stamp: int, rate: float | None = None) -> OdometryState | None:
-        """One step of odometry; what it says, if the readings count."""
-        if self._stamp_origin is None:
-            self._stamp_origin = stamp
-        seconds = (stamp - self._stamp_origin) / SECOND
-        steering = readings.steering or None
-        try:
-            state = self._odometry.update(steering, readings.wheels, seconds, yaw_rate=rate)
-        except ValueError:
-            # For rows it says which rule one breaks, and follows a clock or counter that moved for good.
-            rows = None if steering is None else [steering]
-            rates = None if rate is None else [rate]
-            track = self._odometry.run(
-                rows, [readings.wheels], [seconds], yaw_rate=rates, covariances=False, residuals=False
-            )
-            health = Health(int(track.health[0]))
-            self._say_health(health)
-            return None if health & Health.LEFT_OUT else self._odometry.state
-        if health := state.health:
-            self._say_health(health)
-        if self._controller is None:
-            self._measure(state)
-        return state
-
     def _measure(self, state: OdometryState) -> None:
-        """The way since the first readings, in body axes, and the time it took."""
+        """The way since the first readings, in body axes, and the time it took; until commands go out."""
+        if self._controller is not None:
+            return
         ways, span = self._moved
         before, self._seen = self._seen, state.stamp
         if before is None or state.stamp is None or state.health & Health.FIRST:
@@ -428,12 +336,6 @@ class Loop:
         step = state.stamp - before
         vx, vy, omega = state.twist.tolist()
         self._moved = (ways[0] + step * vx, ways[1] + step * vy, ways[2] + step * omega), span + step
-
-    def _say_health(self, health: Health) -> None:
-        for each in health:
-            if each is not Health.FIRST:
-                level = WARN if each in (Health.GAP, Health.WRAPPED, Health.SLIP) else ERROR
-                self.faults.add("odometry", level, f"{each.name}: {HEALTH[each]}")
 
     def _begin(self) -> bool:
         """Make a controller from what is measured; whether there is one."""
@@ -483,7 +385,7 @@ class Loop:
         if reasons & STALE:
             self.faults.add("commands", WARN, "commands must keep coming", "none in time: the rover stops")
         vx, vy, omega = output.twist.tolist()
-        state = self._odometry.command((vx, vy, omega), seconds) if self._open_loop else None
+        state = self._odometer.odometry.command((vx, vy, omega), seconds) if self._open_loop else None
         return Step(now, steering, speeds, (vx, vy, omega), reasons, stamp, state)
 
     def _stop(self, controller: Controller, seconds: float) -> None:
@@ -503,16 +405,3 @@ class Loop:
         for joint in missing:
             got = "none" + self._reader.hint(joint)
             self.faults.add("joints", ERROR, f"joint {joint} must be in the joint states", got)
-
-
-HEALTH = {
-    Health.GAP: "a gap between readings, counted as one arc",
-    Health.WRAPPED: "a counter started over",
-    Health.SLIP: "a wheel contradicts the others",
-    Health.NOT_FINITE: "a reading is not finite, left out",
-    Health.DUPLICATE: "readings have the stamp of those before, left out",
-    Health.BACKWARDS: "readings are older than those before, left out",
-    Health.JUMP: "faster than the rover can be, left out",
-    Health.UNDETERMINED: "the wheels do not determine the motion, left out",
-    Health.RESTARTED: "clock or counters restarted, followed",
-}

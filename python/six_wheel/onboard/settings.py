@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from six_wheel._core import Controller, Encoder, Gyroscope, Noise, Odometry, Rover
+from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
 from six_wheel.logs.opening import corrections, encoders_of
-from six_wheel.odometry.gyroscope import with_readings_apart
+from six_wheel.odometry.gyroscope import changed, with_readings_apart
 from six_wheel.onboard.options import OPTIONS, Options
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import Parameters, parse_parameters
@@ -118,8 +118,7 @@ class Settings:
         options: dict[str, Any] = dict(said.odometry) | {"dimensions": said.dimensions}
         if self.listens and (gyroscope := said.known_gyroscope) is not None:
             if bias is not None:
-                walk = gyroscope.bias_walk
-                gyroscope = Gyroscope(gyroscope.noise, bias=bias[0], bias_noise=bias[1], bias_walk=walk)
+                gyroscope = changed(gyroscope, bias=bias[0], bias_noise=bias[1])
             options["gyroscope"] = with_readings_apart(gyroscope, said.gyroscope.get("period"), apart)
         if said.encoders:
             _, scale = corrections(rover, said.encoders)

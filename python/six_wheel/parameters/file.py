@@ -31,6 +31,7 @@ from typing import Any, NoReturn
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
 from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
 from six_wheel.errors import as_path
+from six_wheel.odometry.gyroscope import ARGUMENTS
 from six_wheel.parameters import syntax
 from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
@@ -43,7 +44,6 @@ __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_paramete
 
 # A parameter file has a few kilobytes. What is larger is a log or a mesh, and would take PyYAML long.
 MAX_BYTES = 1 << 18
-GYROSCOPE = ("noise", "bias", "bias_noise", "bias_walk")  # arguments of `Gyroscope`
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Parameters:
     @property
     def known_gyroscope(self) -> Gyroscope | None:
         """What the gyroscope errs by, as `Odometry` takes it; None where the file does not say."""
-        given = {name: self.gyroscope[name] for name in GYROSCOPE if name in self.gyroscope}
+        given = {name: self.gyroscope[name] for name in ARGUMENTS if name in self.gyroscope}
         return Gyroscope(**given) if given else None
 
     def build_controller(self, **changes: Any) -> Controller:

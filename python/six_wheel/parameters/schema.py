@@ -222,6 +222,9 @@ class GyroscopeKeys(BaseModel):
         "a standard deviation in rad/s per root s"
     )
     scale: Positive = optional("a factor for the readings")
+    scale_noise: Annotated[Number, asks_core(Gyroscope, "scale_noise")] = optional(
+        "a standard deviation of that factor, as a share"
+    )
     roll: Finite = optional("an angle in rad by which the sensor is turned about the rover's x")
     pitch: Finite = optional("an angle in rad by which the sensor is turned about the rover's y")
     time_offset: Finite = optional("a stamp of the gyroscope less that of the log in s")

@@ -69,7 +69,9 @@ def read(
         start = gyroscope.bias + gyroscope.bias_noise * random.standard_normal()
         walk = gyroscope.bias_walk * np.sqrt(dt) * random.standard_normal(len(dt))
         bias = start + np.append(0.0, np.cumsum(walk))
-        rates = motion.yaw_rate + bias + gyroscope.noise * random.standard_normal(len(bias))
+        white = gyroscope.noise * random.standard_normal(len(bias))
+        factor = 1.0 + (gyroscope.scale_noise * random.standard_normal() if gyroscope.scale_noise else 0.0)
+        rates = factor * motion.yaw_rate + bias + white
     return Sampled(motion.stamps, steering, wheels, rates)
 
 

@@ -113,7 +113,7 @@ impl Odometry {
         let from_rates = settings.readings == Readings::Speeds;
         let (wheels, joints) = (rover.wheels().len(), rover.steered().len());
         let shared = shared_readings(&rover, from_rates);
-        let mut uncertainty = Uncertainty::new(shared, settings.dimensions.len());
+        let mut uncertainty = Uncertainty::new(shared, settings.lasting());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
         let state = State {
             walk: Walk::new([0.0; 3]),

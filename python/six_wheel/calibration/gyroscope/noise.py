@@ -59,10 +59,17 @@ class MeasuredGyroscope:
 
     @property
     def known(self) -> Gyroscope:
-        """To give to `Odometry`; a wandering that did not show is the usual one, within what is likely."""
+        """To give to `Odometry`, of readings that were multiplied by `scale`; a wandering that did not show
+        is the usual one, within what is likely."""
         walk, guess = self.bias_walk, Gyroscope().bias_walk
         value = walk.value if walk.interval[0] > 0.0 else min(max(walk.value, guess), walk.interval[1])
-        return Gyroscope(_digits(self.noise.value), bias_noise=_digits(self.bias), bias_walk=_digits(value))
+        factor = self.scale
+        return Gyroscope(
+            _digits(self.noise.value),
+            bias_noise=_digits(self.bias),
+            bias_walk=_digits(value),
+            scale_noise=0.0 if factor is None else _digits(factor.std / abs(factor.value)),
+        )
 
     def __repr__(self) -> str:
         return f"MeasuredGyroscope({self.known!r}, from {self.readings} readings at rest)"

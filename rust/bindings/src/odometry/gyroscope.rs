@@ -19,6 +19,9 @@ use crate::wheel::reduce;
 ///     Standard deviation of that [rad/s].
 /// bias_walk : float, default 0.0001
 ///     By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
+/// scale_noise : float, default 0.0
+///     Standard deviation of the factor that its readings are off by, a share of what it turns. It lasts: ten turns the
+///     same way err ten times as much as one.
 ///
 /// Raises
 /// ------
@@ -29,13 +32,14 @@ use crate::wheel::reduce;
 pub struct Gyroscope(pub Core);
 
 impl Gyroscope {
-    fn numbers(&self) -> [(&'static str, f64); 4] {
+    fn numbers(&self) -> [(&'static str, f64); 5] {
         let known = &self.0;
         [
             ("noise", known.noise),
             ("bias", known.bias),
             ("bias_noise", known.bias_noise),
             ("bias_walk", known.bias_walk),
+            ("scale_noise", known.scale_noise),
         ]
     }
 }
@@ -44,14 +48,15 @@ impl Gyroscope {
 impl Gyroscope {
     #[new]
     #[pyo3(
-        signature = (noise=None, *, bias=None, bias_noise=None, bias_walk=None),
-        text_signature = "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001)"
+        signature = (noise=None, *, bias=None, bias_noise=None, bias_walk=None, scale_noise=None),
+        text_signature = "(noise=0.005, *, bias=0.0, bias_noise=0.05, bias_walk=0.0001, scale_noise=0.0)"
     )]
     fn new(
         noise: Option<&Bound<'_, PyAny>>,
         bias: Option<&Bound<'_, PyAny>>,
         bias_noise: Option<&Bound<'_, PyAny>>,
         bias_walk: Option<&Bound<'_, PyAny>>,
+        scale_noise: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let mut known = Core::default();
         let given = [
@@ -59,6 +64,7 @@ impl Gyroscope {
             ("bias", bias, &mut known.bias),
             ("bias_noise", bias_noise, &mut known.bias_noise),
             ("bias_walk", bias_walk, &mut known.bias_walk),
+            ("scale_noise", scale_noise, &mut known.scale_noise),
         ];
         for (argument, value, target) in given {
             if let Some(value) = value {
@@ -91,6 +97,12 @@ impl Gyroscope {
     #[getter]
     fn bias_walk(&self) -> f64 {
         self.0.bias_walk
+    }
+
+    /// Standard deviation of the factor that its readings are off by.
+    #[getter]
+    fn scale_noise(&self) -> f64 {
+        self.0.scale_noise
     }
 
     fn __repr__(&self) -> String {

@@ -22,6 +22,8 @@ pub struct Gyroscope {
     pub bias_noise: f64,
     /// By how much the bias wanders, as a standard deviation after one second [rad/s per root s].
     pub bias_walk: f64,
+    /// Standard deviation of the factor that its readings are off by, a share of what it turns.
+    pub scale_noise: f64,
 }
 
 impl Default for Gyroscope {
@@ -31,6 +33,7 @@ impl Default for Gyroscope {
             bias: 0.0,
             bias_noise: 0.05,
             bias_walk: 1e-4,
+            scale_noise: 0.0,
         }
     }
 }
@@ -53,6 +56,7 @@ impl Gyroscope {
             ("noise", self.noise),
             ("bias_noise", self.bias_noise),
             ("bias_walk", self.bias_walk),
+            ("scale_noise", self.scale_noise),
         ];
         for (argument, value) in deviations {
             if !(value.is_finite() && value >= 0.0) {

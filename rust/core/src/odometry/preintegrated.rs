@@ -95,6 +95,14 @@ impl Preintegrated {
         let mut rules = rules;
         if let Some(gyroscope) = &rules.gyroscope {
             gyroscope.check()?;
+            if gyroscope.scale_noise != 0.0 {
+                let rule = "be 0: a motion keeps no error that lasts beyond it";
+                return Err(Error::value(
+                    "scale_noise",
+                    rule,
+                    number(gyroscope.scale_noise),
+                ));
+            }
             rules.settings.noise.yaw_rate = gyroscope.noise;
         }
         if !(rules.attitude_noise.is_finite() && rules.attitude_noise >= 0.0) {

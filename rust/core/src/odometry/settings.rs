@@ -154,6 +154,16 @@ impl Settings {
         [self.smoothing, walk]
     }
 
+    /// Standard deviation of the factor that the gyroscope's turns are off by.
+    pub(super) fn scale_noise(&self) -> f64 {
+        self.gyroscope.map_or(0.0, |known| known.scale_noise)
+    }
+
+    /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
+    pub(super) fn lasting(&self) -> usize {
+        self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
+    }
+
     pub(super) fn rules(&self) -> Rules {
         let mut noise = self.noise;
         if let Some(known) = self.gyroscope {
@@ -184,7 +194,7 @@ impl Settings {
         let is_plain = self.readings == Readings::Angles
             && self.method == Method::LeastSquares
             && !self.inflate
-            && self.dimensions.is_empty()
+            && self.lasting() == 0
             && self.wheel_noise.is_empty()
             && (self.max_speed.is_none() || !castors());
         let encoders = (

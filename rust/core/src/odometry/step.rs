@@ -65,6 +65,8 @@ pub(crate) struct Workspace {
     pub slid: Vec<f64>,
     pub noise: StepNoise,
     deviations: Deviations,
+    /// By which share turns of a gyroscope are off.
+    scale_noise: f64,
     /// How many times the noise's variance of slip each wheel has.
     shares: Vec<f64>,
     /// Whether a wheel slid further than the noise explains.
@@ -129,9 +131,10 @@ impl Workspace {
                 ends: Spread::default(),
                 old: shared.clone(),
                 new: shared,
-                lasting: vec![Vector3::zeros(); settings.dimensions.len()],
+                lasting: vec![Vector3::zeros(); settings.lasting()],
             },
             deviations: settings.dimensions.clone(),
+            scale_noise: settings.scale_noise(),
             shares,
             slips: false,
             by_wheels: Vector3::zeros(),
@@ -268,20 +271,28 @@ impl Workspace {
         Ok(())
     }
 
-    /// What the deviations of the dimensions make of the displacement of the last step, given its motion.
+    /// What the deviations of the dimensions and of a gyroscope's scale make of the displacement of the last step, given
+    /// its motion.
     pub fn find_lasting(
         &mut self,
         rover: &Rover,
         motion: Motion<'_>,
         method: Method,
     ) -> Result<(), Error> {
+        if self.scale_noise > 0.0
+            && let Some(of_scale) = self.noise.lasting.last_mut()
+        {
+            let turned = motion.gyro_turn.unwrap_or(0.0);
+            *of_scale = self.fusion.gain * (turned * self.scale_noise);
+        }
         if self.deviations.is_empty() {
             return Ok(());
         }
         let deviations = std::mem::take(&mut self.deviations);
         let mut found = std::mem::take(&mut self.noise.lasting);
+        let of_dimensions = deviations.len();
         let asked = self.derivatives(rover, motion, method, |linearised, fusion| {
-            deviations.of_step(linearised, fusion, motion.dt, &mut found);
+            deviations.of_step(linearised, fusion, motion.dt, &mut found[..of_dimensions]);
         });
         self.noise.lasting = found;
         self.deviations = deviations;
