@@ -106,6 +106,14 @@ def test_on_level_ground_they_are_what_settles() -> None:
         assert np.abs(getattr(bound, name)).max() < 1e-4
     np.testing.assert_allclose(bound.z, 2.5, atol=1e-4)
     np.testing.assert_allclose(bound.clearance, 0.5972, atol=1e-4)
+    assert bound.tilt[0] == 0  # no less: a tilt has no sign
+
+
+def test_no_tilt_is_negative() -> None:
+    ground = sw.Terrain.yard(30, 0.1, 0.05, seed=9, roughness=0.01)
+    for rover in rovers().values():
+        lowest = rover.bounds(ground, some(ground, 2000, 9)).tilt[:, 0]
+        assert np.nanmin(lowest) == 0 < np.nanmax(lowest)
 
 
 @pytest.mark.parametrize("slope", [(0.15, 0.0), (0.0, 0.15), (-0.1, 0.1)])

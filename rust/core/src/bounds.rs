@@ -67,6 +67,9 @@ pub const QUANTITIES: [&str; 9] = [
     "wheel_drop",
 ];
 
+/// The tilt's number among them.
+const TILT: usize = 3;
+
 /// How far something of the body may be seen from where it is seen when the rover stands level.
 #[derive(Clone, Copy, Debug)]
 struct Room {

@@ -13,21 +13,40 @@ pub struct Out<'py, const N: usize> {
 }
 
 impl<'py, const N: usize> Out<'py, N> {
-    /// Of results with these names. One array instead of a tuple is the first of them.
-    pub fn read(out: Option<&Bound<'py, PyAny>>, names: [&str; N]) -> PyResult<Self> {
-        let mut read = Self {
+    fn fresh() -> Self {
+        Self {
             arrays: [const { None }; N],
             alone: false,
-        };
+        }
+    }
+
+    /// Of results with these names, one array instead of a tuple being the first of them: where that one is what is asked for.
+    pub fn read_or_first(out: Option<&Bound<'py, PyAny>>, names: [&str; N]) -> PyResult<Self> {
+        match out {
+            Some(array) if !array.is_instance_of::<PyTuple>() => {
+                let mut read = Self::fresh();
+                read.arrays[0] = Some(array.clone());
+                read.alone = true;
+                Ok(read)
+            }
+            _ => Self::read(out, names),
+        }
+    }
+
+    /// Of results with these names.
+    pub fn read(out: Option<&Bound<'py, PyAny>>, names: [&str; N]) -> PyResult<Self> {
+        let mut read = Self::fresh();
         let Some(out) = out else { return Ok(read) };
+        let wrong = |rule: &str, got: &str| {
+            let rule = format!("{rule} for ({}) or the first of these", names.join(", "));
+            refuse("out", &rule, got)
+        };
         let Ok(tuple) = out.cast::<PyTuple>() else {
-            read.arrays[0] = Some(out.clone());
-            read.alone = true;
-            return Ok(read);
+            let got = out.get_type().name()?.to_string();
+            return Err(wrong("be a tuple of arrays", &got));
         };
         if tuple.is_empty() || tuple.len() > N {
-            let rule = format!("be arrays for ({}) or the first of these", names.join(", "));
-            return Err(refuse("out", &rule, &format!("{} of them", tuple.len())));
+            return Err(wrong("be arrays", &format!("{} of them", tuple.len())));
         }
         for (array, item) in read.arrays.iter_mut().zip(tuple.iter()) {
             *array = (!item.is_none()).then_some(item);

@@ -393,7 +393,7 @@ impl Suspension {
             .transpose()?;
         let count = speeds.count();
         let workers = any_workers(threads, kernel)?;
-        let out = Out::<3>::read(out, ["twist", "joint_rates", "residual"])?;
+        let out = Out::<3>::read_or_first(out, ["twist", "joint_rates", "residual"])?;
         let mut outputs = [
             out.result(py, 0, &joined(&leading, 6), false)?,
             out.result(py, 1, &joined(&leading, joints), false)?,

@@ -5,7 +5,7 @@ use pulp::{Scalar, Simd};
 use super::boxes::Patch;
 use super::pyramid::{Boxes, Pyramid, nothing};
 use super::stand::{COUNT, Interval, all};
-use super::{Knowledge, Plan};
+use super::{Knowledge, Plan, TILT};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
@@ -200,9 +200,12 @@ impl Job<'_> {
         for (row, worth) in rows.iter().zip(worth) {
             self.worth[*row] = worth;
         }
-        for (block, [low, high]) in self.blocks.iter_mut().zip(intervals) {
+        let quantities = self.blocks.iter_mut().zip(intervals).enumerate();
+        for (k, (block, [low, high])) in quantities {
+            // No tilt is less than none.
+            let least = if k == TILT { more } else { low };
             let interval = [
-                bounded.select(low - more, unknown),
+                bounded.select(low.max(least) - more, unknown),
                 bounded.select(high + more, unknown),
             ];
             if apart {

@@ -44,8 +44,9 @@ const UPRIGHT: f64 = 1.5;
 const TURNS: usize = 8;
 const THERE: f64 = 1e-9;
 
-/// Cosine of how far the curve may turn in a step, but for the shortest: over a crease it turns at once.
+/// Cosine of how far the curve may turn in a step, but for steps shorter than this: at a corner it turns at once.
 const BEND: f64 = 0.7;
+const AROUND: f64 = 2e-3;
 
 /// Where the wheels are: their gaps, and how these change with the state and the share.
 struct Look {
@@ -130,32 +131,49 @@ impl<'a> Growth<'a, '_> {
         None
     }
 
-    /// The direction of the curve, the way that it was before.
-    fn along(look: &Look, before: &Point) -> Option<Point> {
+    /// The direction of the curve: that in which state, share and gaps turn as they do where it begins.
+    ///
+    /// At a corner, where a wheel gets another contact or goes over a crease, the curve may turn back by more than a right angle,
+    /// so that the way it came does not say which way it goes on. The determinant does: its sign is kept where a row of slopes
+    /// is exchanged for that of the other contact, whose gap has to get smaller than that of the one before.
+    fn along(look: &Look, turns: f64) -> Option<Point> {
+        // Orthogonal to the slopes of all gaps.
+        let q = look.slopes.transpose().qr().q();
+        let mut direction: Point = q.column(MAX_STATE).into_owned();
         let mut slopes = look.slopes;
-        slopes.set_row(MAX_STATE, &before.transpose());
-        let mut right = Point::zeros();
-        right[MAX_STATE] = 1.0;
-        let direction = slopes.lu().solve(&right)?;
-        let length = direction.norm();
-        length.is_finite().then(|| direction / length)
+        slopes.set_row(MAX_STATE, &direction.transpose());
+        let determinant = slopes.determinant();
+        if determinant * turns < 0.0 {
+            direction.neg_mut();
+        }
+        (determinant != 0.0 && direction.norm().is_finite()).then_some(direction)
+    }
+
+    /// The next point of the curve, so far away, and its direction there. A short step goes around a corner.
+    fn next(&self, point: &Point, direction: &Point, step: f64, turns: f64) -> Option<[Point; 2]> {
+        let reach = |direction: &Point| {
+            let (next, look) = self.back(point + direction * step, direction)?;
+            let turned = Self::along(&look, turns)?;
+            let near = (next - point).norm() < 2.0 * step;
+            let smooth = turned.dot(direction) > BEND;
+            (near && (smooth || step < AROUND)).then_some([next, turned])
+        };
+        reach(direction).or_else(|| {
+            let around = (step < AROUND).then(|| self.look(&(point + direction * step)))??;
+            reach(&Self::along(&around, turns)?)
+        })
     }
 
     fn followed(&self) -> Result<Attempt<'a>, Status> {
         let mut lost = Status::NotConverged;
         let share_alone = Point::ith(MAX_STATE, 1.0);
         let (mut point, look) = self.begin(&share_alone).ok_or(lost)?;
-        let mut direction = Self::along(&look, &share_alone).ok_or(lost)?;
+        // The share grows at first.
+        let turns = look.slopes.determinant().signum();
+        let mut direction = Self::along(&look, turns).ok_or(lost)?;
         let mut step = FIRST_STEP;
         for _ in 0..STEPS {
-            let found = self.back(point + direction * step, &direction);
-            let found = found.and_then(|(next, look)| {
-                let turned = Self::along(&look, &direction)?;
-                let near = (next - point).norm() < 2.0 * step;
-                let smooth = near && turned.dot(&direction) > BEND;
-                (smooth || near && step < 1e2 * SHORTEST).then_some((next, turned))
-            });
-            let Some((next, turned)) = found else {
+            let Some([next, turned]) = self.next(&point, &direction, step, turns) else {
                 step *= 0.5;
                 if step < SHORTEST {
                     return Err(lost);

@@ -234,14 +234,14 @@ pub(super) fn carried(
     wheel: usize,
     rates: &Row,
 ) -> (Vector3<f64>, Vector3<f64>) {
-    let centres = placed.point_slopes(wheel, placed.wheel(wheel).centre);
-    let mut velocity = Vector3::zeros();
-    for (column, rate) in rates.iter().enumerate() {
-        velocity += centres[slope(column)] * *rate;
-    }
-    let mut turn = Vector3::new(rates[3], rates[4], rates[5]);
-    for (joint, axis, _) in placed.free_axes(wheel) {
-        turn += axis * rates[6 + joint];
+    let centre = placed.wheel(wheel).centre;
+    let [vx, vy, vz, wx, wy, wz, joint_rates @ ..] = *rates;
+    let mut turn = Vector3::new(wx, wy, wz);
+    let mut velocity = Vector3::new(vx, vy, vz) + turn.cross(&centre);
+    for (joint, axis, origin) in placed.free_axes(wheel) {
+        let swing = axis * joint_rates[joint];
+        velocity += swing.cross(&(centre - origin));
+        turn += swing;
     }
     (velocity, turn)
 }

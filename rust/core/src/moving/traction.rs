@@ -115,7 +115,7 @@ pub fn traction(
     };
     let (count, joints) = (chain.wheels().len(), chain.steering().len());
     let sideways = rates.yaw_rate * offset;
-    let Some(straight) = in_body(chain, rates.joints, &[]) else {
+    let Some(mut placed) = in_body(chain, rates.joints, &[]) else {
         return Ok(driven);
     };
     let mut known: Row = [0.0; COLUMNS];
@@ -134,10 +134,13 @@ pub fn traction(
     for (angle, present) in driven.steering.iter_mut().zip(rates.steering) {
         *angle = *present;
     }
-    steer_in_plan(chain, &straight, &known, &mut driven.steering)?;
-    let Some(placed) = in_body(chain, rates.joints, &driven.steering[..joints]) else {
+    steer_in_plan(chain, &placed, &known, &mut driven.steering)?;
+    if placed
+        .steer(rates.joints, &driven.steering[..joints])
+        .is_none()
+    {
         return Ok(driven);
-    };
+    }
     let centres: [Centre; MAX_WHEELS] = std::array::from_fn(|wheel| {
         let wheel = wheel.min(count - 1);
         let frame = placed.wheel(wheel);
@@ -155,13 +158,14 @@ pub fn traction(
         Closure::Suspension => along_the_links(centres),
         Closure::Wheels(measured) => from_wheels(centres, measured),
     };
+    let steepest = lift.angle.tan();
     for (wheel, centre) in centres.iter().enumerate() {
         let [along, across] = centre.at(driven.vertical);
         let way = if along < 0.0 { -1.0 } else { 1.0 };
         let speed = along.hypot(across);
         driven.speeds[wheel] = way * speed / centre.radius - centre.turn;
         driven.contact_angles[wheel] = (way * across).atan2(way * along);
-        let slope = lift.angle.tan() * in_plan(placed.wheel(wheel).centre, rates, sideways).norm();
+        let slope = steepest * in_plan(placed.wheel(wheel).centre, rates, sideways).norm();
         driven.lifted[wheel] = across.abs() > lift.speed.max(slope);
     }
     Ok(driven)

@@ -230,22 +230,8 @@ impl Chain {
                 slope: 0.0,
             }; MAX_PARTS],
         };
-        for (k, part) in self.parts.iter().enumerate() {
-            let (rotation, origin) = placed.carrier(part.parent);
-            let (angle, slope) = match part.turning {
-                Turning::Free(joint) => (joints[joint], 1.0),
-                Turning::Across(joint, differential) => {
-                    let [angle, slope] = differential.right(joints[joint])?;
-                    (angle, slope)
-                }
-                Turning::Steering(joint) => (steering.get(joint).copied().unwrap_or(0.0), 1.0),
-            };
-            placed.parts[k] = PlacedPart {
-                rotation: turned(rotation, &part.axis, angle),
-                origin: origin + rotation * part.origin,
-                axis: rotation * *part.axis,
-                slope,
-            };
+        for k in 0..self.parts.len() {
+            placed.turn(k, joints, steering)?;
         }
         Some(placed)
     }
@@ -333,6 +319,42 @@ pub struct WheelFrame {
 pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 
 impl Placed<'_> {
+    /// Puts a part where its parent and these angles say; angles that are not there are 0. None where a differential does not reach.
+    #[inline]
+    fn turn(&mut self, k: usize, joints: &[f64], steering: &[f64]) -> Option<()> {
+        let part = &self.chain.parts[k];
+        let (rotation, origin) = self.carrier(part.parent);
+        let of = |angles: &[f64], joint: usize| angles.get(joint).copied().unwrap_or(0.0);
+        let (angle, slope) = match part.turning {
+            Turning::Free(joint) => (of(joints, joint), 1.0),
+            Turning::Across(joint, differential) => {
+                let [angle, slope] = differential.right(of(joints, joint))?;
+                (angle, slope)
+            }
+            Turning::Steering(joint) => (of(steering, joint), 1.0),
+        };
+        self.parts[k] = PlacedPart {
+            rotation: turned(rotation, &part.axis, angle),
+            origin: origin + rotation * part.origin,
+            axis: rotation * *part.axis,
+            slope,
+        };
+        Some(())
+    }
+
+    /// Steers, with the joints where they are: what no steering joint carries stays. None where a differential does not reach.
+    pub(crate) fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
+        let mut moved = 0_u32;
+        for (k, part) in self.chain.parts.iter().enumerate() {
+            let steers = matches!(part.turning, Turning::Steering(_));
+            if steers || part.parent.is_some_and(|parent| moved >> parent & 1 == 1) {
+                moved |= 1 << k;
+                self.turn(k, joints, steering)?;
+            }
+        }
+        Some(())
+    }
+
     fn carrier(&self, part: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
         part.map_or((self.rotation, self.origin), |part| {
             (self.parts[part].rotation, self.parts[part].origin)
