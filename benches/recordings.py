@@ -3,7 +3,8 @@
 DATA is a folder of OptiOdom recordings, one folder per robot. Every session is left out once: the others
 choose the parameters, fit them and measure the noise; the session left out is dead-reckoned with what they
 found, its first pose given. With ``--alone`` it is the other way round: each session by itself fits and
-measures, and all others are reckoned. Prints two tables in Markdown.
+measures, and all others are reckoned. ``--way 0.5`` reckons with dimensions halfway between the nominal ones
+and those found: whether shrinking would pay. Prints two tables in Markdown.
 """
 
 import argparse
@@ -19,6 +20,7 @@ from six_wheel.calibration import Calibration
 from six_wheel.evaluation import absolute_error
 from six_wheel.logs import Log, optiodom
 from six_wheel.poses import Floats, between
+from six_wheel.rebuild import with_wheels
 
 TRUTH = np.array([1e-3, 1e-3, 1e-3])  # what motion capture errs by [m, m, rad]
 BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %
@@ -60,7 +62,21 @@ def left_out(
         yield [number for number in range(len(logs)) if number not in fitted], result
 
 
-def judged(folder: Path, names: list[str] | None = None, alone: bool = False) -> tuple[str, str]:
+def on_the_way(nominal: sw.Rover, found: sw.Rover, way: float) -> sw.Rover:
+    """The rover whose wheels have gone this share of the way from one to the other."""
+    numbers = ("x", "y", "radius", "heading")
+    return with_wheels(
+        nominal,
+        [
+            {name: (1.0 - way) * getattr(a, name) + way * getattr(b, name) for name in numbers}
+            for a, b in zip(nominal.wheels, found.wheels, strict=True)
+        ],
+    )
+
+
+def judged(
+    folder: Path, names: list[str] | None = None, alone: bool = False, way: float = 1.0
+) -> tuple[str, str]:
     """The rows of one robot in both tables."""
     paths = sorted(folder.rglob("*_run-*.csv"))
     rovers, logs = [optiodom.read_rover(path) for path in paths], [optiodom.read(path) for path in paths]
@@ -71,8 +87,10 @@ def judged(folder: Path, names: list[str] | None = None, alone: bool = False) ->
     for own, result in left_out(rovers, logs, names, alone):
         chosen[", ".join(result.chosen)] = None
         left += own
-        after += [reckoned(result.rover, logs[number], result.noise) for number in own]
-        beside += [reckoned(result.rover, logs[number], **result.known) for number in own]
+        for number in own:
+            rover = result.rover if way == 1.0 else on_the_way(rovers[number], result.rover, way)
+            after.append(reckoned(rover, logs[number], result.noise))
+            beside.append(reckoned(rover, logs[number], **result.known))
     before = np.array([guess[number].error for number in left])
     errors = np.array([one.error for one in after])
     worse = int(np.sum(errors > before))
@@ -98,11 +116,12 @@ def main() -> None:
     parser.add_argument(
         "--alone", action="store_true", help="fit each session by itself, judge by all others"
     )
+    parser.add_argument("--way", type=float, default=1.0, help="of the nominal dimensions to those found")
     arguments = parser.parse_args()
     folders = [each for each in sorted(arguments.data.iterdir()) if each.is_dir()]
     names = arguments.parameters
     wanted = [each for each in folders if not arguments.robots or each.name in arguments.robots]
-    rows = [judged(each, names, arguments.alone) for each in wanted]
+    rows = [judged(each, names, arguments.alone, arguments.way) for each in wanted]
     print("| robot | runs | chosen | nominal [m] | left out [m] | runs worse |")
     print("|---|---|---|---|---|---|", *(row for row, _ in rows), sep="\n")
     head = "default noise, nominal", "measured, left out", "and dimensions"
