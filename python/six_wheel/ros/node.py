@@ -51,6 +51,10 @@ class RoverNode(BaseNode):
             self.subscribe(JointState, "joint_states", self._on_joints, sensor, raw=True)
         if self.settings.listens:
             self._imu = ImuInput(self, self._on_imu, self._on_mount)
+        elif said.known_gyroscope is not None:
+            self.get_logger().warning(
+                "the gyroscope is not used: without joint states odometry is the commands"
+            )
         self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, QoSProfile(depth=DEPTH))
         service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
         self._things.append((self.destroy_service, service))
