@@ -408,7 +408,7 @@ fn room(rover: &Rover, mut limits: Limits, options: &Options) -> Room {
         for ((joint, wheel), share) in joints.into_iter().zip(wheels).zip(&mut steering_share) {
             *joint = joint.min(wheel / lever);
             if wheel.is_finite() {
-                *share = *joint * lever;
+                *share = wheel.min(*joint * lever); // a lever of nearly nothing bounds no rate
             }
         }
     }

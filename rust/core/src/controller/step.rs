@@ -390,7 +390,7 @@ impl Controller {
         } else {
             1.0
         };
-        let highest = self.envelope.speed.min(bridle.speed);
+        let highest = self.envelope.speed.min(bridle.speed).max(0.0); // never below rest, where a stop would have no end
         let mut reasons = 0;
         let mut goal = target * sign;
         if goal > highest {
