@@ -200,3 +200,12 @@ def test_joint_states_that_stop_come_again_or_go_back() -> None:
     np.testing.assert_allclose(counted[-1].state.pose, before, atol=0.01)
     loop.set_pose([1.0, 2.0, 0.5], None, int(START + drive.rows[-1]))
     np.testing.assert_array_equal(loop.state.pose, [1.0, 2.0, 0.5])
+
+
+def test_another_gyroscope_is_refused_while_the_rover_drives():
+    """It was taken without a word, and odometry went on with the one before."""
+    loop = Loop(settings())
+    before = loop.settings
+    with pytest.raises(ValueError, match="the gyroscope must stay what it is"):
+        loop.change(before.changed({"gyroscope.noise": 0.1}), START)
+    assert loop.settings is before

@@ -211,10 +211,14 @@ class Loop:
         self._odometer.reset(pose, covariance)
 
     def change(self, settings: Settings, now: int) -> None:
-        """Other limits, options or noise, from the present motion on; the rover itself stays what it is."""
+        """Other limits, options or noise, from the present motion on; the rover itself and its gyroscope stay
+        what they are."""
         self._move_on(now)
         if settings.rover != self.settings.rover:
             raise ValueError("the rover must stay what it is while it drives; start again with the other one")
+        if settings.parameters.gyroscope != self.settings.parameters.gyroscope:
+            rule = "the gyroscope must stay what it is while the rover drives; start again with the other one"
+            raise ValueError(rule)
         before = self.settings
         self._take(settings)
         old, new = before.parameters, settings.parameters

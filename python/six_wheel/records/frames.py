@@ -167,18 +167,16 @@ class JointStates:
         ValueError
             If it is no such message.
         """
-        if message[: len(ENCAPSULATION)] != ENCAPSULATION:
-            raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
         try:
-            second, nanosecond = struct.unpack_from("<iI", message, 4)
+            stamp = _stamp(message)
             end = 12 + len(self._block)
             if not self._block or message[12:end] != self._block:
                 end = self._read_names(message)
             positions, end = _numbers(message, end)
             velocities, _ = _numbers(message, end)
         except (struct.error, UnicodeDecodeError) as error:
-            raise ValueError(f"a message must be whole, got {len(message)} bytes: {error}") from None
-        return second * NANOSECONDS + nanosecond, self.names, positions, velocities
+            raise _cut(message, error) from None
+        return stamp, self.names, positions, velocities
 
     def _read_names(self, message: bytes) -> int:
         _, at = _text(message, 12)
@@ -203,18 +201,28 @@ def angular_velocity(message: bytes) -> tuple[int, str, tuple[float, ...], bool]
     ValueError
         If it is no such message.
     """
-    if message[: len(ENCAPSULATION)] != ENCAPSULATION:
-        raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
     try:
-        second, nanosecond = struct.unpack_from("<iI", message, 4)
+        stamp = _stamp(message)
         frame, at = _text(message, 12)
         at += (len(ENCAPSULATION) - at) % 8
         # An orientation with its covariance goes before, an acceleration with its own behind.
         *rates, variance = struct.unpack_from("<4d", message, at + 8 * (4 + 9))
         struct.unpack_from("<37d", message, at)
     except (struct.error, UnicodeDecodeError) as error:
-        raise ValueError(f"a message must be whole, got {len(message)} bytes: {error}") from None
-    return second * NANOSECONDS + nanosecond, frame, tuple(rates), variance != -1.0
+        raise _cut(message, error) from None
+    return stamp, frame, tuple(rates), variance != -1.0
+
+
+def _stamp(message: bytes) -> int:
+    """Of the header that a message begins with [ns]."""
+    if message[: len(ENCAPSULATION)] != ENCAPSULATION:
+        raise ValueError(f"messages must be CDR, little-endian, got {message[:4].hex()}")
+    second, nanosecond = struct.unpack_from("<iI", message, 4)
+    return int(second * NANOSECONDS + nanosecond)
+
+
+def _cut(message: bytes, error: Exception) -> ValueError:
+    return ValueError(f"a message must be whole, got {len(message)} bytes: {error}")
 
 
 def _text(message: bytes, at: int) -> tuple[str, int]:
