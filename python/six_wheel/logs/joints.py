@@ -139,7 +139,8 @@ class JointLog:
         self._up = upward(*(self._gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
         self._rates: Source | None = None  # of a gyroscope whose readings have other stamps than the rows
         self._in_rows = False
-        if self.path.is_dir() or self.path.suffix.lower() in BAGS:
+        bagged = self.path.is_dir() or self.path.suffix.lower() in BAGS
+        if bagged:
             from six_wheel.logs.bags import JointBag
 
             bag = JointBag(self.path, rover, reading, topics)
@@ -186,6 +187,10 @@ class JointLog:
         except BaseException:
             self.close()
             raise
+        # Messages have no units, but counts are whole numbers; those of other wheels may be interpolated.
+        first = next((name for name in self._names if name.startswith("wheel ")), "")
+        total = self._wheels.get(first.removeprefix("wheel "))
+        self._counter = first if bagged and isinstance(total, _Total) and total.counts else ""
 
     def __enter__(self) -> Self:
         return self
@@ -337,6 +342,10 @@ class JointLog:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
         for name in self._turned:
             np.negative(batch.values[name], out=batch.values[name])
+        if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
+            rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
+            self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
+            self._counter = ""
         steering = [
             total.advance(batch.values[f"steering {w}"], stamps) for w, total in self._steering.items()
         ]
@@ -396,6 +405,12 @@ class _Total:
     def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
         self._encoder, self._increments, self._absolute = encoder, increments, absolute
         self._counts, self._last = 0.0, math.nan
+
+    @property
+    def counts(self) -> bool:
+        """Whether it is given whole numbers."""
+        resolution = None if self._encoder is None else self._encoder.resolution
+        return resolution is not None and resolution % 1.0 == 0.0
 
     def advance(self, readings: Floats, stamps: Floats) -> Floats:
         """Angles (n,) [rad]."""
