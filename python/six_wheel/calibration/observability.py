@@ -21,6 +21,7 @@ STRAIGHT = 0.35
 TOGETHER = 0.95
 # ... unless both are known to this share of what is plausible anyway.
 WELL_KNOWN = 0.01
+NO_FARTHER = "they moved from their nominal values no farther than the data ask"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +93,7 @@ def describe(
     ]
     mixed = np.flatnonzero(~identified & (share <= 1.0 - KNOWN))
     if len(mixed):
-        count = unseen.shape[1] - len(messages)
-        messages.append(
-            _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
-        )
+        messages.append(_together(unseen, mixed, model.names))
     messages += _correlated(model, solution, identified)
     names = model.names[: model.own]
     return Observability(names, identified, unseen, solution.spread[: model.own], (*hints, *messages))
@@ -114,12 +112,16 @@ def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive
     return f"{moved}, by itself it is not known: {why}"
 
 
-def _together(names: list[str], count: int, direction: str) -> str:
+def _together(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:
+    """Those that may stand for each other; or of which nothing is known, where mounts take it all."""
+    listed = ", ".join(names[i] for i in mixed)
+    count = int(np.linalg.matrix_rank(unseen[mixed], tol=WORTH_A_WORD))
+    if count >= len(mixed):
+        what = "neither by themselves nor together do the drives tell them"
+        return f"{listed}: {what}; {NO_FARTHER}"
     some = "one combination" if count == 1 else f"{count} combinations"
-    return (
-        f"{', '.join(names)} are identified only together: {some} of them could change unnoticed "
-        f"({direction}); they moved from their nominal values no farther than the data ask"
-    )
+    free = f"{some} of them could change unnoticed ({_simplest(unseen, mixed, names)})"
+    return f"{listed} are identified only together: {free}; {NO_FARTHER}"
 
 
 def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:

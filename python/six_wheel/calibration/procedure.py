@@ -207,6 +207,11 @@ def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     """What a gyroscope in the logs errs by, and what is odd about it."""
     measured = gyroscope.measure(logs, result.confidence)
     messages = tuple(mistaken(result.nominal, logs))
+    if measured is None and any(one.yaw_rate is not None for one in logs):
+        rule = (
+            "what the gyroscope errs by is not known: it shows where the rover stands still for 1 s and more"
+        )
+        messages = (*messages, rule)
     if messages:
         seen = result.observability
         result = replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
@@ -237,10 +242,11 @@ def _fit(
     problem = Problem(model, drives, loss, lengths, margin)
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
+    mistaken_for = mistakes.mistaken(problem, solution)
     hints = [
-        *mistakes.mistaken(model.nominal, drives),
+        *mistaken_for,
         *mistakes.at_bounds(problem, solution),
-        *mistakes.unsettled(solution),
+        *mistakes.unsettled(solution, bool(mistaken_for)),
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)

@@ -128,7 +128,8 @@ class Calibration:
             raise KeyError(f"{name!r} is not among {', '.join(self.names)}") from None
 
     def __repr__(self) -> str:
-        lines = [f"Calibration of {len(self.runs)} runs{'' if self.converged else ', NOT CONVERGED'}"]
+        runs = "1 run" if len(self.runs) == 1 else f"{len(self.runs)} runs"
+        lines = [f"Calibration of {runs}{'' if self.converged else ', NOT CONVERGED'}"]
         width = max((len(one.name) for one in self.parameters), default=0)
         for one in self.parameters:
             half = (one.interval[1] - one.interval[0]) / 2.0
