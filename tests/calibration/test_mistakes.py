@@ -10,8 +10,9 @@ import pytest
 pytest.importorskip("scipy")
 
 import six_wheel as sw
-from six_wheel.calibration import Candidate, calibrate, mistakes
+from six_wheel.calibration import Candidate, calibrate
 from six_wheel.calibration.cross_validation import choose
+from six_wheel.calibration.mistakes.readings import unsettled
 from tests.calibration.drives import drive
 
 PAIR = sw.Rover.differential(0.2, 0.042)
@@ -190,11 +191,11 @@ def test_a_fit_that_does_not_settle_says_why_and_what_to_do():
     spread = {0.0: "stretches fit one another badly; try loss='cauchy'", 1.0: "ask for fewer, or drive turns"}
     for widest, words in spread.items():
         ended = SimpleNamespace(converged=False, spread=np.array([widest]))
-        (said,) = mistakes.unsettled(ended)
+        (said,) = unsettled(ended)
         assert words in said
-    (said,) = mistakes.unsettled(SimpleNamespace(converged=False, spread=np.ones(1)), mistaken=True)
+    (said,) = unsettled(SimpleNamespace(converged=False, spread=np.ones(1)), mistaken=True)
     assert "mend it first" in said
-    assert not mistakes.unsettled(SimpleNamespace(converged=True, spread=np.zeros(1)))
+    assert not unsettled(SimpleNamespace(converged=True, spread=np.zeros(1)))
 
 
 def test_what_stays_at_its_nominal_value_has_it():

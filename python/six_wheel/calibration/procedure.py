@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, check_kind
-from six_wheel.calibration import fitting, mistakes, noise
+from six_wheel.calibration import fitting, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
+from six_wheel.calibration.mistakes import readings, slips
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
@@ -161,23 +162,23 @@ def calibrate(
     def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
         if not slides:
             return [one(part)]
-        return [drive for _, drive in mistakes.clean(part, slides, one, part.name)]
+        return [drive for _, drive in slips.clean(part, slides, one, part.name)]
 
     drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
-    whole, slipped = records, list[mistakes.Slip]()
+    whole, slipped = records, list[slips.Slip]()
     if loss == "auto":
         first = Problem(
             with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
         )
-        slipped = mistakes.slipped(first, records, PIECES)
+        slipped = slips.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
         cut: list[tuple[Log, Drive]] = []
         for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
             slides = _slides(slipped, number)
             again = partial(one, number=number)
-            cut += mistakes.clean(log, slides, again, drive.session) if slides else [(log, drive)]
+            cut += slips.clean(log, slides, again, drive.session) if slides else [(log, drive)]
         if not cut:
             raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
         records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
@@ -223,7 +224,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     return replace(result, measured_noise=noises, gyroscope=measured)
 
 
-def _slides(slipped: Sequence[mistakes.Slip], number: int) -> list[Stretch]:
+def _slides(slipped: Sequence[slips.Slip], number: int) -> list[Stretch]:
     """Those of one log."""
     return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
 
@@ -242,11 +243,11 @@ def _fit(
     problem = Problem(model, drives, loss, lengths, margin)
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
-    mistaken_for = mistakes.mistaken(problem, solution)
+    mistaken_for = readings.mistaken(problem, solution)
     hints = [
         *mistaken_for,
-        *mistakes.at_bounds(problem, solution),
-        *mistakes.unsettled(solution, bool(mistaken_for)),
+        *readings.at_bounds(problem, solution),
+        *readings.unsettled(solution, bool(mistaken_for)),
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
@@ -280,7 +281,7 @@ def _fit(
         model.value(solution.values, "time_offset", 0.0),
         asked,
         loss,
-        solution.converged and not mistakes.at_bounds(problem, solution),
+        solution.converged and not readings.at_bounds(problem, solution),
         _noise(problem, solution, records, confidence),
     )
 
