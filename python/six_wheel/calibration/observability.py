@@ -21,6 +21,8 @@ STRAIGHT = 0.35
 TOGETHER = 0.95
 # ... unless both are known to this share of what is plausible anyway.
 WELL_KNOWN = 0.01
+# Share of its way within which a drive is where it was.
+RETURNED = 1e-3
 NO_FARTHER = "they moved from their nominal values no farther than the data ask"
 
 
@@ -70,6 +72,8 @@ def told(drives: Sequence[Drive]) -> list[str]:
             "a gyroscope alone tells turns and no distances: ratios of lengths, no scale; "
             "errors are of headings [rad]"
         )
+    if all(_returns(drive) for drive in drives):
+        said.append("a closed loop alone tells ratios of lengths, as of track to radius, and no scale")
     for drive in drives:
         rest, whole = float(drive.dt[at_rest(drive.speeds)].sum()), float(drive.dt.sum())
         if rest >= RESTED:
@@ -77,6 +81,14 @@ def told(drives: Sequence[Drive]) -> list[str]:
                 f"{drive.name} stands for {rest:.1f} s of {whole:.1f} s, which tells nothing: left out"
             )
     return said
+
+
+def _returns(drive: Drive) -> bool:
+    """Whether all that is known of a drive is that it is at the same place again."""
+    if not drive.truth.has_positions or np.diff(drive.truth.stamps).min() <= drive.truth.max_gap:
+        return False
+    places = drive.truth.poses[:, :2]
+    return float(np.ptp(places, axis=0).max()) <= RETURNED * drive.distance
 
 
 def describe(

@@ -39,11 +39,16 @@ from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
 from six_wheel.odometry.dimensions import Catalogue
+from six_wheel.odometry.tracks import Track
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
 
 Progress = Callable[[int, int, str], object]
+OF_TRACKS = (
+    "the truth is another odometry: dimensions are known as well as its own scale, "
+    "and what both err by alike does not show"
+)
 
 
 def parameter_names(rover: Rover, logs: Sequence[Log] = ()) -> list[str]:
@@ -199,23 +204,35 @@ def calibrate(
     model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
+    if _of_tracks(truth):
+        result = _saying(result, OF_TRACKS)
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
 
 
+def _of_tracks(truth: object) -> bool:
+    """Whether a truth is another odometry."""
+    given = truth if isinstance(truth, (list, tuple)) else [truth]
+    return any(isinstance(one, Track) for one in given)
+
+
+def _saying(result: Calibration, *messages: str) -> Calibration:
+    """With more to be said of what the drives do not tell."""
+    seen = result.observability
+    return replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
+
+
 def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     """What a gyroscope in the logs errs by, and what is odd about it."""
     measured = gyroscope.measure(logs, result.confidence)
-    messages = tuple(mistaken(result.nominal, logs))
+    messages: tuple[str, ...] = tuple(mistaken(result.nominal, logs))
     if measured is None and any(one.yaw_rate is not None for one in logs):
         rule = (
             "what the gyroscope errs by is not known: it shows where the rover stands still for 1 s and more"
         )
         messages = (*messages, rule)
-    if messages:
-        seen = result.observability
-        result = replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
+    result = _saying(result, *messages)
     if measured is None:
         return result
     measured = replace(measured, scale=scale(logs, result.time_offset, result.confidence))
