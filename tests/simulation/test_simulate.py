@@ -173,6 +173,12 @@ def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
         ({"truth_noise": (0.0, np.inf)}, "truth_noise must be finite and not negative, got inf"),
         ({"slip": [Slip(0.0, 1.0, ["front"])]}, "wheels must be some of left, right, got 'front'"),
         ({"encoder": [sw.Encoder()]}, "encoder must be one or 2, got 1"),
+        ({"truth_noise": (0.1,)}, "truth_noise must be two deviations"),
+        ({"truth_noise": 0.1}, "truth_noise must be two deviations"),
+        ({"seed": -1}, "seed must be a whole number, 0 or more, got -1"),
+        ({"seed": "a"}, "seed must be a whole number, 0 or more, got 'a'"),
+        ({"jitter": "a"}, "jitter must be finite and not negative, got 'a'"),
+        ({"speed": 0.0}, "speed must be finite and positive, got 0.0"),
     ],
 )
 def test_what_it_refuses(keywords, message):
@@ -186,6 +192,8 @@ def test_paths_that_are_none():
         ((TIMES[::-1], TWISTS), "path must go on in time"),
         (np.zeros((2, 3)), "path must move"),
         (np.full((2, 4), np.nan), "path must be finite, got nan"),
+        ("run.csv", "path must be rows of as many numbers each, got 'run.csv'"),
+        ([(0, 1, 0, 0), (1, 1)], "path must be rows of as many numbers each"),
     ):
         with pytest.raises(ValueError, match=message):
             sw.simulate(PAIR, path)
