@@ -97,6 +97,7 @@ sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single cal
 	$(WATCHED) $(BIN)/python -m pytest tests/core/door/test_overlap.py -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_fast.py tests/core/boundary/test_memory.py -q -p no:cacheprovider
 	$(WATCHED) $(BIN)/python -m pytest tests/core/oracles/test_batch.py -k "any_form or any_order" -q -p no:cacheprovider
+	$(WATCHED) $(BIN)/python -m pytest tests/core/boundary/test_kept_memory.py -k result -q -p no:cacheprovider
 
 bench: $(VENV)/peers ## the core and its peers in one run: tables with ratios and goals; BENCH="--markdown" and others
 	$(BIN)/python benches/run.py $(BENCH)
