@@ -5,6 +5,8 @@ use crate::admissible::tests::Numbers;
 use crate::batch::{self, Level, Workers};
 use crate::error::Error;
 use crate::rover::{Inputs, Rover};
+use crate::steering::SteeringRange;
+use crate::wheels::{Pivot, Wheel};
 
 /// Twists the rover can make: some as they are, most at an end of a range, some at rest, some straight.
 fn possible(rover: &Rover, numbers: &mut Numbers, count: usize) -> Vec<[f64; 3]> {
@@ -95,5 +97,78 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
             }
         }
     }
+    Ok(())
+}
+
+#[test]
+fn wheels_with_trail_are_let_pass_where_the_plain_core_lets_them() -> Result<(), Error> {
+    // How far beyond an end of its range a wheel would have to turn: within the tolerance, next to it, and far from it [rad].
+    let beyond = [-1.0, -1e-9, 0.0, 4e-10, 6e-10, 0.99e-9, 1.01e-9, 1e-8, 0.3];
+    let mut numbers = Numbers(7);
+    let mut refused = 0;
+    for _ in 0..1000 {
+        let wheel = |name, x, y| Wheel {
+            pivot: Pivot::Castor,
+            trail: 0.03,
+            ..Wheel::new(name, x, y, 0.1)
+        };
+        let lower = numbers.between(-3.0, 1.0);
+        let range = SteeringRange {
+            lower,
+            upper: lower + numbers.between(0.05, 4.0),
+        };
+        let (x, y) = (numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0));
+        let trailing = Wheel {
+            heading: numbers.between(-3.0, 3.0),
+            trail: numbers.between(-0.2, 0.2),
+            ..Wheel::new("a", x, y, 0.1).steered(range)
+        };
+        let (heading, trail) = (trailing.heading, trailing.trail);
+        let rover = Rover::new(vec![trailing, wheel("b", 0.4, 0.3), wheel("c", -0.4, 0.1)])?;
+        for off in beyond {
+            let at = if numbers.chance(0.5) {
+                range.upper + off
+            } else {
+                range.lower - off
+            };
+            // Rolls one way at this angle, and does not slide.
+            let (sin, cos) = (heading + at).sin_cos();
+            let (rolled, omega) = (numbers.between(-1.0, 1.0), numbers.between(-2.0, 2.0));
+            let rate = if numbers.chance(0.5) {
+                0.0
+            } else {
+                numbers.between(-2.0, 2.0)
+            };
+            let across = trail * (omega + rate);
+            let vx = cos * rolled - sin * across + omega * y;
+            let vy = sin * rolled + cos * across - omega * x;
+            let (twists, rates) = ([[vx, vy, omega]; 8], [rate; 8]);
+            let solve = |level| {
+                let (mut steering, mut speeds) = ([0.0; 8], [0.0; 24]);
+                let inputs = Inputs {
+                    steering_rates: Some(&rates),
+                    ..Inputs::default()
+                };
+                let workers = Workers {
+                    level,
+                    ..Workers::PLAIN
+                };
+                batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
+                    .map(|()| steering)
+            };
+            let expected = solve(Level::Plain);
+            refused += usize::from(expected.is_err());
+            for level in Level::available() {
+                match (solve(level), &expected) {
+                    (Ok(found), Ok(expected)) => {
+                        let off = (found[0] - expected[0]).abs();
+                        assert!(off <= 1e-13, "{level:?} {off} {rover:?} {twists:?} {rate}");
+                    }
+                    (found, expected) => assert_eq!(&found, expected, "{level:?}"),
+                }
+            }
+        }
+    }
+    assert!((500..8000).contains(&refused), "{refused}");
     Ok(())
 }
