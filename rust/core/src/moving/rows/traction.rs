@@ -246,10 +246,10 @@ impl InLanes<'_, Job<'_>> {
             radius: 1.0,
         };
         let mut centres = [none; MAX_WHEELS];
-        for wheel in 0..wheels {
+        for (wheel, centre) in centres.iter_mut().enumerate().take(wheels) {
             let tread = &placing.wheels[wheel];
             let [velocity, turn] = placing.carried(wheel, tread.centre);
-            centres[wheel] = Centre {
+            *centre = Centre {
                 along: dot(velocity, tread.forward),
                 across: dot(velocity, tread.up),
                 vertical: [tread.forward[2], tread.up[2]],
