@@ -58,10 +58,7 @@ struct Slot<S: Vector> {
     sin: Lanes<S>,
     cos: Lanes<S>,
     length: Lanes<S>,
-    /// Derivative of the gap where the arc begins, and what it has more there than where it ends: the root of the line
-    /// between them is where Newton's method starts.
-    rise: Lanes<S>,
-    fall: Lanes<S>,
+    share: Lanes<S>,
     column: Lanes<S>,
     row: Lanes<S>,
 }
@@ -74,8 +71,7 @@ impl<S: Vector> Slot<S> {
             sin: mask.select(yes.sin, no.sin),
             cos: mask.select(yes.cos, no.cos),
             length: mask.select(yes.length, no.length),
-            rise: mask.select(yes.rise, no.rise),
-            fall: mask.select(yes.fall, no.fall),
+            share: mask.select(yes.share, no.share),
             column: mask.select(yes.column, no.column),
             row: mask.select(yes.row, no.row),
         }
@@ -147,8 +143,7 @@ pub(super) fn search<S: Vector>(
         sin: zero,
         cos: unit,
         length: zero,
-        rise: zero,
-        fall: -unit,
+        share: zero,
         column: zero,
         row: zero,
     };
@@ -218,8 +213,9 @@ pub(super) fn search<S: Vector>(
             sin: start.sin,
             cos: start.cos,
             length,
-            rise: left.rise,
-            fall: dips.select(left.rise - right.rise, -unit),
+            share: left
+                .rise
+                .quotient(dips.select(left.rise - right.rise, -unit)),
             column: cell_at[0],
             row: cell_at[1],
         };
@@ -242,23 +238,21 @@ pub(super) fn search<S: Vector>(
         // The crease between the last arc and this one.
         let (was, rise, slope) = before;
         let crease = real & was & rise.at_most(zero) & zero.at_most(left.rise);
-        if crease.any() {
-            let turned = left.rise - rise;
-            let some = zero.below(turned);
-            let share = some.select(
-                left.rise.quotient(some.select(turned, unit)),
-                Lanes::splat(simd, 0.5),
-            );
-            let better = crease & left.gap.below(best);
-            second = better.select(best, crease.select(second.min(left.gap), second));
-            best = better.select(left.gap, best);
-            best_sin = better.select(start.sin, best_sin);
-            best_cos = better.select(start.cos, best_cos);
-            best_slope = both!(k, {
-                let mix = share * slope[k] + (unit - share) * left.slope[k];
-                better.select(mix, best_slope[k])
-            });
-        }
+        let turned = left.rise - rise;
+        let some = zero.below(turned);
+        let share = some.select(
+            left.rise.quotient(some.select(turned, unit)),
+            Lanes::splat(simd, 0.5),
+        );
+        let better = crease & left.gap.below(best);
+        second = better.select(best, crease.select(second.min(left.gap), second));
+        best = better.select(left.gap, best);
+        best_sin = better.select(start.sin, best_sin);
+        best_cos = better.select(start.cos, best_cos);
+        best_slope = both!(k, {
+            let mix = share * slope[k] + (unit - share) * left.slope[k];
+            better.select(mix, best_slope[k])
+        });
         // The ends of the walk, where the upper half goes on.
         let begins = real & !was;
         doubt = begins.select(doubt.min(left.gap), doubt);
@@ -329,7 +323,7 @@ fn bottom<S: Vector>(
     let cell = cells(simd, ground, slot.column, slot.row);
     let from = [rims.centre[0] - slot.column, rims.centre[1] - slot.row];
     let (mut low, mut high) = (zero, slot.length);
-    let mut angle = slot.length * slot.rise.quotient(slot.fall);
+    let mut angle = slot.length * slot.share;
     let mut at = rims.point(slot.sin, slot.cos);
     let mut jet = rims.jet(&cell, from, &at);
     let mut sure = unit.below(zero);
@@ -341,8 +335,7 @@ fn bottom<S: Vector>(
             slot.sin * cos + slot.cos * sin,
             slot.cos * cos - slot.sin * sin,
         );
-        // One over the root of what is 1 but for 1e-8 that the series leave, to 1e-16.
-        let scale = Lanes::splat(simd, -0.5).mul_add(s * s + c * c, Lanes::splat(simd, 1.5));
+        let scale = unit.quotient((s * s + c * c).sqrt());
         at = rims.point(s * scale, c * scale);
         jet = rims.jet(&cell, from, &at);
         let falls = jet.rise.at_most(zero);
