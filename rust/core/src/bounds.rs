@@ -14,6 +14,7 @@
 mod belly;
 mod boxes;
 mod feasible;
+mod interval;
 mod kernel;
 mod margins;
 pub(crate) mod pyramid;

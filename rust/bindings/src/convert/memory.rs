@@ -6,13 +6,14 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ThreadId};
 
-use numpy::npyffi::PY_ARRAY_API;
-use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::npyffi::{PY_ARRAY_API, PyArray_Descr, npy_intp};
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyMemoryError;
+use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use six_wheel_core::batch::Places;
 
-use super::{ready, refuse, shape_text};
+use super::{Array, pool, ready, refuse, shape_text};
 
 /// An array in use.
 struct Entry {
@@ -181,27 +182,42 @@ pub fn gathered<T>(values: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>>
 }
 
 /// A new array of zeros, made by NumPy.
-pub fn zeros<'py, T: numpy::Element>(
+fn zeros<'py, T: numpy::Element>(
     py: Python<'py>,
     shape: &[usize],
-) -> PyResult<Bound<'py, numpy::PyArrayDyn<T>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    // SAFETY: see `made`.
+    made(py, shape, |number, lengths, dtype| unsafe {
+        PY_ARRAY_API.PyArray_Zeros(py, number, lengths, dtype, 0)
+    })
+}
+
+/// A new array for results, of whatever numbers: who asks for it fills it as a whole.
+pub fn fresh<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Array<'py>> {
+    ready(py)?;
+    let Some(_pool) = pool::of(py, count(shape)? * size_of::<f64>())? else {
+        return zeros(py, shape);
+    };
+    // SAFETY: see `made`. Memory of the pool has been written to, if only by zeros.
+    made(py, shape, |number, lengths, dtype| unsafe {
+        PY_ARRAY_API.PyArray_Empty(py, number, lengths, dtype, 0)
+    })
+}
+
+/// An array of this shape by one of NumPy's functions, which take over the reference to the type and return a new array
+/// of just this type and shape, or null with an exception set.
+fn made<'py, T: numpy::Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    make: impl FnOnce(i32, *mut npy_intp, *mut PyArray_Descr) -> *mut PyObject,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     ready(py)?;
     count(shape)?;
-    let mut lengths: Vec<numpy::npyffi::npy_intp> =
-        shape.iter().map(|length| length.cast_signed()).collect();
-    // SAFETY: NumPy takes over the reference to the type; it returns a new array of just this type and shape, or
-    // null with an exception set.
-    let array = unsafe {
-        let array = PY_ARRAY_API.PyArray_Zeros(
-            py,
-            lengths.len() as i32,
-            lengths.as_mut_ptr(),
-            T::get_dtype(py).into_dtype_ptr(),
-            0,
-        );
-        Bound::from_owned_ptr_or_err(py, array)?
-    };
-    Ok(array.cast_into()?)
+    let mut lengths: Vec<npy_intp> = shape.iter().map(|length| length.cast_signed()).collect();
+    let dtype = T::get_dtype(py).into_dtype_ptr();
+    let array = make(lengths.len() as i32, lengths.as_mut_ptr(), dtype);
+    // SAFETY: a new reference, or null with an exception set.
+    Ok(unsafe { Bound::from_owned_ptr_or_err(py, array)? }.cast_into()?)
 }
 
 /// An array with these numbers.
@@ -209,7 +225,7 @@ pub fn array<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
     values: &[T],
     shape: &[usize],
-) -> PyResult<Bound<'py, numpy::PyArrayDyn<T>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let array = zeros::<T>(py, shape)?;
     debug_assert_eq!(count(shape)?, values.len());
     // SAFETY: a new contiguous array, known to nobody else.

@@ -6,6 +6,7 @@ mod input;
 pub mod memory;
 mod out;
 mod output;
+mod pool;
 mod scalars;
 mod strided;
 

@@ -63,7 +63,7 @@ pub struct Output<'py> {
 impl<'py> Output<'py> {
     /// A fresh array of this shape.
     pub fn fresh(py: Python<'py>, shape: &[usize]) -> PyResult<Self> {
-        let array = memory::zeros(py, shape)?;
+        let array = memory::fresh(py, shape)?;
         Ok(Self {
             data: data(&array),
             count: memory::count(shape)?,
@@ -96,7 +96,7 @@ impl<'py> Output<'py> {
         }
         memory::count(shape)?;
         let zeros = numpy(py)?.call_method1(intern!(py, "zeros"), (shape.to_vec(), "f"))?;
-        let beside = memory::zeros(py, shape)?;
+        let beside = memory::fresh(py, shape)?;
         Ok(Self {
             data: data(&beside),
             count: memory::count(shape)?,
@@ -154,7 +154,7 @@ impl<'py> Output<'py> {
         let flat = flat.filter(|array| array.is_c_contiguous() && array.is_aligned());
         let beside = match flat {
             Some(_) => None,
-            None => Some(memory::zeros(py, shape)?),
+            None => Some(memory::fresh(py, shape)?),
         };
         Ok(Self {
             data: match (&beside, flat) {
@@ -177,7 +177,7 @@ impl<'py> Output<'py> {
     /// Written to the caller's array only when it is finished.
     pub fn beside(mut self) -> PyResult<Self> {
         if self.beside.is_none() {
-            let beside = memory::zeros(self.array.py(), self.array.shape())?;
+            let beside = memory::fresh(self.array.py(), self.array.shape())?;
             self.data = data(&beside);
             self.beside = Some(beside);
         }

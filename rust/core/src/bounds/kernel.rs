@@ -3,8 +3,9 @@
 use pulp::{Scalar, Simd};
 
 use super::boxes::Patch;
+use super::interval::{Interval, all};
 use super::pyramid::{Boxes, Pyramid, nothing};
-use super::stand::{COUNT, Interval, all};
+use super::stand::COUNT;
 use super::{Knowledge, Plan, TILT};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;

@@ -5,7 +5,7 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
-use super::stand::all;
+use super::interval::all;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::{Vector, ZEROTH};
 use crate::error::{Error, ErrorKind};

@@ -4,11 +4,14 @@
 
 use pulp::Simd;
 
+use super::interval::{
+    Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest,
+};
 use super::kernel::Under;
 use super::side::{Lever, Side};
 use super::{Knowledge, Plan, Room};
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::{angle, sin_cos};
+use crate::batch::machine::polynomials::sin_cos;
 
 /// Number of intervals of a pose.
 pub(super) const COUNT: usize = super::QUANTITIES.len();
@@ -19,95 +22,8 @@ const ROUNDS: usize = 3;
 /// tan(30 degrees): where the contraction of tan(g) begins.
 const STEEPEST: f64 = 0.577_350_269_189_625_8;
 
-/// Lower and upper end.
-pub(super) type Interval<S> = [Lanes<S>; 2];
-
 /// Of all quantities.
 pub(super) type Intervals<S> = [Interval<S>; COUNT];
-
-/// Sine and cosine at both ends of an angle's interval.
-type Turned<S> = [(Lanes<S>, Lanes<S>); 2];
-
-/// The same for both ends of an interval.
-macro_rules! both {
-    ($end:ident in $interval:expr => $value:expr) => {{
-        let [first, second] = $interval;
-        [
-            {
-                let $end = first;
-                $value
-            },
-            {
-                let $end = second;
-                $value
-            },
-        ]
-    }};
-}
-
-#[inline(always)]
-pub(super) fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
-    Lanes::splat(simd, value)
-}
-
-#[inline(always)]
-fn sum<S: Simd>(a: Interval<S>, b: Interval<S>) -> Interval<S> {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
-#[inline(always)]
-fn minus<S: Simd>([low, high]: Interval<S>) -> Interval<S> {
-    [-high, -low]
-}
-
-#[inline(always)]
-fn widest<S: Simd>([a, b]: Interval<S>) -> Lanes<S> {
-    a.abs().max(b.abs())
-}
-
-/// An interval times one that is positive.
-#[inline(always)]
-fn times<S: Simd>([low, high]: Interval<S>, [least, most]: Interval<S>) -> Interval<S> {
-    [
-        (low * least).min(low * most),
-        (high * least).max(high * most),
-    ]
-}
-
-/// The interval of an even function that only rises, or only falls, away from 0: from its values at the ends of an
-/// interval, and at 0.
-#[inline(always)]
-fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middle: Lanes<S>) -> Interval<S> {
-    let around = (low * high).below(all(low.simd(), 0.0));
-    let (least, most) = (a.min(b), a.max(b));
-    [
-        around.select(least.min(middle), least),
-        around.select(most.max(middle), most),
-    ]
-}
-
-/// Whether an interval is inside another.
-#[inline(always)]
-fn inside<S: Simd>([low, high]: Interval<S>, [least, most]: [f64; 2]) -> Mask<S> {
-    let simd = low.simd();
-    all(simd, least).at_most(low) & high.at_most(all(simd, most))
-}
-
-/// Arc sine, of numbers beyond 1 that of 1.
-#[inline(always)]
-fn asin<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    let (simd, one) = (x.simd(), all(x.simd(), 1.0));
-    let size = x.abs().min(one);
-    let cos = (one - size) * (one + size);
-    angle(simd, cos.sqrt(), size).flip(x.sign())
-}
-
-/// The other side of the unit circle: the cosine of a sine, or the sine of a cosine.
-#[inline(always)]
-fn complement<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    let simd = x.simd();
-    (all(simd, 1.0) - x * x).max(all(simd, 0.0)).sqrt()
-}
 
 /// One side, with its height and both its angles.
 #[derive(Clone, Copy)]

@@ -8,6 +8,7 @@
 //! On flat ground, for a rover that stands level, all of it is [`super::Odometry`].
 
 mod history;
+mod noise;
 mod sample;
 mod site;
 mod spread;
