@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from six_wheel._core import Rover, Wheel
+from six_wheel._core import Rover, Wheel, without_questions
 
 
 def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
@@ -14,16 +14,20 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
     ValueError
         If a wheel may not have such a value.
     """
-    wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
     steering, traction = joints_as_given(rover)
-    return Rover(
-        wheels,
-        traction_joints=traction,
-        steering_joints=steering,
-        reversed_joints=rover.reversed_joints,
-        # Wheels that are elsewhere do not stand on what the file said.
-        suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
-    )
+
+    def made() -> Rover:
+        wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
+        return Rover(
+            wheels,
+            traction_joints=traction,
+            steering_joints=steering,
+            reversed_joints=rover.reversed_joints,
+            # Wheels that are elsewhere do not stand on what the file said.
+            suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
+        )
+
+    return without_questions(made)  # which were asked of the rover itself
 
 
 def _with(wheel: Wheel, **changes: Any) -> Wheel:

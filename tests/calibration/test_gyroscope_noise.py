@@ -120,6 +120,14 @@ def test_a_calibration_has_all_of_it():
     assert odometry.gyroscope_bias == (0.0, result.gyroscope.known.bias_noise)
 
 
+def test_a_gyroscope_that_never_rests_is_said_not_to_be_known():
+    """Its key was missing in the file, and nobody said why."""
+    restless = replace(driven(1), wheel_angles=driven(1).wheel_angles + 0.1 * driven(1).stamps[:, None])
+    result = calibrate(PAIR, restless, parameters=["wheel_radius"], cross_validation=False)
+    assert result.gyroscope is None
+    assert "what the gyroscope errs by is not known" in " ".join(result.observability.messages)
+
+
 def test_a_gyroscope_of_a_log_counts_as_a_guess_unless_something_is_said():
     log = driven(2, bias=0.1, rest_first=True)
     guessed = sw.dead_reckon(PAIR, log)

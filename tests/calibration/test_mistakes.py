@@ -1,5 +1,6 @@
 """What no fit can mend is recognised, and the remedy said; what wins is what predicts."""
 
+import warnings
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,8 +10,9 @@ import pytest
 pytest.importorskip("scipy")
 
 import six_wheel as sw
-from six_wheel.calibration import Candidate, calibrate, mistakes
+from six_wheel.calibration import Candidate, calibrate
 from six_wheel.calibration.cross_validation import choose
+from six_wheel.calibration.mistakes.readings import unsettled
 from tests.calibration.drives import drive
 
 PAIR = sw.Rover.differential(0.2, 0.042)
@@ -37,6 +39,73 @@ def test_a_wrong_reading_is_named_with_its_remedy(change, message):
     log = drive(PAIR, 1, 30.0)
     assert message in said(PAIR, replace(log, wheel_angles=change(log.wheel_angles)))
     assert "far better" not in said(PAIR, log)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda poses: poses * (1, 1, 180 / np.pi), "the headings of the truth are in degrees: write deg"),
+        (lambda poses: poses * (1000, 1000, 1), "the positions of the truth are in mm: write mm"),
+        (lambda poses: poses * (100, 100, 1), "the positions of the truth are in cm: write cm"),
+        (lambda poses: poses * (1, 1, -1), "the headings of the truth count the other way round"),
+        (lambda poses: poses * (1, 1, -1) + (0, 0, np.pi / 2), "or take those of a compass from 90 deg"),
+        (lambda poses: poses * (1, -1, -1), "; or if y and yaw of the truth count the other way round"),
+        (lambda poses: poses[:, [1, 0, 2]], "x and y of the truth are exchanged: exchange its columns"),
+    ],
+    ids=["degrees", "mm", "cm", "clockwise", "compass", "from below", "x for y"],
+)
+def test_a_truth_that_is_read_wrongly_is_named(change, message):
+    """A truth in degrees was called drives that hardly tell: ask for fewer parameters."""
+    log = drive(PAIR, 1, 30.0)
+    words = said(PAIR, replace(log, truth=sw.Truth(log.truth.stamps, change(log.truth.poses))))
+    assert message in words
+    assert "hardly tell some" not in words
+    assert words.count("far better") == 1
+
+
+@pytest.mark.parametrize("factor", [0.1, 0.16, 9.0, 40.0])
+def test_any_other_factor_is_found(factor):
+    """A radius six times too large was left where it was, and the drives called poor."""
+    log = drive(PAIR, 1, 30.0)
+    words = said(PAIR, replace(log, wheel_angles=log.wheel_angles / factor))
+    by = float(words.partition("the wheels turn ")[2].partition(" times")[0])
+    assert by == pytest.approx(factor, rel=0.05)
+
+
+def test_a_truth_of_another_drive_is_said_to_be_a_stranger():
+    log, other = drive(PAIR, 1, 30.0), drive(PAIR, 2, 30.0)
+    words = said(PAIR, replace(log, truth=other.truth))
+    assert "the drives and their truth do not go together" in words
+    assert "every log has its own truth" in words
+
+
+def test_a_truth_of_another_clock_is_said_to_be_one():
+    """It was: must move while its truth is known, got 19 m of motion."""
+    log = drive(PAIR, 1, 30.0)
+    late = replace(log, truth=sw.Truth(log.truth.stamps + 1000.0, log.truth.poses))
+    with pytest.raises(
+        ValueError, match="a truth of 1000 to 1030 s for a log of 0 to 30 s: give both the same"
+    ):
+        said(PAIR, late)
+
+
+def test_two_numbers_are_never_known_but_for_seven_combinations():
+    """Open directions were counted with those of the mounts of all sessions."""
+    logs = [replace(drive(PAIR, seed, 30.0), session=f"day {seed}") for seed in range(3)]
+    backwards = [replace(log, wheel_angles=log.wheel_angles * (1, -1)) for log in logs]
+    names = ("wheel_radius", "track_width")
+    result = calibrate(PAIR, backwards, parameters=names, cross_validation=False)
+    (words,) = [one for one in result.observability.messages if one.startswith("wheel_radius, track_width")]
+    assert "one combination of them" in words
+
+
+def test_no_rover_that_a_fit_tries_is_asked_about():
+    """Every one of them warned of a radius of half a metre, a hundred times."""
+    with pytest.warns(sw.SuspiciousUnitsWarning):
+        large = sw.Rover.differential(0.2, 0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        said(large, drive(PAIR, 1, 20.0))
 
 
 def test_steering_in_degrees_is_named():
@@ -122,9 +191,11 @@ def test_a_fit_that_does_not_settle_says_why_and_what_to_do():
     spread = {0.0: "stretches fit one another badly; try loss='cauchy'", 1.0: "ask for fewer, or drive turns"}
     for widest, words in spread.items():
         ended = SimpleNamespace(converged=False, spread=np.array([widest]))
-        (said,) = mistakes.unsettled(ended)
+        (said,) = unsettled(ended)
         assert words in said
-    assert not mistakes.unsettled(SimpleNamespace(converged=True, spread=np.zeros(1)))
+    (said,) = unsettled(SimpleNamespace(converged=False, spread=np.ones(1)), mistaken=True)
+    assert "mend it first" in said
+    assert not unsettled(SimpleNamespace(converged=True, spread=np.zeros(1)))
 
 
 def test_what_stays_at_its_nominal_value_has_it():

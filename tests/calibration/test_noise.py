@@ -1,5 +1,7 @@
 """Noise that was measured: it is that of the drives, and says how far off they end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,19 @@ def test_new_drives_end_as_far_off_as_was_said():
         inside += error @ np.linalg.solve(track.covariances[-1], error) < 7.815
     # 95 % of 40 are 38 with a deviation of 1.4, and the noise is known to a tenth.
     assert inside >= 33
+
+
+@pytest.mark.parametrize("known", [lambda t: (t % 15.0) < 6.0, lambda t: (t == 0.0) | (t >= 39.99)])
+def test_where_nothing_is_known_of_the_truth_it_drives_as_well(known):
+    """Rows in a gap were left out, and the way between its ends was one arc: noise was 100 times as wide."""
+    logs, gaps = drives(8, NOISE), []
+    for log in logs:
+        there = known(log.truth.stamps) | (log.truth.stamps == log.truth.stamps[-1])
+        gaps.append(replace(log, truth=sw.Truth(log.truth.stamps[there], log.truth.poses[there])))
+    whole, found = (calibrate(PAIR, each, **ONE).measured_noise for each in (logs, gaps))
+    # The same ends under fits that differ by a little.
+    assert found.slip.value == pytest.approx(whole.slip.value, rel=0.25)
+    assert found.noise.side_slip < 0.1
 
 
 def test_one_run_is_cut_into_parts_and_says_so():

@@ -88,6 +88,8 @@ def test_another_odometry_is_a_truth_over_its_short_stretches():
         wandering.append(sw.compose(wandering[-1], step))
     result = calibrate(PAIR, with_truth(log, Truth(log.stamps, np.array(wandering))), **SIZES)
     np.testing.assert_allclose(result.values, (0.0415, 0.206), rtol=1e-2)
+    said = calibrate(PAIR, log, sw.dead_reckon(TRUE, log), **SIZES).observability.messages
+    assert any("what both err by alike does not show" in one for one in said)
 
 
 def test_a_closed_loop_tells_ratios_and_no_scale():
@@ -104,6 +106,7 @@ def test_a_closed_loop_tells_ratios_and_no_scale():
     assert result["track_width"].value == pytest.approx(0.206, rel=1e-3)
     both = calibrate(PAIR, seen, **SIZES)
     assert not both["wheel_radius"].identified
+    assert any("a closed loop alone tells ratios" in one for one in both.observability.messages)
     assert both["track_width"].value / both["wheel_radius"].value == pytest.approx(0.206 / 0.042, rel=1e-3)
 
 
@@ -121,6 +124,11 @@ def test_a_gyroscope_alone_tells_the_ratio_of_radius_and_track():
     assert not both["wheel_radius"].identified
     assert both["track_width"].value / both["wheel_radius"].value == pytest.approx(0.206 / 0.0415, rel=3e-3)
     assert any("a gyroscope alone tells turns" in message for message in both.observability.messages)
+    # Errors of headings were called metres.
+    assert "rms heading error" in repr(both)
+    assert "position error" not in repr(both)
+    assert both.runs[0].unit == "rad"
+    assert "| calibrated [rad] |" in both.to_markdown()
     restless = replace(alone, wheel_angles=alone.wheel_angles + 0.1 * alone.stamps[:, None])
     with pytest.raises(ValueError, match="must stand still for 1 s at least"):
         calibrate(start, restless, parameters=["track_width"])

@@ -149,6 +149,17 @@ def test_joints_in_messages_of_their_own(
     np.testing.assert_allclose(steered, 0.1 * rate * np.tile(seconds[:, None], 4), rtol=1e-12)
 
 
+@pytest.mark.parametrize(("value", "warned"), [(100.0, False), (0.25, True)])
+def test_radians_that_are_taken_for_counts_are_warned_of(tmp_path: Path, value: float, warned: bool) -> None:
+    """A file with a resolution made 3 mm of 17 m without a word: messages have no units."""
+    names = list(CART.traction_joints)
+    messages = [joints(START + k * 100_000_000, names, [k * value, 2 * k * value]) for k in range(11)]
+    with JointLog(write(tmp_path / "bag", states(messages)), CART, wheel_encoders=sw.Encoder(1000)) as log:
+        log.read()
+        said = [one for one in log.warnings if "no whole numbers: leave it out if they are in radians" in one]
+    assert len(said) == warned
+
+
 def test_velocities_alone_and_both(tmp_path: Path) -> None:
     names = list(CART.traction_joints)
     stamps = [START + k * 100_000_000 for k in range(11)]

@@ -1,12 +1,15 @@
 """A gyroscope in logs on disk: columns and messages, how it sits, its own stamps, gaps, what commands do."""
 
 import math
+import platform
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import six_wheel as sw
 
@@ -20,7 +23,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from six_wheel.logs import JointLog, TableError, read_log
-from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
+from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_columns
 from six_wheel.logs.opening import LogOptions
 from six_wheel.reckoning import Settings
@@ -82,6 +85,34 @@ def test_nothing_is_made_up_across_a_gap_and_beyond_the_ends() -> None:
     found = Turning(iter([(short, np.ones_like(short))])).rates(edges_of(rows[15:45], None, None))
     assert np.isfinite(found).all()
     assert np.isnan(Turning(iter([])).rates(np.array([0.0, 1.0]))).all()
+
+
+@given(
+    steps=st.lists(st.integers(1, 700), min_size=2, max_size=60),
+    apart=st.lists(st.integers(1, 900), min_size=1, max_size=12),
+    begin=st.integers(-400, 400),
+    seed=st.integers(0, 1000),
+)
+def test_reading_by_reading_it_is_the_same_to_the_bit(
+    steps: list[int], apart: list[int], begin: int, seed: int
+) -> None:
+    """A joint message took a node ten times as long with a gyroscope as without, in arrays of two numbers."""
+    # Whole milliseconds: so rows meet readings, and both sides of a gap.
+    stamps = np.cumsum(steps) / 1000
+    rates = np.random.default_rng(seed).normal(size=len(stamps))
+    rows = (stamps[0] * 1000 + begin + np.cumsum([0, *apart])) / 1000
+    arrays, passing, given_so_far = Turning(iter(())), Passing(), 0
+    for start, end in itertools.pairwise(rows):
+        so_far = int(np.searchsorted(stamps, end + 0.1))
+        arrays.add(stamps[given_so_far:so_far], rates[given_so_far:so_far])
+        for k in range(given_so_far, so_far):
+            passing.add(float(stamps[k]), float(rates[k]))
+        given_so_far = so_far
+        found = passing.rate(float(start), float(end))
+        (expected,) = arrays.rates(np.array([start, end]))
+        # NumPy may fuse a product and a sum where the processor always can: not on x86.
+        fused = platform.machine() not in ("x86_64", "AMD64")
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 if fused else 0.0)
 
 
 def test_how_it_sits_is_that_of_a_rotation() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import six_wheel as sw
 from six_wheel.logs import Log, Truth, optiodom
 
 METADATA = "type,diff,\nngear,43.7,\nencRes,64,\nLi,0.2,\nDi,0.084,0.084\n"
@@ -92,3 +93,37 @@ def test_a_log_refuses_time_that_is_none_or_runs_backwards():
     with pytest.raises(ValueError, match=r"yaw_rate must have shape \(3,\), got \(2,\)"):
         Log([0.0, 1.0, 2.0], None, angles, yaw_rate=[0.0, 1.0])
     assert len(Log([0.0, 1.0, 1.0], None, angles)) == 3  # twice the same is for readers to leave out
+
+
+@pytest.mark.parametrize(
+    ("options", "columns"),
+    [
+        ({"wheel_encoders": sw.Encoder(100, modulus=50)}, [[0.0, 40, 80, 120, 160], [0.0, 40, 30, 20, 10]]),
+        ({"readings": "speeds"}, [[1.0, 1, 1, 1, 1], [1.0, 1, 1, 1, 1]]),
+        ({"readings": "increments"}, [[0.0, 1, 1, 1, 1], [0.0, 1, 1, 1, 1]]),
+    ],
+    ids=["ticks", "speeds", "increments"],
+)
+def test_a_reading_that_is_missing_costs_no_other(options, columns):
+    """One cell without a count ended all that came behind it, and a wheel without an encoder every row."""
+    values = np.array([columns[1], columns[1], [math.nan] * 5]).T
+    tricycle = sw.Rover.tricycle(1.0, 0.5, 0.2)
+    whole = sw.Log(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
+    values[2, 0] = math.nan
+    found = sw.Log(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
+    assert np.isfinite(whole.wheel_angles[:, :2]).all()
+    assert np.isnan(found.wheel_angles[:, 2]).all()
+    np.testing.assert_array_equal(np.isnan(found.wheel_angles[:, 0]), np.arange(5) == 2)
+    np.testing.assert_array_equal(found.wheel_angles[:, 1], whole.wheel_angles[:, 1])
+    lost = 1.0 if options == {"readings": "increments"} else 0.0  # nobody knows what was turned there
+    rest = [0, 1, 3, 4]
+    expected = whole.wheel_angles[rest, 0] - lost * np.array([0, 0, 1, 1])
+    np.testing.assert_allclose(found.wheel_angles[rest, 0], expected, rtol=1e-14)
+
+
+def test_an_option_that_is_none_is_refused():
+    """`calibrate` took a misspelt one without a word, and counts for radians."""
+    with pytest.raises(
+        ValueError, match="options must be some of readings, wheel_encoders, .* got 'encoders'"
+    ):
+        sw.Log([0.0, 1.0], None, [[0, 0], [1, 1]], options={"encoders": sw.Encoder(100)})

@@ -116,7 +116,7 @@ def test_a_log_is_written_and_read_again(tmp_path):
 def test_a_bag_is_written_and_read_again(tmp_path):
     pytest.importorskip("rosbags")
     pytest.importorskip("pyarrow")
-    from six_wheel.logs import LogOptions, TableError, read_log
+    from six_wheel.logs import LogOptions, read_log
 
     rover = ROVERS["tricycle"]
     log = sw.simulate(rover, (TIMES, TWISTS), gyroscope=sw.Gyroscope())
@@ -129,10 +129,38 @@ def test_a_bag_is_written_and_read_again(tmp_path):
     )
     steps = sw.dead_reckon(rover, log.steering, log.wheel_angles, log.stamps).poses
     np.testing.assert_allclose(said.truth.poses, steps, atol=1e-9)  # from the origin, as the truth
-    counted = sw.simulate(PAIR, (TIMES, TWISTS), encoder=sw.Encoder(64))
-    with pytest.raises(TableError, match="a bag has joint states in radians"):
-        write_log(counted, PAIR, tmp_path / "counts.mcap")
-    assert not (tmp_path / "counts.mcap").exists()
+
+
+@pytest.mark.parametrize("name", ["log.csv", "log.parquet", "log.mcap"])
+def test_counts_are_counts_wherever_they_are_written(tmp_path, name):
+    """A rover with encoders in its file could be simulated into a table, but into no bag."""
+    pytest.importorskip("rosbags")
+    pytest.importorskip("pyarrow")
+    from six_wheel.logs import LogOptions, read_log
+
+    rover, ticks = ROVERS["tricycle"], {"resolution": 512, "modulus": 4096}
+    wheels, joints = sw.Encoder(512, modulus=4096), sw.Encoder(8192, modulus=8192)
+    log = sw.simulate(rover, (TIMES, TWISTS), encoder=wheels, steering_encoder=joints)
+    write_log(log, rover, tmp_path / name)
+    known = LogOptions(encoders=ticks, steering_encoders={"resolution": 8192, "modulus": 8192})
+    again, _ = read_log(tmp_path / name, rover, known)
+    plain = log.in_radians(rover)
+    np.testing.assert_allclose(again.wheel_angles[:, 0], plain.wheel_angles[:, 0], atol=1e-12)
+    np.testing.assert_allclose(again.steering, plain.steering, atol=1e-12)
+
+
+def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
+    """Speeds were written under a header that said radians."""
+    pytest.importorskip("pyarrow")
+    from six_wheel.logs import read_log
+
+    stamps = 0.1 * np.arange(50)
+    for readings in ("speeds", "increments"):
+        values = np.stack((np.sin(stamps), np.cos(stamps)), axis=-1)
+        log = sw.Log(stamps, None, values, options={"readings": readings})
+        write_log(log, PAIR, tmp_path / "log.csv")
+        again = read_log(tmp_path / "log.csv", PAIR)[0]
+        np.testing.assert_allclose(again.wheel_angles, log.in_radians(PAIR).wheel_angles, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -145,6 +173,12 @@ def test_a_bag_is_written_and_read_again(tmp_path):
         ({"truth_noise": (0.0, np.inf)}, "truth_noise must be finite and not negative, got inf"),
         ({"slip": [Slip(0.0, 1.0, ["front"])]}, "wheels must be some of left, right, got 'front'"),
         ({"encoder": [sw.Encoder()]}, "encoder must be one or 2, got 1"),
+        ({"truth_noise": (0.1,)}, "truth_noise must be two deviations"),
+        ({"truth_noise": 0.1}, "truth_noise must be two deviations"),
+        ({"seed": -1}, "seed must be a whole number, 0 or more, got -1"),
+        ({"seed": "a"}, "seed must be a whole number, 0 or more, got 'a'"),
+        ({"jitter": "a"}, "jitter must be finite and not negative, got 'a'"),
+        ({"speed": 0.0}, "speed must be finite and positive, got 0.0"),
     ],
 )
 def test_what_it_refuses(keywords, message):
@@ -158,6 +192,8 @@ def test_paths_that_are_none():
         ((TIMES[::-1], TWISTS), "path must go on in time"),
         (np.zeros((2, 3)), "path must move"),
         (np.full((2, 4), np.nan), "path must be finite, got nan"),
+        ("run.csv", "path must be rows of as many numbers each, got 'run.csv'"),
+        ([(0, 1, 0, 0), (1, 1)], "path must be rows of as many numbers each"),
     ):
         with pytest.raises(ValueError, match=message):
             sw.simulate(PAIR, path)

@@ -130,3 +130,17 @@ def test_unknown_ground_is_named():
 def test_the_planar_rover_has_no_ground():
     with pytest.raises(ValueError, match="rover must be a RockerBogie to drive over ground, got a Rover"):
         simulate(ARM.planar(0, (0, 0)), COMMANDS, ground=LEVEL)
+
+
+def test_counts_of_a_drive_over_ground_are_counts_in_a_bag(tmp_path: Path):
+    """They were refused there; wheels turn in it by what they rolled, not by their counts."""
+    pytest.importorskip("rosbags")
+    from six_wheel.logs import LogOptions, read_log
+
+    planar = ARM.planar(0, (0, 0))
+    options = {"ground": LEVEL, "rate": 5, "start": (10, 15, 0)}
+    run = simulate(ARM, COMMANDS, encoder=sw.Encoder(1 << 20), **options)
+    write_ground(run, ARM, tmp_path / "run.mcap")
+    again, _ = read_log(tmp_path / "run.mcap", planar, LogOptions(encoders={"resolution": 1 << 20}))
+    whole = simulate(ARM, COMMANDS, **options).wheel_angles
+    np.testing.assert_allclose(again.wheel_angles - again.wheel_angles[0], whole - whole[0], atol=1e-5)

@@ -75,11 +75,13 @@ class CrossValidation:
     folds : tuple of str
         Their names.
     nominal : ndarray, shape (folds,)
-        Errors with the nominal dimensions [m].
+        Errors with the nominal dimensions.
     candidates : tuple of Candidate
         From the best score to the worst.
     chosen : tuple of str
         See `choose`; () if no set beats the nominal dimensions.
+    unit : {'m', 'rad'}
+        Of the errors: rad where a gyroscope alone was the truth.
     """
 
     kind: str
@@ -88,6 +90,7 @@ class CrossValidation:
     candidates: tuple[Candidate, ...]
     chosen: tuple[str, ...]
     runs: dict[str, float] = field(repr=False, default_factory=dict)
+    unit: str = "m"
 
     @property
     def best(self) -> Candidate:
@@ -96,7 +99,9 @@ class CrossValidation:
 
     def to_markdown(self) -> str:
         """Table of the sets, their scores and their errors on every fold."""
-        head = f"| parameters | numbers | score | {' | '.join(f'{fold} [m]' for fold in self.folds)} |"
+        head = (
+            f"| parameters | numbers | score | {' | '.join(f'{fold} [{self.unit}]' for fold in self.folds)} |"
+        )
         lines = [head, "|---" * (3 + len(self.folds)) + "|"]
         for one in self.candidates:
             name = ", ".join(one.parameters) or "nominal"
@@ -109,7 +114,7 @@ class CrossValidation:
         name = ", ".join(self.chosen) or "nominal"
         before, after = float(np.mean(self.nominal)), float(np.mean(self.best.errors))
         folds = f"{len(self.folds)} {self.kind}s left out"
-        return f"CrossValidation({name}: {before:.4f} -> {after:.4f} m on {folds})"
+        return f"CrossValidation({name}: {before:.4f} -> {after:.4f} {self.unit} on {folds})"
 
 
 def candidates(catalogue: Catalogue) -> list[tuple[str, ...]]:
@@ -206,7 +211,8 @@ def cross_validate(
         tried.append(Candidate(tuple(names), count, errors, _score(errors, nominal), each))
     chosen = choose(tried)
     tried.sort(key=lambda one: (one.score, one.count))
-    return CrossValidation(kind, tuple(folds), nominal, tuple(tried), chosen.parameters)
+    unit = "m" if any(drive.truth.has_positions for drive in drives) else "rad"
+    return CrossValidation(kind, tuple(folds), nominal, tuple(tried), chosen.parameters, unit=unit)
 
 
 @dataclass(frozen=True, eq=False)

@@ -133,9 +133,8 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         good = _bent(log.truth.at(stamps)[:, :2], rows, halfway, along)
         rows, which, halfway = rows[good], which[good], halfway[good]
     if not len(rows):
-        known_for = f"gaps of its truth beyond {log.truth.max_gap:g} s count as not known"
-        motion = f"got {along[-1]:.3g} m of motion; {known_for}"
-        raise StandsStillError(f"{who} must move while its truth is known, {motion}")
+        got = _nothing_known(log.truth, stamps, float(along[-1]))
+        raise StandsStillError(f"{who} must move while its truth is known, got {got}")
     middles = along[rows].mean(axis=1) / along[-1]
     return Drive(
         log.name or f"log {number}",
@@ -155,6 +154,17 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
         number,
         log.session,
     )
+
+
+def _nothing_known(truth: Truth, stamps: Floats, moved: float) -> str:
+    """What there is of a drive no part of which can be compared."""
+    seen, driven = (f"{one[0]:.6g} to {one[-1]:.6g} s" for one in (truth.stamps, stamps))
+    if truth.stamps[-1] < stamps[0] or stamps[-1] < truth.stamps[0]:
+        return f"a truth of {seen} for a log of {driven}: give both the same clock"
+    if moved <= 0.0:
+        return "a log in which no wheel turns"
+    gaps = f"between rows more than {truth.max_gap:g} s apart it is not known"
+    return f"{moved:.3g} m in {driven} and a truth of {len(truth)} rows in {seen}: {gaps}"
 
 
 def moving(rover: Rover, logs: Sequence[Log], margin: float = 0.0) -> list[bool]:

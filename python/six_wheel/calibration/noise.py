@@ -131,7 +131,7 @@ def ends(rover: Rover, dimensions: Floats, log: Log, sensor: Floats, offset: flo
     found = []
     for rows in np.array_split(np.arange(len(known)), pieces):
         first, last = int(rows[0]), int(rows[-1])
-        part = known[first : last + 1]
+        part = slice(known[first], known[last] + 1)  # where nothing is known of the truth it drives as well
         readings = (
             None if log.steering is None else log.steering[part],
             log.wheel_angles[part],

@@ -21,6 +21,9 @@ STRAIGHT = 0.35
 TOGETHER = 0.95
 # ... unless both are known to this share of what is plausible anyway.
 WELL_KNOWN = 0.01
+# Share of its way within which a drive is where it was.
+RETURNED = 1e-3
+NO_FARTHER = "they moved from their nominal values no farther than the data ask"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,8 @@ def told(drives: Sequence[Drive]) -> list[str]:
             "a gyroscope alone tells turns and no distances: ratios of lengths, no scale; "
             "errors are of headings [rad]"
         )
+    if all(_returns(drive) for drive in drives):
+        said.append("a closed loop alone tells ratios of lengths, as of track to radius, and no scale")
     for drive in drives:
         rest, whole = float(drive.dt[at_rest(drive.speeds)].sum()), float(drive.dt.sum())
         if rest >= RESTED:
@@ -76,6 +81,14 @@ def told(drives: Sequence[Drive]) -> list[str]:
                 f"{drive.name} stands for {rest:.1f} s of {whole:.1f} s, which tells nothing: left out"
             )
     return said
+
+
+def _returns(drive: Drive) -> bool:
+    """Whether all that is known of a drive is that it is at the same place again."""
+    if not drive.truth.has_positions or np.diff(drive.truth.stamps).min() <= drive.truth.max_gap:
+        return False
+    places = drive.truth.poses[:, :2]
+    return float(np.ptp(places, axis=0).max()) <= RETURNED * drive.distance
 
 
 def describe(
@@ -92,10 +105,7 @@ def describe(
     ]
     mixed = np.flatnonzero(~identified & (share <= 1.0 - KNOWN))
     if len(mixed):
-        count = unseen.shape[1] - len(messages)
-        messages.append(
-            _together([model.names[i] for i in mixed], count, _simplest(unseen, mixed, model.names))
-        )
+        messages.append(_together(unseen, mixed, model.names))
     messages += _correlated(model, solution, identified)
     names = model.names[: model.own]
     return Observability(names, identified, unseen, solution.spread[: model.own], (*hints, *messages))
@@ -114,12 +124,16 @@ def _alone(model: Model, solution: Solution, number: int, drives: Sequence[Drive
     return f"{moved}, by itself it is not known: {why}"
 
 
-def _together(names: list[str], count: int, direction: str) -> str:
+def _together(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:
+    """Those that may stand for each other; or of which nothing is known, where mounts take it all."""
+    listed = ", ".join(names[i] for i in mixed)
+    count = int(np.linalg.matrix_rank(unseen[mixed], tol=WORTH_A_WORD))
+    if count >= len(mixed):
+        what = "neither by themselves nor together do the drives tell them"
+        return f"{listed}: {what}; {NO_FARTHER}"
     some = "one combination" if count == 1 else f"{count} combinations"
-    return (
-        f"{', '.join(names)} are identified only together: {some} of them could change unnoticed "
-        f"({direction}); they moved from their nominal values no farther than the data ask"
-    )
+    free = f"{some} of them could change unnoticed ({_simplest(unseen, mixed, names)})"
+    return f"{listed} are identified only together: {free}; {NO_FARTHER}"
 
 
 def _simplest(unseen: Floats, mixed: NDArray[np.int64], names: Sequence[str]) -> str:

@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, check_kind
-from six_wheel.calibration import fitting, mistakes, noise
+from six_wheel.calibration import fitting, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
+from six_wheel.calibration.mistakes import readings, slips
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
@@ -38,11 +39,16 @@ from six_wheel.evaluation.slip import Stretch
 from six_wheel.logs.opening import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
 from six_wheel.odometry.dimensions import Catalogue
+from six_wheel.odometry.tracks import Track
 from six_wheel.poses import Floats
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
 
 Progress = Callable[[int, int, str], object]
+OF_TRACKS = (
+    "the truth is another odometry: dimensions are known as well as its own scale, "
+    "and what both err by alike does not show"
+)
 
 
 def parameter_names(rover: Rover, logs: Sequence[Log] = ()) -> list[str]:
@@ -161,23 +167,23 @@ def calibrate(
     def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
         if not slides:
             return [one(part)]
-        return [drive for _, drive in mistakes.clean(part, slides, one, part.name)]
+        return [drive for _, drive in slips.clean(part, slides, one, part.name)]
 
     drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
-    whole, slipped = records, list[mistakes.Slip]()
+    whole, slipped = records, list[slips.Slip]()
     if loss == "auto":
         first = Problem(
             with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
         )
-        slipped = mistakes.slipped(first, records, PIECES)
+        slipped = slips.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
         cut: list[tuple[Log, Drive]] = []
         for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
             slides = _slides(slipped, number)
             again = partial(one, number=number)
-            cut += mistakes.clean(log, slides, again, drive.session) if slides else [(log, drive)]
+            cut += slips.clean(log, slides, again, drive.session) if slides else [(log, drive)]
         if not cut:
             raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
         records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
@@ -198,18 +204,35 @@ def calibrate(
     model = with_mounts(rover, catalogue.find(chosen), drives)
     result = _fit(model, drives, records, loss, lengths, margin, confidence, tuple(chosen), checked)
     result = replace(_with_gyroscope(result, whole), slips=tuple(map(str, slipped)))
+    if _of_tracks(truth):
+        result = _saying(result, OF_TRACKS)
     if progress is not None:
         progress(1, 1, "fitting all drives")
     return result
 
 
+def _of_tracks(truth: object) -> bool:
+    """Whether a truth is another odometry."""
+    given = truth if isinstance(truth, (list, tuple)) else [truth]
+    return any(isinstance(one, Track) for one in given)
+
+
+def _saying(result: Calibration, *messages: str) -> Calibration:
+    """With more to be said of what the drives do not tell."""
+    seen = result.observability
+    return replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
+
+
 def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     """What a gyroscope in the logs errs by, and what is odd about it."""
     measured = gyroscope.measure(logs, result.confidence)
-    messages = tuple(mistaken(result.nominal, logs))
-    if messages:
-        seen = result.observability
-        result = replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
+    messages: tuple[str, ...] = tuple(mistaken(result.nominal, logs))
+    if measured is None and any(one.yaw_rate is not None for one in logs):
+        rule = (
+            "what the gyroscope errs by is not known: it shows where the rover stands still for 1 s and more"
+        )
+        messages = (*messages, rule)
+    result = _saying(result, *messages)
     if measured is None:
         return result
     measured = replace(measured, scale=scale(logs, result.time_offset, result.confidence))
@@ -218,7 +241,7 @@ def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     return replace(result, measured_noise=noises, gyroscope=measured)
 
 
-def _slides(slipped: Sequence[mistakes.Slip], number: int) -> list[Stretch]:
+def _slides(slipped: Sequence[slips.Slip], number: int) -> list[Stretch]:
     """Those of one log."""
     return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
 
@@ -237,10 +260,11 @@ def _fit(
     problem = Problem(model, drives, loss, lengths, margin)
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
+    mistaken_for = readings.mistaken(problem, solution)
     hints = [
-        *mistakes.mistaken(model.nominal, drives),
-        *mistakes.at_bounds(problem, solution),
-        *mistakes.unsettled(solution),
+        *mistaken_for,
+        *readings.at_bounds(problem, solution),
+        *readings.unsettled(solution, bool(mistaken_for)),
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
@@ -274,7 +298,7 @@ def _fit(
         model.value(solution.values, "time_offset", 0.0),
         asked,
         loss,
-        solution.converged and not mistakes.at_bounds(problem, solution),
+        solution.converged and not readings.at_bounds(problem, solution),
         _noise(problem, solution, records, confidence),
     )
 

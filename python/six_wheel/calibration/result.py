@@ -128,7 +128,8 @@ class Calibration:
             raise KeyError(f"{name!r} is not among {', '.join(self.names)}") from None
 
     def __repr__(self) -> str:
-        lines = [f"Calibration of {len(self.runs)} runs{'' if self.converged else ', NOT CONVERGED'}"]
+        runs = "1 run" if len(self.runs) == 1 else f"{len(self.runs)} runs"
+        lines = [f"Calibration of {runs}{'' if self.converged else ', NOT CONVERGED'}"]
         width = max((len(one.name) for one in self.parameters), default=0)
         for one in self.parameters:
             half = (one.interval[1] - one.interval[0]) / 2.0
@@ -139,10 +140,10 @@ class Calibration:
             )
         if not self.parameters:
             lines.append("  no set of parameters predicts better than the nominal dimensions")
-        before, after = (
-            float(np.median([getattr(run, name) for run in self.runs])) for name in ("before", "after")
-        )
-        lines.append(f"  rms position error, median of the runs: {before:.4f} -> {after:.4f} m")
+        for unit, what in (("m", "position"), ("rad", "heading")):
+            if errors := [(run.before, run.after) for run in self.runs if run.unit == unit]:
+                before, after = np.median(errors, axis=0).tolist()
+                lines.append(f"  rms {what} error, median of the runs: {before:.4f} -> {after:.4f} {unit}")
         if self.cross_validation is not None and self.cross_validation.chosen == self.chosen:
             lines.append(f"  {self.cross_validation!r}")
         if (measured := self.measured_noise) is not None:
@@ -186,15 +187,18 @@ class Calibration:
         if self.observability.messages:
             lines += ["", "## What the drives do not tell", ""]
             lines += [f"- {message}" for message in self.observability.messages]
-        lines += ["", "## Runs", "", "Root mean square position error, first pose given.", ""]
-        lines += [
-            "| run | distance [m] | nominal [m] | calibrated [m] | rows left out |",
-            "|---|---|---|---|---|",
-        ]
-        for run in self.runs:
-            lines.append(
+        for unit, what in (("m", "position"), ("rad", "heading")):
+            rows = [
                 f"| {run.name} | {run.distance:.2f} | {run.before:.4f} | {run.after:.4f} | {run.dropped} |"
-            )
+                for run in self.runs
+                if run.unit == unit
+            ]
+            if rows:
+                lines += ["", "## Runs", "", f"Root mean square {what} error, first pose given.", ""]
+                lines.append(
+                    f"| run | distance [m] | nominal [{unit}] | calibrated [{unit}] | rows left out |"
+                )
+                lines += ["|---|---|---|---|---|", *rows]
         lines += [
             "",
             "## Windows",

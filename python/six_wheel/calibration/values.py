@@ -77,10 +77,10 @@ class Windows:
 
 @dataclass(frozen=True, eq=False)
 class RunErrors:
-    """Root mean square position error of one run with the first pose given, nominal and calibrated [m].
+    """Root mean square position error of one run with the first pose given, nominal and calibrated.
 
-    After the best rigid alignment where the truth has no headings; of the heading [rad] where it has nothing
-    else.
+    After the best rigid alignment where the truth has no headings; of the heading where it has nothing else.
+    `unit` is m, or rad.
     """
 
     name: str
@@ -90,12 +90,14 @@ class RunErrors:
     after: float
     dropped: int
     number: int = 0  # of the log it is, or is a piece of
+    unit: str = "m"
 
     @classmethod
     def of(cls, model: Model, drive: Drive, values: Floats) -> Self:
         """Of a drive with these values; `before` with the nominal ones."""
         before, after = (_error(drive.truth, *path(model, drive, one)) for one in (model.start, values))
-        return cls(drive.name, drive.session, drive.distance, before, after, drive.dropped, drive.number)
+        ways = drive.distance, before, after, drive.dropped, drive.number
+        return cls(drive.name, drive.session, *ways, "m" if drive.truth.has_positions else "rad")
 
 
 def path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floats]:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 INSTALL = 'pip install "six-wheel[bags]"'
+BAGS = (".mcap", ".db3", ".bag")
 MCAP, MAGIC, DATA_END, FOOTER = ".mcap", b"\x89MCAP0\r\n", 0x0F, 0x02
 
 

@@ -4,7 +4,6 @@ A log is a table (CSV or Parquet, see `docs/logs.md` for its columns) or a ROS 2
 constant memory. A row that cannot be used is left out and reported with its number; no other row is lost.
 """
 
-import contextlib
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,19 +15,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.logs.columns import TIME, Column, TableError, Unit, find_columns
+from six_wheel.logs.bag_files import BAGS
+from six_wheel.logs.columns import Column, TableError
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
 from six_wheel.logs.gyroscope.sources import RateBag, rate_table, readings_of
-from six_wheel.logs.joint_columns import Reading, joint_columns, position_columns, truth_columns
+from six_wheel.logs.joint_columns import Reading, joint_columns
 from six_wheel.logs.recordings import Log, Truth
-from six_wheel.logs.tolerant import Batch, Finding, Findings, Sieve, Source, TolerantTable
+from six_wheel.logs.tolerant import (
+    Batch,
+    Finding,
+    Findings,
+    Sieve,
+    Source,
+    TolerantTable,
+    seconds_since,
+    whole_second,
+)
+from six_wheel.logs.truths import TRUTH, poses_of, read_truth
 
-__all__ = ["Finding", "JointLog", "JointRows", "Reading", "read_truth"]
+__all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
-TRUTH = ("x", "y", "yaw", "qx", "qy", "qz", "qw")
-BAGS = (".mcap", ".db3", ".bag")
-# Beyond this a double of seconds resolves less than 0.1 ns, and stamps are counted from a later second.
-LONGEST_RUN = 1e6  # [s]
 Floats = NDArray[np.float64]
 Encoders: TypeAlias = "Encoder | Mapping[str, Encoder] | None"
 
@@ -133,7 +139,8 @@ class JointLog:
         self._up = upward(*(self._gyroscope.get(turn, 0.0) for turn in ("roll", "pitch")))
         self._rates: Source | None = None  # of a gyroscope whose readings have other stamps than the rows
         self._in_rows = False
-        if self.path.is_dir() or self.path.suffix.lower() in BAGS:
+        bagged = self.path.is_dir() or self.path.suffix.lower() in BAGS
+        if bagged:
             from six_wheel.logs.bags import JointBag
 
             bag = JointBag(self.path, rover, reading, topics)
@@ -180,6 +187,10 @@ class JointLog:
         except BaseException:
             self.close()
             raise
+        # Messages have no units, but counts are whole numbers; those of other wheels may be interpolated.
+        first = next((name for name in self._names if name.startswith("wheel ")), "")
+        total = self._wheels.get(first.removeprefix("wheel "))
+        self._counter = first if bagged and isinstance(total, _Total) and total.counts else ""
 
     def __enter__(self) -> Self:
         return self
@@ -331,6 +342,10 @@ class JointLog:
         stamps = seconds_since(self.origin, batch.time, self._source.time_unit)
         for name in self._turned:
             np.negative(batch.values[name], out=batch.values[name])
+        if self._counter and np.any(batch.values[self._counter] % 1.0 != 0.0):
+            rule = "joint states are counts where encoders have a resolution, and these are no whole numbers"
+            self.warnings.append(f"{self.path}: {rule}: leave it out if they are in radians")
+            self._counter = ""
         steering = [
             total.advance(batch.values[f"steering {w}"], stamps) for w, total in self._steering.items()
         ]
@@ -357,71 +372,6 @@ class JointLog:
         return Turning(readings_of(source, self._stated, seconds, self._up, self._gyroscope))
 
 
-def read_truth(
-    path: Path | str,
-    *,
-    origin: int = 0,
-    columns: Mapping[str, str] | None = None,
-    topic: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> tuple[Floats, Floats, Findings]:
-    """Read where a rover was from a file of its own.
-
-    Parameters
-    ----------
-    path : Path
-        A table with time, x, y and yaw or a quaternion, or without a heading; a bag.
-    origin : int
-        The second from which stamps are counted: that of the log.
-    columns : mapping, optional
-        Header to the header it should be read as.
-    topic : str, optional
-        Topic of a bag: odometry, poses or transforms. Needed where there are several.
-    progress : callable, optional
-        Called now and then with how far it is and how far it will go.
-
-    Returns
-    -------
-    stamps : array, shape (n,)
-        Seconds, increasing.
-    poses : array, shape (n, 3)
-        x, y, yaw [m, m, rad]; NaN for yaw where the file has positions alone.
-    findings : Findings
-        What was left out.
-
-    Raises
-    ------
-    TableError
-        If there is no such thing in the file.
-    """
-    path = Path(path)
-    stated = True
-    source: Source
-    if path.is_dir() or path.suffix.lower() in BAGS:
-        from six_wheel.logs.bags import TruthBag
-
-        source = TruthBag(path, topic)
-    else:
-        source = TolerantTable(path, _find_truth, columns)
-        stated = source.stated
-    parts: list[tuple[Floats, Floats]] = []
-    with contextlib.closing(source):
-        for batch in Sieve(source.findings, (), stated).pass_on(source.batches(200_000)):
-            poses = poses_of(batch.values)
-            wanted = poses if has_headings(batch.values) else poses[:, :2]
-            good = np.isfinite(wanted).all(axis=1)
-            for k in np.flatnonzero(~good):  # numbers that are none together
-                flaw = "the quaternion of a pose must not be zero"
-                source.findings.add(int(batch.rows[k]), flaw, line=int(batch.lines[k]) or None)
-            parts.append((seconds_since(origin, batch.time[good], source.time_unit), poses[good]))
-            if progress is not None:
-                progress(source.position, source.size)
-    if not parts:
-        raise TableError(f"{path}: the truth must have at least one row that can be used, got none")
-    stamps, poses = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return stamps, poses, source.findings
-
-
 def _with_rates(rows: JointRows, turning: Turning, before: float | None, after: float | None) -> JointRows:
     """Rows with what a gyroscope says around each, given the stamps of their neighbours."""
     return replace(rows, yaw_rate=turning.rates(edges_of(rows.stamps, before, after)))
@@ -442,48 +392,6 @@ def _joint_table(
     return TolerantTable(path, find, columns, (*TRUTH, *RATES)), found[-1]
 
 
-def _find_truth(headers: Sequence[str], field_units: Mapping[int, str]) -> dict[str, Column]:
-    columns = find_columns(headers, (TIME,)) | (truth_columns(headers) or position_columns(headers))
-    if "x" not in columns:
-        listed = ", ".join(f'"{header}"' for header in headers)
-        rule = "have columns x, y and yaw (or qx, qy, qz, qw), or x and y alone"
-        raise TableError(f"the truth must {rule}, got {listed}")
-    return columns
-
-
-def whole_second(time: Any, unit: Unit) -> int:
-    """The second from which to count stamps that begin at `time`: whole, so that it is exact in any unit."""
-    seconds = float(time) * unit.scale
-    return 0 if abs(seconds) < LONGEST_RUN else math.floor(seconds)
-
-
-def seconds_since(origin: int, time: NDArray[Any], unit: Unit) -> Floats:
-    """`time` in seconds since `origin`: differences first, or 1.7e18 ns would lose 256 ns as a double."""
-    per_second = round(1 / unit.scale)
-    return np.asarray((time - origin * per_second) / per_second, dtype=float)
-
-
-def has_headings(values: Mapping[str, Any]) -> bool:
-    """Whether columns of a pose tell its heading."""
-    return "yaw" in values or "qw" in values
-
-
-def poses_of(values: Mapping[str, Floats]) -> Floats:
-    """Poses (n, 3) from x, y and yaw, or from a quaternion of any length but zero, which gives NaN.
-
-    Positions alone have NaN for yaw.
-    """
-    if "yaw" in values:
-        yaw = values["yaw"]
-    elif not has_headings(values):
-        yaw = np.full(len(values["x"]), np.nan)
-    else:
-        x, y, z, w = (values[f"q{axis}"] for axis in "xyzw")
-        yaw = np.arctan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
-        yaw = np.where(x * x + y * y + z * z + w * w > 0, yaw, np.nan)
-    return np.stack([values["x"], values["y"], yaw], axis=1)
-
-
 def _encoder_of(name: str, encoders: Encoders, wheel: str, needed: bool) -> Encoder | None:
     found = encoders.get(wheel) if isinstance(encoders, Mapping) else encoders
     if found is None and needed:
@@ -497,6 +405,12 @@ class _Total:
     def __init__(self, encoder: Encoder | None, increments: bool, absolute: bool = False) -> None:
         self._encoder, self._increments, self._absolute = encoder, increments, absolute
         self._counts, self._last = 0.0, math.nan
+
+    @property
+    def counts(self) -> bool:
+        """Whether it is given whole numbers."""
+        resolution = None if self._encoder is None else self._encoder.resolution
+        return resolution is not None and resolution % 1.0 == 0.0
 
     def advance(self, readings: Floats, stamps: Floats) -> Floats:
         """Angles (n,) [rad]."""

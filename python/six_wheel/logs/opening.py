@@ -15,12 +15,14 @@ import numpy as np
 
 from six_wheel._core import Encoder, Rover
 from six_wheel.logs import optiodom
+from six_wheel.logs.bag_files import BAGS
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.joint_columns import Reading
-from six_wheel.logs.joints import BAGS, JointLog, JointRows, read_truth
+from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.logs.tables import FORMATS
 from six_wheel.logs.tolerant import Findings
+from six_wheel.logs.truths import read_truth
 from six_wheel.odometry.tables import is_table, table
 from six_wheel.poses import Floats, inverse, joined
 

@@ -3,8 +3,9 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from six_wheel.odometry.tracks import Track
 
 __all__ = ["Log", "Truth", "as_truth"]
+
+Rows: TypeAlias = NDArray[np.int64]
+OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +133,8 @@ class Log:
     Raises
     ------
     ValueError
-        If the shapes do not fit each other, or a stamp is not finite or before the one above it.
+        If the shapes do not fit each other, a stamp is not finite or before the one above it, or an option is
+        none of these.
     """
 
     stamps: Floats
@@ -159,6 +164,8 @@ class Log:
         if truth is not None and not isinstance(truth, Truth):
             truth = Truth(stamps, truth)
         _freeze(self, stamps=stamps, steering=steering, wheel_angles=angles, truth=truth)
+        if strangers := [name for name in self.options if name not in OPTIONS]:
+            raise ValueError(f"options must be some of {', '.join(OPTIONS)}, got {strangers[0]!r}")
         for name in ("yaw_rate", "yaw"):
             if (given := getattr(self, name)) is not None:
                 column = np.array(given, dtype=np.float64)
@@ -197,16 +204,19 @@ class Log:
         wheels = encoders_of("wheel_encoders", self.options.get("wheel_encoders"), rover.wheel_names)
         joints = encoders_of("steering_encoders", self.options.get("steering_encoders"), rover.steered_names)
         readings = self.options.get("readings", "angles")
-        turned = self.wheel_angles
+        turned, steering = self.wheel_angles, self.steering
+        for name, columns, one_each in (("wheel_angles", turned, wheels), ("steering", steering, joints)):
+            if columns is not None and columns.shape[1] != len(one_each):
+                raise ValueError(f"{name} must have shape (n, {len(one_each)}), got {columns.shape}")
         if readings == "speeds":
-            steps = (turned[1:] + turned[:-1]) / 2.0 * np.diff(self.stamps)[:, None]
-            turned = np.concatenate((np.zeros_like(turned[:1]), np.cumsum(steps, axis=0)))
+            turned = _where_there([partial(_summed, self.stamps)] * len(wheels), turned)
         elif readings == "increments":
-            turned = np.cumsum(turned, axis=0)
+            turned = _where_there([lambda steps, rows: np.cumsum(steps)] * len(wheels), turned)
         elif readings != "angles":
             raise ValueError(f"readings must be 'angles', 'speeds' or 'increments', got {readings!r}")
-        angles = _angles(turned, wheels, absolute=False)
-        steering = None if self.steering is None else _angles(self.steering, joints, absolute=True)
+        angles = _where_there([partial(_angles, one, False) for one in wheels], turned)
+        if steering is not None:
+            steering = _where_there([partial(_angles, one, True) for one in joints], steering)
         return replace(self, steering=steering, wheel_angles=angles, options={})
 
     @property
@@ -270,20 +280,33 @@ def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder
     return list(given)
 
 
-def _angles(counts: Floats, encoders: Sequence[Encoder], *, absolute: bool) -> Floats:
-    """What counts mean [rad], counters that start over unrolled; absolute ones start near 0."""
-    angles = np.empty_like(counts)
-    for column, read, one in zip(angles.T, counts.T, encoders, strict=True):
-        steps = np.diff(read)
-        if one.modulus is not None:
-            steps -= one.modulus * np.round(steps / one.modulus)
-        first = read[0] * one.angle_per_count + one.offset if absolute else 0.0
-        if absolute and one.modulus is not None:
-            around = abs(one.modulus * one.angle_per_count)
-            first -= around * np.round(first / around)
-        column[0] = first
-        column[1:] = first + np.cumsum(steps) * one.angle_per_count
-    return angles
+def _where_there(made: Sequence[Callable[[Floats, Rows], Floats]], columns: Floats) -> Floats:
+    """What is made of the numbers of every column and of the rows they are in; NaN stays a reading that is
+    missing, and costs no other."""
+    found = np.full_like(columns, math.nan)
+    for column, read, make in zip(found.T, columns.T, made, strict=True):
+        rows = np.flatnonzero(np.isfinite(read))
+        if len(rows):
+            column[rows] = make(read[rows], rows)
+    return found
+
+
+def _summed(stamps: Floats, rates: Floats, rows: Rows) -> Floats:
+    """Running totals of rates that change evenly from row to row."""
+    steps = (rates[1:] + rates[:-1]) / 2.0 * np.diff(stamps[rows])
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def _angles(encoder: Encoder, absolute: bool, counts: Floats, rows: Rows) -> Floats:
+    """What counts mean [rad], a counter that starts over unrolled; an absolute one starts near 0."""
+    steps = np.diff(counts)
+    if encoder.modulus is not None:
+        steps -= encoder.modulus * np.round(steps / encoder.modulus)
+    first = counts[0] * encoder.angle_per_count + encoder.offset if absolute else 0.0
+    if absolute and encoder.modulus is not None:
+        around = abs(encoder.modulus * encoder.angle_per_count)
+        first -= around * np.round(first / around)
+    return np.concatenate(([first], first + np.cumsum(steps) * encoder.angle_per_count))
 
 
 def _check_order(stamps: Floats) -> None:

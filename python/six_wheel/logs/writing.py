@@ -6,13 +6,14 @@ import io
 import os
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
+from glob import escape
 from pathlib import Path
 from typing import Any, Self
 
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.tables import table_format
 
-__all__ = ["TableWriter", "replacing"]
+__all__ = ["TableWriter", "remove_leftovers", "replacing"]
 
 
 @contextlib.contextmanager
@@ -44,6 +45,12 @@ def replacing(path: Path, sources: Sequence[Path] = ()) -> Iterator[Path]:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def remove_leftovers(path: Path) -> None:
+    """What writers of `path` left beside it that were killed: for when there is none at work any more."""
+    for rest in path.parent.glob(f".{escape(path.stem)}.{'[0-9a-f]' * 8}{escape(path.suffix)}"):
+        rest.unlink(missing_ok=True)
 
 
 class TableWriter:

@@ -12,9 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from six_wheel.logs.gyroscope.rates import Turning, edges_of, upward
+from six_wheel.logs.gyroscope.rates import Passing, upward
 from six_wheel.onboard.joints import Readings
 
 __all__ = ["Row", "Rows"]
@@ -60,7 +58,7 @@ class Rows:
         """Nothing has come yet."""
         self._rows: deque[Row] = deque()
         self._heard: deque[tuple[int, float]] = deque(maxlen=MOST)
-        self._turning = Turning(iter(()))  # which is given them as they come
+        self._passing = Passing()
         self._origin: int | None = None  # doubles hold seconds, not nanoseconds since 1970
         self._last: int | None = None
         self._before: int | None = None
@@ -123,12 +121,11 @@ class Rows:
         """About the rover's z, from halfway since the readings before to halfway to those behind."""
         if self._origin is None:
             self._origin = stamp
-        origin = self._origin
-        if self._heard:
-            stamps, rates = zip(*self._heard, strict=True)
-            self._heard.clear()
-            self._turning.add((np.array(stamps) - origin) / SECOND, np.array(rates))
-        before = None if self._before is None else (self._before - origin) / SECOND
-        row = np.array([(stamp - origin) / SECOND])
-        rate = float(self._turning.rates(edges_of(row, before, (behind - origin) / SECOND))[0])
-        return rate if math.isfinite(rate) else None
+        origin, passing = self._origin, self._passing
+        for heard, rate in self._heard:
+            passing.add((heard - origin) / SECOND, rate)
+        self._heard.clear()
+        row = (stamp - origin) / SECOND
+        start = row if self._before is None else ((self._before - origin) / SECOND + row) / 2.0
+        mean = passing.rate(start, (row + (behind - origin) / SECOND) / 2.0)
+        return mean if math.isfinite(mean) else None

@@ -18,6 +18,7 @@ from six_wheel.cluster import Failure, Journal, spread
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.opening import LogOptions, logs_in
 from six_wheel.logs.tables import table_format
+from six_wheel.logs.writing import remove_leftovers
 from six_wheel.reckoning.running import Settings, reckon
 
 __all__ = ["FleetLog", "reckon_all"]
@@ -139,6 +140,7 @@ def reckon_all(
         if failure is None and not tracks[number].is_file():
             failure = Failure("TableError", "the worker wrote its track where this machine does not see it")
         if failure is None:
+            remove_leftovers(tracks[number])  # of workers that died
             journal.write(keys[number], outcome.value)
         value = outcome.value if failure is None else None
         yield counted(FleetLog(logs[number], tracks[number], value, failure))

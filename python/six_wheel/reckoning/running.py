@@ -17,10 +17,11 @@ from six_wheel._core import Gyroscope, Noise, Odometry, Rover
 from six_wheel.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
 from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
 from six_wheel.logs.columns import TableError
-from six_wheel.logs.joints import JointRows, read_truth
+from six_wheel.logs.joints import JointRows
 from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.recordings import Truth
 from six_wheel.logs.tables import FORMATS, table_format
+from six_wheel.logs.truths import read_truth
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.odometry.gyroscope import with_readings_apart
 from six_wheel.odometry.trace import Trace

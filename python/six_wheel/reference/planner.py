@@ -20,6 +20,7 @@ Truths: TypeAlias = NDArray[np.bool_]
 
 REST = 1e-6  # a motion whose pivots are slower is none [m/s]
 TINY = 1e-280  # what a square is divided by at least
+CLOSE = 1e-12  # a square that is above 1 by less is 1: rounding
 
 
 def philox(seed: int, counters: Words, rounds: int = 7) -> Words:
@@ -238,7 +239,7 @@ def drive(
         grows = drive.over(change, "acceleration", "angular_acceleration", "wheel_acceleration") / dt**2
         falls = drive.over(change, "deceleration", "angular_deceleration", "wheel_acceleration") / dt**2
         slower = drive.length(wishes[:, t]) < drive.length(now)
-        share = 1.0 / np.sqrt(np.maximum(np.where(slower, falls, grows), 1.0))
+        share = _down_to_one(np.where(slower, falls, grows))
         wanted = drive.possible(now + share[:, None] * change)
         rests = np.abs(wanted) @ drive.lengths < REST
         new = np.where(rests[:, None], 0.0, wanted)
@@ -249,9 +250,14 @@ def drive(
         side = (
             np.hypot(twists[:, 0], twists[:, 1]) * np.abs(twists[:, 2]) / drive.limit("lateral_acceleration")
         )
-        new = new / np.sqrt(np.maximum(np.maximum(over, side), 1.0))[:, None]
+        new = new * _down_to_one(np.maximum(over, side))[:, None]
         done[:, t] = now = new
     return done
+
+
+def _down_to_one(square: Floats) -> Floats:
+    """What brings something down to 1 whose square this is; 1 where it is no more, or by rounding."""
+    return np.where(square < 1.0 + CLOSE, 1.0, 1.0 / np.sqrt(np.maximum(square, 1.0)))
 
 
 def _steer(
@@ -291,7 +297,7 @@ def _steer(
     begins = (unset | (~same & ~moves)) & ~waiting & ~rests
     brakes = ~same & moves & ~waiting & ~unset
     fall = drive.over(now, "deceleration", "angular_deceleration", "wheel_acceleration") / dt**2
-    left = np.where(fall > 0, 1.0 - 1.0 / np.sqrt(np.maximum(fall, 1.0)), 0.0)
+    left = np.where(fall > 0, 1.0 - _down_to_one(fall), 0.0)
     time = np.where(begins, turning_time(turns, rate, drive.limit("steering_acceleration")), busy)
     waits = waiting | begins
     setting = np.where(begins[:, None], wanted, setting)

@@ -1,11 +1,13 @@
 """How a simulated rover is asked to move: stamps and twists, from commands or from a path."""
 
+import reprlib
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, differentiate
+from six_wheel.errors import ArgumentTypeError
 
 Floats = NDArray[np.float64]
 
@@ -86,7 +88,11 @@ def read_course(path: object, rover: Rover, speed: float) -> Course:
 
 
 def _table(name: str, values: ArrayLike, axes: int) -> Floats:
-    table = np.array(values, dtype=np.float64)
+    try:
+        table = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        got = reprlib.repr(values)
+        raise ArgumentTypeError(f"{name} must be rows of as many numbers each, got {got}") from None
     if table.ndim != axes or not len(table):
         raise ValueError(f"{name} must have {axes} axes and a row at least, got shape {table.shape}")
     if not np.isfinite(table).all():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Gyroscope, Noise, RockerBogie, Stand, Terrain
 from six_wheel.logs.recordings import Truth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.motion import Motion, Slip, drive, spinning
+from six_wheel.simulation.motion import Motion, Slip, drive, generator, spinning
 from six_wheel.simulation.readings import Encoders, read
 
 if TYPE_CHECKING:
@@ -83,9 +82,7 @@ def simulate_on_ground(
     sample, and its wheels turn as far as they roll there.
     """
     noise = Noise(0.0, 0.0) if noise is None else noise
-    if not (math.isfinite(rate) and rate > 0.0):
-        raise ValueError(f"rate must be finite and positive, got {rate}")
-    random = np.random.default_rng(seed)
+    random = generator(seed)
     planar = arm.planar(0.0, (0.0, 0.0))
     course = read_course(path, planar, speed)
     slips = [slip] if isinstance(slip, Slip) else list(slip)

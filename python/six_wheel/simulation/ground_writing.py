@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
-from six_wheel.logs.columns import TableError
+from six_wheel.logs.recordings import Log
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.simulation.ground import GroundSimulation
@@ -38,7 +38,7 @@ def write_ground(run: GroundSimulation, arm: RockerBogie, path: str | Path) -> N
     Raises
     ------
     TableError
-        If the ending is none of these, or a bag would have to hold counts: it has radians by definition.
+        If the ending is none of these.
     ModuleNotFoundError
         If what writes the format is not installed.
     """
@@ -98,8 +98,6 @@ def _columns(run: GroundSimulation, arm: RockerBogie) -> dict[str, tuple[str, An
 
 
 def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
-    if run.options:
-        raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
     assert run.stand is not None
     assert run.truth is not None
     assert run.orientations is not None
@@ -108,7 +106,7 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
     columns = joint_columns(run, planar) | dict(zip(arm.free_joints, stand.joints.T, strict=True))
     rows = np.stack(list(columns.values()), axis=-1)
     places = np.column_stack((run.truth.poses[:, :2], stand.z))
-    wheels = _wheel_transforms(run, arm)
+    wheels = _wheel_transforms(run.in_radians(planar), run, arm)
     with replacing(path) as place, record_of(place, planar) as writer:
         messages = _GroundMessages(writer)
         odometry = reckoned(run, planar)
@@ -124,7 +122,9 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
             messages.inertial(stamp, run.orientations[row], run.angular_velocity[row])
 
 
-def _wheel_transforms(run: GroundSimulation, arm: RockerBogie) -> dict[str, list[tuple[Floats, Floats]]]:
+def _wheel_transforms(
+    turned: Log, run: GroundSimulation, arm: RockerBogie
+) -> dict[str, list[tuple[Floats, Floats]]]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None
     joints = np.nan_to_num(run.stand.joints)
@@ -132,10 +132,10 @@ def _wheel_transforms(run: GroundSimulation, arm: RockerBogie) -> dict[str, list
     transforms = {}
     for number, name in enumerate(arm.wheel_names):
         frame = frames[f"A{number + 1}"]
-        half = np.nan_to_num(run.wheel_angles[:, number]) / 2.0
+        half = np.nan_to_num(turned.wheel_angles[:, number]) / 2.0
         spin = np.stack([np.zeros_like(half), np.sin(half), np.zeros_like(half), np.cos(half)], axis=-1)
-        turned = _product(_quaternion(frame[:, :3, :3]), spin)
-        transforms[name] = list(zip(frame[:, :3, 3], turned, strict=True))
+        axes = _product(_quaternion(frame[:, :3, :3]), spin)
+        transforms[name] = list(zip(frame[:, :3, 3], axes, strict=True))
     return transforms
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
+from six_wheel.errors import ArgumentTypeError
 from six_wheel.simulation.course import Course
 
 Floats = NDArray[np.float64]
@@ -69,6 +70,14 @@ class Motion:
         joints, wheels = self.steering.shape[1], self.turned.shape[1]
         poses, steering, turned, rate = np.split(values, np.cumsum((3, joints, wheels)), axis=1)
         return Motion(stamps, poses, steering, turned, rate[:, 0])
+
+
+def generator(seed: int) -> np.random.Generator:
+    """What is random, the same for the same seed."""
+    try:
+        return np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"seed must be a whole number, 0 or more, got {seed!r}") from None
 
 
 def drive(

@@ -5,6 +5,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain, check
 from six_wheel.errors import ArgumentTypeError
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.motion import Motion, Slip, drive
+from six_wheel.simulation.motion import Motion, Slip, drive, generator
 from six_wheel.simulation.readings import Encoders, read, sample_times
 
 Floats = NDArray[np.float64]
@@ -119,6 +120,21 @@ def simulate(
     slips = [slip] if isinstance(slip, Slip) else slip
     if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
         raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
+    if not (isinstance(truth_noise, Sequence) and len(truth_noise) == 2):
+        rule = "must be two deviations, of places [m] and headings [rad]"
+        raise ArgumentTypeError(f"truth_noise {rule}, got {truth_noise!r}")
+    for argument, value in (
+        ("jitter", jitter),
+        ("dropped", dropped),
+        *(("truth_noise", one) for one in truth_noise),
+    ):
+        if not (_is_number(value) and value >= 0.0):
+            raise ValueError(f"{argument} must be finite and not negative, got {value!r}")
+    for argument, value in (("rate", rate), ("speed", speed)):
+        if not (_is_number(value) and value > 0.0):
+            raise ValueError(f"{argument} must be finite and positive, got {value!r}")
+    if dropped >= 1.0:
+        raise ValueError(f"dropped must be below 1, got {dropped}")
     if isinstance(rover, RockerBogie):
         check_kind("ground", ground)
         if ground is None:
@@ -147,18 +163,7 @@ def simulate(
     if ground is not None:
         raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
     noise = Noise(0.0, 0.0) if noise is None else noise
-    for argument, value in (
-        ("jitter", jitter),
-        ("dropped", dropped),
-        *(("truth_noise", one) for one in truth_noise),
-    ):
-        if not (math.isfinite(value) and value >= 0.0):
-            raise ValueError(f"{argument} must be finite and not negative, got {value}")
-    if not (math.isfinite(rate) and rate > 0.0):
-        raise ValueError(f"rate must be finite and positive, got {rate}")
-    if dropped >= 1.0:
-        raise ValueError(f"dropped must be below 1, got {dropped}")
-    random = np.random.default_rng(seed)
+    random = generator(seed)
     course = read_course(path, rover, speed)
     motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
@@ -186,3 +191,7 @@ def simulate(
         options=options,
         motion=motion,
     )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and math.isfinite(value)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.logs.columns import TableError
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.onboard.settings import text_of
@@ -28,7 +27,8 @@ def write_log(log: Log, rover: Rover, path: str | Path) -> None:
     Parameters
     ----------
     log : Log
-        Joints in the rover's order. The truth is written at the stamps of the log.
+        Joints in the rover's order. The truth is written at the stamps of the log. Counts stay counts, in
+        a bag too, whose messages have no units: what reads it has to know the encoders.
     rover : Rover
         Its joints' names are those of the columns.
     path : str or Path
@@ -37,11 +37,13 @@ def write_log(log: Log, rover: Rover, path: str | Path) -> None:
     Raises
     ------
     TableError
-        If the ending is none of these, or a bag would have to hold counts: it has radians by definition.
+        If the ending is none of these.
     ModuleNotFoundError
         If what writes the format is not installed.
     """
     target = Path(path)
+    if log.options.get("readings", "angles") != "angles":
+        log = log.in_radians(rover)  # a file has what was turned until then
     if target.suffix.lower() == BAG:
         _write_bag(log, rover, target)
         return
@@ -81,8 +83,6 @@ def joint_columns(log: Log, rover: Rover) -> dict[str, Floats]:
 
 
 def _write_bag(log: Log, rover: Rover, path: Path) -> None:
-    if log.options:
-        raise TableError(f"{path}: a bag has joint states in radians; write counts to .csv or .parquet")
     columns = joint_columns(log, rover)
     rows = np.stack(list(columns.values()), axis=-1)
     with replacing(path) as place, record_of(place, rover) as writer:

@@ -163,8 +163,15 @@ def _show(done: "Calibrated", written: list[tuple[str, Path | None]]) -> None:
         console.print("The fit did not settle: do not trust these values.")
     for message in (*result.slips, *result.observability.messages):
         console.print(f"- {message}")
-    runs = [(run.name, f"{run.distance:.2f}", f"{run.before:.4f}", f"{run.after:.4f}") for run in result.runs]
-    console.print(_table(("run", "distance [m]", "ATE nominal [m]", "calibrated [m]"), runs))
+    for unit, what in (("m", "ATE"), ("rad", "heading")):
+        runs = [
+            (run.name, f"{run.distance:.2f}", f"{run.before:.4f}", f"{run.after:.4f}")
+            for run in result.runs
+            if run.unit == unit
+        ]
+        if runs:
+            errors = f"{what} nominal [{unit}]", f"calibrated [{unit}]"
+            console.print(_table(("run", "distance [m]", *errors), runs))
     console.print(grid([*_predicted(done), *written]))
 
 
@@ -177,7 +184,8 @@ def _predicted(done: "Calibrated") -> list[tuple[str, object]]:
     if best is None:
         return []
     before, after = checked.nominal.mean(), best.errors.mean()
-    what = f"{before:.4f} m nominal, {after:.4f} m calibrated, mean over {len(checked.folds)} {checked.kind}s"
+    errors = f"{before:.4f} {checked.unit} nominal, {after:.4f} {checked.unit} calibrated"
+    what = f"{errors}, mean over {len(checked.folds)} {checked.kind}s"
     return [
         ("cross-validation", f"{what}, each predicted by a fit without it"),
         ("chosen", ", ".join(done.result.chosen) or "nominal dimensions"),

@@ -183,7 +183,9 @@ def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> Non
         ):
             done.append(one)
             if one.failure is not None:
-                print(f"{PROGRAM}: {one.path}: {one.failure.message}", file=sys.stderr)
+                # A message about a file begins with it, as the worker sees it.
+                why = one.failure.message.removeprefix(f"{one.path.resolve()}: ")
+                print(f"{PROGRAM}: {one.path}: {why}", file=sys.stderr)
     good = [one.summary for one in done if one.summary is not None]
     resumed, failed = sum(one.resumed for one in done), len(done) - len(good)
     errors = sorted(each["ate"] for each in good if each["ate"] is not None)

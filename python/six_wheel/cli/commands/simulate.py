@@ -107,8 +107,8 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
     import numpy as np
 
     from six_wheel.logs.columns import TableError
-    from six_wheel.logs.joints import read_truth
     from six_wheel.logs.tables import CommandTable
+    from six_wheel.logs.truths import read_truth
 
     try:
         with CommandTable(commands) as table:

@@ -258,7 +258,7 @@ impl<R: Real> Judge<'_, R> {
                 Reg::load(simd, &step[at..]) - gx,
                 Reg::load(simd, &step[BLOCK + at..]) - gy,
             );
-            distance = x.mul_add(x, y * y).sqrt();
+            [_, distance] = x.mul_add(x, y * y).roots();
             sum = distance.mul_add(weight, sum);
         }
         distance.mul_add(number(self.weights.terminal), sum)
@@ -380,10 +380,13 @@ impl<R: Real> Judge<'_, R> {
             let across = c * ty - s * tx;
             sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
-            sum = aside
-                .mul_add(aside, beyond * beyond)
-                .sqrt()
-                .mul_add(weight, sum);
+            let mut off = aside.abs();
+            let is_beyond = zero.below(beyond.abs());
+            if is_beyond.any() {
+                let [_, root] = aside.mul_add(aside, beyond * beyond).roots();
+                off = is_beyond.select(root, off);
+            }
+            sum = off.mul_add(weight, sum);
         }
         (begin - place).mul_add(number(self.weights.progress), sum)
     }

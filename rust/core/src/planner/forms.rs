@@ -118,11 +118,16 @@ pub(super) fn lowered<S: Vector, R: Real, const M: usize>(
     low
 }
 
+/// By how much a square may be above 1 for what it is the square of to be there: a rover that brakes by whole steps
+/// arrives at rest, whichever way the last digits were rounded.
+const CLOSE: f64 = 1e-12;
+
 /// What brings something down to 1 whose square this is; 1 where it is no more.
 #[inline(always)]
 pub(super) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::all(simd, 1.0);
-    one.over(square.max(one).sqrt())
+    let [share, _] = square.max(one).roots();
+    square.below(Reg::all(simd, 1.0 + CLOSE)).select(one, share)
 }
 
 #[inline(always)]

@@ -29,6 +29,7 @@ mod real;
 mod registers;
 mod rollout;
 mod setting;
+mod squares;
 
 pub use cost::Weights;
 pub use costmap::Costmap;

@@ -1,7 +1,8 @@
 //! A rover for rollouts of one kind of number: its facts as registers take them.
 
-use super::facts::{Facts, Form, Gap, Joint, dot};
+use super::facts::{Facts, Gap, Joint};
 use super::real::Real;
+use super::squares::{Form, dot};
 
 pub(super) struct Wheel<R, const M: usize> {
     pub along: [R; M],

@@ -59,6 +59,8 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
         columns: usize,
         cell: [Self::Register<S>; 2],
     ) -> [[Self::Register<S>; 2]; 2];
+    /// [`Vector::steady_roots`].
+    fn roots<S: Vector>(s: S, a: Self::Register<S>) -> [Self::Register<S>; 2];
     fn select<S: Simd>(
         s: S,
         mask: Self::Truths<S>,
@@ -81,7 +83,7 @@ macro_rules! real {
     ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
      $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, $xor:ident, $and:ident, $abs:ident, $sqrt:ident, $fused:ident, $below:ident,
-     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident) => {
+     $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident, $roots:ident) => {
         impl Real for $real {
             type Register<S: Simd> = S::$register;
             type Truths<S: Simd> = S::$truths;
@@ -168,6 +170,10 @@ macro_rules! real {
                 unsafe { s.$corners(values, columns, cell) }
             }
             #[inline(always)]
+            fn roots<S: Vector>(s: S, a: S::$register) -> [S::$register; 2] {
+                s.$roots(a)
+            }
+            #[inline(always)]
             fn select<S: Simd>(
                 s: S,
                 mask: S::$truths,
@@ -208,7 +214,8 @@ real!(
     not_m64s,
     first_true_m64s,
     select_f64s,
-    corners
+    corners,
+    steady_roots
 );
 real!(
     f32,
@@ -238,5 +245,6 @@ real!(
     not_m32s,
     first_true_m32s,
     select_f32s,
-    corners_single
+    corners_single,
+    steady_roots_single
 );

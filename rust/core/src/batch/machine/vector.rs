@@ -66,6 +66,37 @@ pub(crate) trait Vector: Simd {
         self.div_f64s(self.splat_f64s(1.0), self.sqrt_f64s(numbers))
     }
 
+    /// The same in single precision: the same bits at every level.
+    #[inline(always)]
+    fn single_inverse_root(self, numbers: Self::f64s) -> Self::f64s {
+        let mut roots = [0.0; 8];
+        Self::as_mut_simd_f64s(&mut roots).0[0] = numbers;
+        for root in &mut roots[..Self::F64_LANES] {
+            *root = f64::from(1.0 / (*root as f32).sqrt());
+        }
+        Self::as_simd_f64s(&roots).0[0]
+    }
+
+    /// One over the square root of numbers from 1e-30 to 1e36, and the root, to two last places: the same bits at every
+    /// level, and a third of the time of a root and a division of registers of eight.
+    #[inline(always)]
+    fn steady_roots(self, numbers: Self::f64s) -> [Self::f64s; 2] {
+        let guess = self.single_inverse_root(numbers);
+        // What the guess is off by goes from 2e-7 to 1e-20.
+        let square = self.mul_f64s(numbers, guess);
+        let off = self.mul_add_f64s(square, self.neg_f64s(guess), self.splat_f64s(1.0));
+        let half = self.mul_add_f64s(off, self.splat_f64s(0.375), self.splat_f64s(0.5));
+        let inverse = self.mul_add_f64s(self.mul_f64s(guess, off), half, guess);
+        [inverse, self.mul_f64s(numbers, inverse)]
+    }
+
+    /// The same of singles.
+    #[inline(always)]
+    fn steady_roots_single(self, numbers: Self::f32s) -> [Self::f32s; 2] {
+        let root = self.sqrt_f32s(numbers);
+        [self.div_f32s(self.splat_f32s(1.0), root), root]
+    }
+
     /// Pairs of singles of a table, each as it is in the bits of its lane. Places are counted from `2^52`, with whose
     /// bits they are as they are.
     ///

@@ -190,6 +190,15 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
+    fn single_inverse_root(self, numbers: f64x4) -> f64x4 {
+        // SAFETY: the token is that of the level.
+        unsafe {
+            let root = _mm_sqrt_ps(_mm256_cvtpd_ps(cast(numbers)));
+            cast(_mm256_cvtps_pd(_mm_div_ps(_mm_set1_ps(1.0), root)))
+        }
+    }
+
+    #[inline(always)]
     fn fetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }

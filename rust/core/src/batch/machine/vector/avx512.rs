@@ -178,6 +178,15 @@ impl Vector for V4 {
     }
 
     #[inline(always)]
+    fn single_inverse_root(self, numbers: f64x8) -> f64x8 {
+        // SAFETY: the token is that of the level.
+        unsafe {
+            let root = _mm256_sqrt_ps(_mm512_cvtpd_ps(cast(numbers)));
+            cast(_mm512_cvtps_pd(_mm256_div_ps(_mm256_set1_ps(1.0), root)))
+        }
+    }
+
+    #[inline(always)]
     fn fetch(self, address: *const f64) {
         self.sse._mm_prefetch::<_MM_HINT_T0>(address.cast());
     }
