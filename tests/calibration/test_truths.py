@@ -183,6 +183,13 @@ def test_what_dead_reckon_takes_is_calibrated(tmp_path):
     assert calibrate(PAIR, log, track, **SIZES).values == pytest.approx((0.0415, 0.206), rel=1e-6)
 
 
+@pytest.mark.parametrize("truth", [5, "truth.csv"])
+def test_what_is_no_truth_is_named(truth):
+    """A path was told that nine had been given for one."""
+    with pytest.raises(TypeError, match="truth must be a Truth, poses, a Log that has one or a Track"):
+        calibrate(PAIR, drive(TRUE, 1, 10.0), truth, **SIZES)
+
+
 @pytest.mark.parametrize(
     ("logs", "kind"), [(5, "int"), (None, "NoneType"), ([5], "int"), (np.zeros((9, 2)), "ndarray")]
 )

@@ -127,3 +127,20 @@ def test_an_option_that_is_none_is_refused():
         ValueError, match="options must be some of readings, wheel_encoders, .* got 'encoders'"
     ):
         sw.Log([0.0, 1.0], None, [[0, 0], [1, 1]], options={"encoders": sw.Encoder(100)})
+
+
+def test_what_are_no_numbers_is_named():
+    for name, given in (
+        ("stamps", {"stamps": "ab"}),
+        ("wheel_angles", {"wheel_angles": [["a", 0], [1, 1]]}),
+        ("steering", {"steering": [[0.0], []]}),
+        ("yaw_rate", {"yaw_rate": "fast"}),
+        ("options", {"options": 5}),
+    ):
+        keywords = {"stamps": [0, 1], "steering": None, "wheel_angles": [[0, 0], [1, 1]]} | given
+        with pytest.raises(TypeError, match=f"{name} must be"):
+            Log(**keywords)
+    with pytest.raises(TypeError, match="poses must be rows of as many numbers each, got 'ab'"):
+        Truth([0, 1], "ab")
+    with pytest.raises(ValueError, match="max_gap must be positive, got 'a'"):
+        Truth([0, 1], [[0, 0, 0], [1, 1, 1]], max_gap="a")

@@ -29,9 +29,20 @@ def test_without_noise_dead_reckoning_finds_the_truth(rover):
 
 
 @pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS)
-def test_dead_reckoning_is_as_far_off_as_it_says(rover):
-    """Mean NEES of n runs: 3 with a deviation of sqrt(6 / n), 3.5 of which bound it."""
-    noise, runs = sw.Noise(speed=0.01, steering=0.003, slip=0.002, side_slip=0.002), 40
+@pytest.mark.parametrize(
+    "noise",
+    [
+        sw.Noise(speed=0.01, steering=0.003, slip=0.002, side_slip=0.002),
+        sw.Noise(speed=0.0, steering=0.0, slip=0.005, side_slip=0.01),
+    ],
+    ids=["readings", "slip"],
+)
+def test_dead_reckoning_is_as_far_off_as_it_says(rover, noise):
+    """Mean NEES of n runs: 3 with a deviation of sqrt(6 / n), 3.5 of which bound it.
+
+    What a mecanum wheel slips across counted for nothing: three of four ends were within their bound of 95 %.
+    """
+    runs = 40
     path = (TIMES[:17], TWISTS[:17])
     values = []
     for seed in range(runs):

@@ -221,7 +221,11 @@ def _likeliest(ends: Weighed) -> tuple[Floats, Callable[[Floats], float]]:
 
     begin = [np.array([a, b]) for a in np.log([1e-3, 1e-2, 1e-1]) for b in np.log([1e-4, 1e-2])]
     best = min((minimize(cost, start, method="Nelder-Mead") for start in begin), key=lambda one: one.fun)
-    return np.clip(best.x, math.log(LEAST), math.log(MOST)), cost
+    logs = np.clip(best.x, math.log(LEAST), math.log(MOST))
+    if np.allclose(ends[1], ends[2], rtol=1e-9, atol=0.0):
+        # Rollers at 45 degrees pass all on: one is never told from the other, so they are taken to be alike.
+        logs = np.full(2, 0.5 * math.log(float(np.mean(np.exp(2.0 * logs)))))
+    return logs, cost
 
 
 def _sized(logs: Floats, groups: Sequence[Weighed], wanted: float) -> tuple[Noise, Floats]:

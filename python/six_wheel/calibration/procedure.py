@@ -368,6 +368,9 @@ def _with_truth(
     if truth is None:
         return logs
     single = hasattr(truth, "stamps") or np.ndim(truth) == 2  # type: ignore[arg-type]
+    if not single and (isinstance(truth, str) or not isinstance(truth, Iterable)):
+        rule = "must be a Truth, poses, a Log that has one or a Track, one for each log"
+        raise ArgumentTypeError(f"truth {rule}, got {truth!r}")
     truths = [truth] if single else list(truth)  # type: ignore[arg-type]
     if len(truths) != len(logs):
         raise ValueError(f"truth must be given once per log, got {len(truths)} for {len(logs)}")

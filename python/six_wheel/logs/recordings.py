@@ -3,9 +3,11 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
@@ -50,12 +52,12 @@ class Truth:
     max_gap: float = 1.5
 
     def __post_init__(self) -> None:
-        stamps = np.array(self.stamps, dtype=np.float64)
+        stamps = _numbers("stamps", self.stamps)
         if stamps.ndim != 1 or len(stamps) < 2:
             raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
-        if not self.max_gap > 0.0:
-            raise ValueError(f"max_gap must be positive, got {self.max_gap}")
-        poses = np.array(self.poses, dtype=np.float64)
+        if not (isinstance(self.max_gap, Real) and self.max_gap > 0.0):
+            raise ValueError(f"max_gap must be positive, got {self.max_gap!r}")
+        poses = _numbers("poses", self.poses)
         if poses.ndim == 2 and poses.shape[1] == 2:
             poses = np.column_stack((poses, np.full(len(poses), math.nan)))
         checked = poses.copy()
@@ -148,14 +150,14 @@ class Log:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        stamps = np.array(self.stamps, dtype=np.float64)
+        stamps = _numbers("stamps", self.stamps)
         if stamps.ndim != 1 or len(stamps) < 2:
             raise ValueError(f"stamps must have shape (n,), n >= 2, got {stamps.shape}")
         _check_order(stamps)
-        angles = np.array(self.wheel_angles, dtype=np.float64)
+        angles = _numbers("wheel_angles", self.wheel_angles)
         if angles.ndim != 2 or len(angles) != len(stamps):
             raise ValueError(f"wheel_angles must have shape ({len(stamps)}, wheels), got {angles.shape}")
-        steering = None if self.steering is None else np.array(self.steering, dtype=np.float64)
+        steering = None if self.steering is None else _numbers("steering", self.steering)
         if steering is not None and (steering.ndim != 2 or len(steering) != len(stamps)):
             raise ValueError(
                 f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}"
@@ -164,11 +166,13 @@ class Log:
         if truth is not None and not isinstance(truth, Truth):
             truth = Truth(stamps, truth)
         _freeze(self, stamps=stamps, steering=steering, wheel_angles=angles, truth=truth)
+        if not isinstance(self.options, Mapping):
+            raise ArgumentTypeError(f"options must be a mapping, got {self.options!r}")
         if strangers := [name for name in self.options if name not in OPTIONS]:
             raise ValueError(f"options must be some of {', '.join(OPTIONS)}, got {strangers[0]!r}")
         for name in ("yaw_rate", "yaw"):
             if (given := getattr(self, name)) is not None:
-                column = np.array(given, dtype=np.float64)
+                column = _numbers(name, given)
                 if column.shape != stamps.shape:
                     raise ValueError(f"{name} must have shape ({len(stamps)},), got {column.shape}")
                 _freeze(self, **{name: column})
@@ -319,6 +323,15 @@ def _check_order(stamps: Floats) -> None:
         raise ValueError(
             f"stamps must not run backwards, got {stamps[row]} after {stamps[row - 1]} in row {row}"
         )
+
+
+def _numbers(name: str, values: object) -> Floats:
+    """A copy of what is given, as numbers."""
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        got = reprlib.repr(values)
+        raise ArgumentTypeError(f"{name} must be rows of as many numbers each, got {got}") from None
 
 
 def _freeze(record: object, **arrays: object) -> None:

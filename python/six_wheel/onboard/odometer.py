@@ -36,13 +36,19 @@ class Odometer:
         self._apart: float | None = None
         self._stamp_origin: int | None = None
         self._first: int | None = None  # when readings came first
-        self._settings = settings
+        self._take(settings)
         self.odometry = settings.odometry()
+
+    def _take(self, settings: Settings) -> None:
+        self._settings = settings
+        options = settings.options
+        self._timeout = round(options.joint_state_timeout * SECOND)
+        self._patience = round(options.imu_timeout * SECOND)
 
     def change(self, settings: Settings) -> None:
         """By other settings from here on."""
         old, new = self._settings.parameters, settings.parameters
-        self._settings = settings
+        self._take(settings)
         if (old.noise, old.odometry, old.calibration) != (new.noise, new.odometry, new.calibration):
             self.rest()
             self._renew()
@@ -92,10 +98,6 @@ class Odometer:
             self._faults.add("odometry", WARN, "a gyroscope must read finite rates at stamps that increase")
         return self._ready(now)
 
-    @property
-    def _timeout(self) -> int:
-        return round(self._settings.options.joint_state_timeout * SECOND)
-
     def take_in(self, readings: Readings, stamp: int, now: int) -> Counted:
         """Give readings to the odometry: which of them it has counted last with that, and what it says."""
         rows = self._rows
@@ -119,9 +121,8 @@ class Odometer:
         """Count what waits for the gyroscope no more."""
         rows, counted, state = self._rows, None, None
         assert rows is not None
-        patience = round(self._settings.options.imu_timeout * SECOND)
         begun = self._first is not None and now - self._first > self._timeout
-        for row, rate in rows.ready(now, patience):
+        for row, rate in rows.ready(now, self._patience):
             if self._apart != rows.apart:
                 self._apart = rows.apart
                 self._renew()

@@ -45,7 +45,12 @@ def displacement(rover: Rover, before: Floats, after: Floats, rolled: Floats, sl
         if not wheel.castor:
             b[i] = rolled[i] + wheel.scrub * change, wheel.trail * change
     b *= chords[:, None]
-    b[:, 1] += slid
+    for i, wheel in enumerate(rover.wheels):
+        # Rollers turn away a part of what slides across them, and pass the rest on along the wheel.
+        if wheel.roller_angle is None:
+            b[i, 1] += slid[i]
+        else:
+            b[i, 0] += slid[i] / math.tan(wheel.roller_angle)
     for i, row in rover._shared_rows.items():
         a[i, 1] = row
     unread = np.isnan(b[:, 0])

@@ -201,13 +201,18 @@ impl Wheel {
     /// Rollers give way across their axes: what is left of both rows is the one along them.
     pub fn rows(&self, direction: Direction) -> Rows {
         let Rows { rolling, side_slip } = self.bare_rows(direction);
-        match self.roller_angle {
+        match self.passed_on() {
             None => Rows { rolling, side_slip },
-            Some(angle) => Rows {
-                rolling: rolling + side_slip * (angle.cos() / angle.sin()),
+            Some(share) => Rows {
+                rolling: rolling + side_slip * share,
                 side_slip: Vector3::zeros(),
             },
         }
+    }
+
+    /// What rollers pass on along the wheel of a metre across it; nothing where there are none.
+    pub(crate) fn passed_on(&self) -> Option<f64> {
+        self.roller_angle.map(|angle| angle.cos() / angle.sin())
     }
 
     /// What two rows of a steered wheel measure together, whichever way it points, where it has neither scrub nor trail: the

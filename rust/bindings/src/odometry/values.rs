@@ -27,7 +27,7 @@ use crate::wheel::reduce;
 /// slip : float, optional
 ///     Of the distance a wheel slips along its heading while its pivot travels one metre [m per root m].
 /// side_slip : float, optional
-///     The same across its heading [m per root m].
+///     The same across its heading [m per root m]; rollers pass on along the wheel what does not turn them.
 /// yaw : float, default 0.0
 ///     Of an absolute yaw reading [rad]; 0 takes it at its word.
 /// yaw_rate : float, default 0.0

@@ -13,7 +13,7 @@ pub struct Noise {
     /// Of the distance a wheel slips along its heading while its pivot travels one metre; grows with the root of
     /// the distance, whatever the sampling rate [m per root m].
     pub slip: f64,
-    /// The same across its heading [m per root m].
+    /// The same across its heading [m per root m]; rollers pass on along the wheel what does not turn them.
     pub side_slip: f64,
     /// Of an absolute yaw reading [rad]; 0 takes it at its word.
     pub yaw: f64,

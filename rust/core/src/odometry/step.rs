@@ -372,8 +372,9 @@ fn errors(
         };
         let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
         let distance = shares[i] * distance;
-        let along = noise.slip * noise.slip * distance;
         let across = noise.side_slip * noise.side_slip * distance;
+        let passed_on = wheel.passed_on().map_or(0.0, |share| share * share);
+        let along = noise.slip * noise.slip * distance + passed_on * across;
         let (rolling, side_slip) = (reading.rolling * weight, reading.side_slip * weight);
         let own = match shares_wheels(i) {
             Some(column) => {

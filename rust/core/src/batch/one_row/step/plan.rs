@@ -53,6 +53,8 @@ pub(super) struct Group {
     pub(super) shares: [Triple; 2],
     /// 1 where a wheel measures along the row, 0 where rollers or the lack of a wheel leave it out.
     pub(super) has: [Eight; 2],
+    /// Share of the variance across a wheel that its rollers pass on along it.
+    pub(super) passed_on: Eight,
 }
 
 /// What is kept of eight wheels between the two halves of a step.
@@ -128,6 +130,7 @@ impl Plan {
                 }
             };
             group.radius[lane] = wheel.radius;
+            group.passed_on[lane] = wheel.passed_on().map_or(0.0, |share| share * share);
             (group.pivot[0][lane], group.pivot[1][lane]) = (wheel.x, wheel.y);
             for (which, row) in rows.into_iter().enumerate() {
                 group.has[which][lane] = f64::from(u8::from(row.x != 0.0 || row.y != 0.0));

@@ -213,8 +213,9 @@ pub(super) fn disagree<S: Vector, P: Pick<S>>(
         let x = displacement[0] - displacement[2] * py;
         let y = displacement[1] + displacement[2] * px;
         let distance = x.mul_add(x, y * y).sqrt();
-        own = own + distance * splat(terms.slip_variances[0]);
         sides = distance * splat(terms.slip_variances[1]);
+        own = own + distance * splat(terms.slip_variances[0]);
+        own = pick.of(&group.passed_on).mul_add(sides, own);
         squares.add(here.three(&room.shares[1]), sides);
     }
     squares.add(here.three(&room.shares[0]), own);
