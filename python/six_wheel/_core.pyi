@@ -1170,6 +1170,8 @@ class Feasible:
     @property
     def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
     @property
+    def reason_codes(self) -> int | NDArray[np.uint8]: ...
+    @property
     def margin(self) -> float | _Floats: ...
     @property
     def tilt(self) -> float | _Floats: ...  # [rad]

@@ -237,6 +237,29 @@ def test_feasible_is_what_settling_says() -> None:
     assert set(found.reason[found.ok]) == {"ok"}
     other = rover.feasible(ground, poses, limits, threads=4)
     np.testing.assert_array_equal(found.margin, other.margin)
+    for count in (9, 67):  # the part of the second thread is shorter than what is worth lanes
+        few = rover.feasible(ground, poses[:count], limits, threads=2)
+        np.testing.assert_array_equal(few.margin, found.margin[:count])
+    one = rover.feasible(ground, poses[0], limits)
+    assert one.reason is found.reason[0]
+    np.testing.assert_allclose(one.margin, found.margin[0], rtol=0, atol=1e-10)
+    reasons = np.array(list(sw.FeasibleReason), object)
+    np.testing.assert_array_equal(found.reason, reasons[found.reason_codes])
+    assert reasons[one.reason_codes] == one.reason
+
+
+def test_bounds_are_the_same_at_every_call() -> None:
+    """What is kept of a rover between calls is that of its default belly and ranges alone."""
+    ground = sw.Terrain.yard(20, 0.1, 0.1, seed=9)
+    rover, poses = sw.RockerBogie.perseverance(), some(ground, 200, 9)
+    first, belly = rover.bounds(ground, poses), (-0.2, 0.2, 0.1, 1.5)
+    narrow, high = (rover.bounds(ground, poses, **how) for how in ({"within": (0.2,) * 3}, {"belly": belly}))
+    for again in (rover.bounds(ground, poses), sw.RockerBogie.perseverance().bounds(ground, poses)):
+        np.testing.assert_array_equal(again.clearance, first.clearance)
+        np.testing.assert_array_equal(again.status, first.status)
+    assert (narrow.status != first.status).any()
+    known = ~np.isnan(high.clearance[:, 0] + first.clearance[:, 0])
+    assert (high.clearance[known, 0] > first.clearance[known, 0]).all()
 
 
 def test_feasible_says_why_not() -> None:

@@ -268,6 +268,36 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     alike(arm.traction(*lists, kernel=kernel), head, TRACTION, 0)
 
 
+@pytest.mark.parametrize("name", VEHICLES)
+def test_one_call_is_a_row(name: str) -> None:
+    """By the quick way and by the general one: to the bit."""
+    arm = VEHICLES[name]
+    x = 0.1 * np.arange(-80, 81)
+    ground = sw.Terrain(0.05 * np.sin(2 * x) * np.cos(3 * x[:, None]), 0.1, (-8.0, -8.0))
+    wheels, _, steered = widths(arm)
+    rng = np.random.default_rng(6)
+    for pose in rng.uniform([-3, -3, -3], [3, 3, 3], (20, 3)):
+        angles, speeds = rng.uniform(-0.3, 0.3, steered), rng.uniform(-1, 1, wheels)
+        speeds[rng.integers(wheels)] = math.nan if pose[0] > 1 else 0.0
+        stand = arm.settle(ground, pose, angles)
+        general = arm.forward(stand, angles, speeds, threads=1)
+        for way in (np.asarray, tuple, list):
+            quick = arm.forward(stand, way(angles), way(speeds))
+            for number in MOTION:
+                np.testing.assert_array_equal(
+                    getattr(quick, number), getattr(general, number), err_msg=number
+                )
+                assert getattr(quick, number).shape == getattr(general, number).shape
+        np.testing.assert_array_equal(arm.forward(stand, None, speeds).twist, general.twist)
+        assert repr(quick) == repr(general)
+    bad = {"speeds": (angles, speeds[:-1]), "speeds must be finite": (angles, speeds + math.inf)}
+    if steered:
+        bad |= {"steering": (angles[:-1], speeds), "steering must be finite": (angles + math.nan, speeds)}
+    for words, arguments in bad.items():
+        with pytest.raises(ValueError, match=words):
+            arm.forward(stand, *arguments)
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_nothing_to_do(kernel: str) -> None:
     """An empty batch is one."""

@@ -110,6 +110,10 @@ def test_a_batch_is_its_rows_whatever_the_threads():
         np.testing.assert_allclose(numbers_of(one), numbers_of(stand)[k], rtol=0, atol=1e-10)
         assert one.status is stand.status[k]
         np.testing.assert_allclose(one.transform, stand.transform[k], rtol=0, atol=1e-10)
+    for count in (65, 67):  # the part of the second thread is shorter than what is worth lanes
+        few = poses.reshape(-1, 3)[:count]
+        one, two = (numbers_of(rover.settle(ground, few, threads=threads)) for threads in (1, 2))
+        np.testing.assert_array_equal(one, two)
 
 
 @pytest.mark.parametrize("make", [hills, rocks])
@@ -413,6 +417,17 @@ def test_any_numbers_will_do():
     np.testing.assert_array_equal(
         numbers_of(rover.settle(sw.Terrain(single, spacing), (6.0, 7.0, 1.0))), numbers_of(same)
     )
+
+
+def test_one_pose_is_what_the_general_way_says():
+    for rover in ROVERS.values():
+        ground, *_ = ground_for(rover)
+        for pose in (*map(tuple, poses_for(rover, 20, seed=4).tolist()), (-9.0, 0.0, 0.0), (0.2, 0.2, 0.0)):
+            quick, general = rover.settle(ground, pose), rover.settle(ground, pose, threads=1)
+            for name in ("status", "reason", "z", "joints", "gap", "contacts", "next_contacts", "steering"):
+                np.testing.assert_array_equal(getattr(quick, name), getattr(general, name), err_msg=name)
+            assert quick.suspension is rover
+            assert quick.by_pose is None
 
 
 def test_shapes_follow_the_poses():

@@ -80,7 +80,7 @@ def judge(tile: Tile) -> dict[str, NDArray[Any]]:
         layers["safe"][some] = np.mean(found.ok, axis=-1)
         layers["tilt"][some] = _extreme(np.fmax, found.tilt)
         layers["clearance"][some] = _extreme(np.fmin, found.clearance) - tile.limits.clearance
-        layers["reason"][some] = _frequent(found.reason)
+        layers["reason"][some] = _frequent(found.reason_codes)
     return layers
 
 
@@ -90,8 +90,8 @@ def _extreme(of: np.ufunc, values: Any) -> NDArray[np.float64]:
     return extreme
 
 
-def _frequent(reasons: Any) -> NDArray[np.intp]:
+def _frequent(codes: Any) -> NDArray[np.intp]:
     """The most frequent reason over the last axis but ``ok``, the first of several; 0 where there is none."""
-    counts = np.stack([np.sum(reasons == reason, axis=-1) for reason in REASONS[1:]])
+    counts = np.stack([np.sum(codes == code, axis=-1) for code in range(1, len(REASONS))])
     most: NDArray[np.intp] = np.where(counts.any(axis=0), counts.argmax(axis=0) + 1, 0)
     return most

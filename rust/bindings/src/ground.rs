@@ -1,5 +1,6 @@
 //! `Suspension.settle` and `six_wheel.Stand`: chains on ground.
 
+mod quick;
 mod stand;
 
 use pyo3::prelude::*;
@@ -11,6 +12,7 @@ use crate::given;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 
+pub use quick::install;
 pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.

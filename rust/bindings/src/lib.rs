@@ -64,6 +64,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<profiles::IcrTransition>()?;
     module.add_class::<terrain::Terrain>()?;
     module.add_class::<suspension::Suspension>()?;
+    ground::install(module.py())?;
     moving::install(module.py())?;
     module.add_class::<moving::GroundCommand>()?;
     module.add_class::<moving::GroundMotion>()?;

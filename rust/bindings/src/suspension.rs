@@ -7,8 +7,11 @@ mod margins;
 mod stability;
 mod steer;
 
+use std::sync::OnceLock;
+
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use six_wheel_core::bounds::Plan;
 use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
 use six_wheel_core::{Error, RockerBogie as Core};
 
@@ -71,13 +74,16 @@ pub use steer::SteeringCommand;
 /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
 /// ICRA 1999.
 #[pyclass(frozen, extends = Suspension, module = "six_wheel")]
-pub struct RockerBogie(pub Core);
+pub struct RockerBogie(pub Core, UsualPlans);
+
+/// Those of its bounds, when they have been asked for.
+type UsualPlans = OnceLock<[Plan; 2]>;
 
 impl RockerBogie {
     fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {
         let core = core.map_err(|error| raise(error, &[]))?;
         let base = Suspension::of(core.chain().clone());
-        Ok(PyClassInitializer::from(base).add_subclass(Self(core)))
+        Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
     }
 
     fn named(py: Python<'_>, core: Result<Core, Error>) -> PyResult<Py<Self>> {

@@ -11,7 +11,9 @@ use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 use super::stand::Stands;
 use super::{array, done};
 use crate::batch::any_workers;
-use crate::convert::{Out, Output, Rows, compute, joined, number, raise, refuse, shape_text};
+use crate::convert::{
+    Out, Output, Rows, compute, joined, memory, number, raise, refuse, shape_text,
+};
 use crate::given;
 use crate::suspension::Suspension;
 
@@ -124,24 +126,75 @@ impl GroundCommand {
 }
 
 /// How a rover moves on the ground.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct GroundMotion {
-    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    twist: Py<PyAny>,
-    /// Rates of the free angles, shape (..., joints) [rad/s].
-    joint_rates: Py<PyAny>,
-    /// What every touching point does along the normal of the ground, along the rim and to the left,
-    /// shape (..., wheels, 3) [m/s]; NaN in the air.
-    residual: Py<PyAny>,
+#[pyclass(frozen, module = "six_wheel")]
+pub struct GroundMotion(Moved);
+
+enum Moved {
+    /// The arrays of a batch.
+    Rows {
+        twist: Py<PyAny>,
+        joint_rates: Py<PyAny>,
+        residual: Py<PyAny>,
+    },
+    /// One call's numbers.
+    One(Box<OneMotion>),
+}
+
+/// The numbers of one row.
+pub struct OneMotion {
+    pub wheels: usize,
+    pub joints: usize,
+    pub twist: [[f64; 6]; 1],
+    pub joint_rates: [f64; MAX_FREE],
+    pub residual: [[f64; 3]; MAX_WHEELS],
+}
+
+impl GroundMotion {
+    /// That of one call.
+    pub fn one(one: OneMotion) -> Self {
+        Self(Moved::One(Box::new(one)))
+    }
 }
 
 #[pymethods]
 impl GroundMotion {
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    #[getter]
+    fn twist(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Moved::Rows { twist, .. } => Ok(twist.clone_ref(py)),
+            Moved::One(one) => array(py, one.twist.as_flattened()),
+        }
+    }
+
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    #[getter]
+    fn joint_rates(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Moved::Rows { joint_rates, .. } => Ok(joint_rates.clone_ref(py)),
+            Moved::One(one) => array(py, &one.joint_rates[..one.joints]),
+        }
+    }
+
+    /// What every touching point does along the normal of the ground, along the rim and to the left,
+    /// shape (..., wheels, 3) [m/s]; NaN in the air.
+    #[getter]
+    fn residual(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        match &self.0 {
+            Moved::Rows { residual, .. } => Ok(residual.clone_ref(py)),
+            Moved::One(one) => {
+                let rows = one.residual[..one.wheels].as_flattened();
+                let array = memory::array(py, rows, &[one.wheels, 3])?;
+                Ok(array.into_any().unbind())
+            }
+        }
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!(
             "GroundMotion(twist={}, joint_rates={})",
-            self.twist.bind(py).repr()?,
-            self.joint_rates.bind(py).repr()?
+            self.twist(py)?.bind(py).repr()?,
+            self.joint_rates(py)?.bind(py).repr()?
         ))
     }
 }
@@ -418,11 +471,11 @@ impl Suspension {
             forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
         });
         let [twists, rates, residuals] = outputs;
-        Ok(GroundMotion {
+        Ok(GroundMotion(Moved::Rows {
             twist: done(twists)?,
             joint_rates: done(rates)?,
             residual: done(residuals)?,
-        })
+        }))
     }
 }
 

@@ -1,12 +1,13 @@
-//! The quick ways of `Suspension.traction` and `Suspension.inverse`: one instant of a control loop.
+//! The quick ways of `Suspension.traction`, `Suspension.inverse` and `Suspension.forward`: one instant of a control loop.
 
 use pyo3::prelude::*;
 use six_wheel_core::moving::{
-    Command, Commands, Drives, Driving, Footings, Lift, Turns, View, inverse_rows, traction_rows,
+    Command, Commands, Drives, Driving, Footings, Lift, Movings, ReadingRows, Turns, View,
+    forward_rows, inverse_rows, traction_rows,
 };
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::motion::{self, GroundCommand};
+use super::motion::{self, GroundCommand, GroundMotion, OneMotion};
 use super::traction::{One, Traction};
 use crate::batch::any_workers;
 use crate::fast::{self, Method, Numbers, Object, Quick, float, three};
@@ -16,7 +17,8 @@ use crate::suspension::Suspension;
 /// Puts the quick ways before the methods of the class.
 pub fn install(py: Python<'_>) -> PyResult<()> {
     fast::install::<6, OneInstant>(py)?;
-    fast::install::<2, OneCommand>(py)
+    fast::install::<2, OneCommand>(py)?;
+    fast::install::<3, OneReading>(py)
 }
 
 struct OneInstant;
@@ -104,6 +106,21 @@ impl Quick<6> for OneInstant {
     }
 }
 
+/// A stand of this very suspension at one pose.
+#[inline(always)]
+fn one_pose<'a>(this: Borrowed<'_, '_, Suspension>, stand: Object<'a, '_>) -> Option<&'a Stand> {
+    let stand = stand.cast::<Stand>().ok()?.get();
+    (stand.suspension.as_ptr() == this.as_ptr() && stand.leading.is_empty()).then_some(stand)
+}
+
+fn footings(stand: &Stand) -> Footings<'_> {
+    Footings::Settled {
+        stands: &stand.stands,
+        poses: &stand.poses,
+        steering: &stand.steering,
+    }
+}
+
 struct OneCommand;
 
 impl Quick<2> for OneCommand {
@@ -120,10 +137,7 @@ impl Quick<2> for OneCommand {
         [stand, command]: [Option<Object<'_, 'py>>; 2],
     ) -> Option<Bound<'py, PyAny>> {
         let (py, suspension) = (this.py(), this.get());
-        let stand = stand?.cast::<Stand>().ok()?.get();
-        if stand.suspension.as_ptr() != this.as_ptr() || !stand.leading.is_empty() {
-            return None;
-        }
+        let stand = one_pose(this, stand?)?;
         let mut room = Numbers::new();
         // SAFETY: nothing is written before it has been read.
         let &[speed, yaw_rate] = unsafe { room.read(command?, 2)? }.first_chunk()?;
@@ -146,11 +160,7 @@ impl Quick<2> for OneCommand {
             offset: suspension.motion.offset,
             wheel_speed: f64::INFINITY,
         };
-        let footings = Footings::Settled {
-            stands: &stand.stands,
-            poses: &stand.poses,
-            steering: &stand.steering,
-        };
+        let footings = footings(stand);
         let commands = Commands {
             steering: &mut one.steering[..one.steered],
             speeds: &mut one.speeds[..one.wheels],
@@ -172,5 +182,72 @@ impl Quick<2> for OneCommand {
         .ok()?;
         let command = Bound::new(py, GroundCommand::one(one)).ok()?;
         Some(command.into_any())
+    }
+}
+
+struct OneReading;
+
+impl Quick<3> for OneReading {
+    type Class = Suspension;
+
+    fn method() -> &'static Method<3> {
+        static METHOD: Method<3> = Method::new(c"forward", [c"stand", c"steering", c"speeds"], 3);
+        &METHOD
+    }
+
+    #[inline(always)]
+    fn call<'py>(
+        this: Borrowed<'_, 'py, Suspension>,
+        [stand, steering, speeds]: [Option<Object<'_, 'py>>; 3],
+    ) -> Option<Bound<'py, PyAny>> {
+        let (py, suspension) = (this.py(), this.get());
+        let stand = one_pose(this, stand?)?;
+        let chain = &suspension.chain;
+        let wheels = chain.wheels().len();
+        let mut rooms = [Numbers::new(), Numbers::new()];
+        let [room, other] = &mut rooms;
+        // SAFETY: nothing is written before everything has been read.
+        let (steering, speeds) = unsafe {
+            (
+                room.read(steering?, chain.steering().len())?,
+                other.read(speeds?, wheels)?,
+            )
+        };
+        let infinite = speeds.iter().any(|speed| speed.is_infinite());
+        if infinite || !steering.iter().all(|angle| angle.is_finite()) {
+            return None;
+        }
+        let mut one = OneMotion {
+            wheels,
+            joints: chain.joints().len(),
+            twist: [[0.0; 6]],
+            joint_rates: [0.0; MAX_FREE],
+            residual: [[0.0; 3]; MAX_WHEELS],
+        };
+        let readings = ReadingRows {
+            steering: Some(steering),
+            speeds,
+            steering_rates: None,
+            joint_rates: None,
+            angular_velocity: None,
+            weights: None,
+        };
+        let movings = Movings {
+            twists: &mut one.twist,
+            joint_rates: &mut one.joint_rates[..one.joints],
+            residuals: one.residual[..wheels].as_flattened_mut(),
+        };
+        let workers = any_workers(None, None).ok()?;
+        let prepared = &suspension.motion;
+        forward_rows(
+            chain,
+            prepared,
+            &footings(stand),
+            &readings,
+            movings,
+            workers,
+        );
+        let motion = Bound::new(py, GroundMotion::one(one)).ok()?;
+        Some(motion.into_any())
     }
 }

@@ -1,5 +1,7 @@
 //! `RockerBogie.bounds`.
 
+use std::borrow::Cow;
+
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_core::Error;
@@ -16,31 +18,48 @@ use crate::terrain::Terrain;
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
 ///
 /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
-#[pyclass(frozen, get_all, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel")]
 pub struct Bounds {
     /// Height of the origin of the rover's frame, shape (..., 2) [m].
+    #[pyo3(get)]
     z: Py<PyAny>,
     /// Roll, shape (..., 2) [rad].
+    #[pyo3(get)]
     roll: Py<PyAny>,
     /// Pitch, shape (..., 2) [rad].
+    #[pyo3(get)]
     pitch: Py<PyAny>,
     /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
+    #[pyo3(get)]
     tilt: Py<PyAny>,
     /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
+    #[pyo3(get)]
     clearance: Py<PyAny>,
     /// Angle of the left rocker, shape (..., 2) [rad].
+    #[pyo3(get)]
     rocker: Py<PyAny>,
     /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
+    #[pyo3(get)]
     bogies: Py<PyAny>,
     /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
     /// (..., 2) [m].
+    #[pyo3(get)]
     wheel_drop: Py<PyAny>,
-    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
-    status: Py<PyAny>,
+    worth: Vec<Knowledge>,
+    leading: Vec<usize>,
 }
 
 #[pymethods]
 impl Bounds {
+    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
+    #[getter]
+    fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let codes = self.worth.iter().map(|worth| *worth as u8);
+        let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
+        let module = py.import("six_wheel.bounding")?;
+        module.call_method1("statuses", (codes,)).map(Bound::unbind)
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
@@ -53,7 +72,7 @@ impl Bounds {
             text(&self.rocker)?,
             text(&self.bogies)?,
             text(&self.wheel_drop)?,
-            text(&self.status)?,
+            text(&self.status(py)?)?,
         ))
     }
 }
@@ -77,14 +96,6 @@ fn sizes<'py>(
     }
 }
 
-/// The members of `BoundStatus`, one or an array of them.
-fn members(py: Python<'_>, status: &[Knowledge], leading: &[usize]) -> PyResult<Py<PyAny>> {
-    let codes = memory::gathered(status.iter().map(|status| *status as u8))?;
-    let codes = scalar_or_array(py, codes, leading)?;
-    let module = py.import("six_wheel.bounding")?;
-    module.call_method1("statuses", (codes,)).map(Bound::unbind)
-}
-
 /// What `out=` takes, in this order.
 const RESULTS: [&str; 8] = [
     "z",
@@ -106,9 +117,12 @@ fn shape(leading: &[usize], k: usize) -> Vec<usize> {
     }
 }
 
+/// A belly as it is given: rear and front edge, half width and height [m].
+type Plate = (f64, f64, f64, f64);
+
 /// What is asked beside the poses.
-pub struct Question {
-    pub plans: Vec<Plan>,
+pub struct Question<'a> {
+    pub plans: Cow<'a, [Plan]>,
     pub error: f64,
 }
 
@@ -117,9 +131,9 @@ impl RockerBogie {
     pub fn question(
         &self,
         map_error: f64,
-        belly: Option<(f64, f64, f64, f64)>,
+        belly: Option<Plate>,
         within: Option<(f64, f64, f64)>,
-    ) -> PyResult<Question> {
+    ) -> PyResult<Question<'_>> {
         if !(map_error.is_finite() && map_error >= 0.0) {
             return Err(refuse(
                 "map_error",
@@ -127,29 +141,44 @@ impl RockerBogie {
                 &format!("{map_error:?}"),
             ));
         }
-        let ranges = match within {
-            Some((attitude, rocker, bogie)) => vec![Within {
-                attitude,
-                rocker,
-                bogie,
-            }],
-            None => vec![Within::default(), Within::wide()],
+        let plans = match (belly, within) {
+            (None, None) => self.usual_plans().map(Cow::Borrowed),
+            (_, Some((attitude, rocker, bogie))) => {
+                let within = Within {
+                    attitude,
+                    rocker,
+                    bogie,
+                };
+                self.plan(belly, within).map(|plan| Cow::Owned(vec![plan]))
+            }
+            (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
         };
-        let plans = self.belly(belly).and_then(|belly| {
-            let plan = |within| Plan::new(self.0.dimensions(), belly, within);
-            ranges.into_iter().map(plan).collect()
-        });
         Ok(Question {
             plans: plans.map_err(|error| raise(error, &[]))?,
             error: map_error,
         })
     }
 
+    fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
+        Plan::new(self.0.dimensions(), self.belly(belly)?, within)
+    }
+
+    fn plans(&self, belly: Option<Plate>) -> Result<[Plan; 2], Error> {
+        let narrow = self.plan(belly, Within::default())?;
+        Ok([narrow, self.plan(belly, Within::wide())?])
+    }
+
+    /// Those of calls that say nothing else, made once.
+    fn usual_plans(&self) -> Result<&[Plan], Error> {
+        if self.1.get().is_none() {
+            let plans = self.plans(None)?;
+            let _ = self.1.set(plans); // or somebody else has
+        }
+        Ok(self.1.get().map_or(&[], |plans| plans))
+    }
+
     /// The belly that is given, or the default one.
-    pub fn belly(
-        &self,
-        belly: Option<(f64, f64, f64, f64)>,
-    ) -> Result<Belly, six_wheel_core::Error> {
+    pub fn belly(&self, belly: Option<Plate>) -> Result<Belly, Error> {
         match belly {
             Some((rear, front, half_width, z)) => Belly::new([rear, front], half_width, z),
             None => Ok(Belly::between_wheels(self.0.dimensions())),
@@ -288,7 +317,7 @@ impl RockerBogie {
             Ok(())
         })
         .map_err(|error: Error| raise(error, &[]))?;
-        let status = members(py, &status, leading)?;
+        let leading = leading.to_vec();
         Ok(Bounds {
             z: out.finish(0, zs)?,
             roll: out.finish(1, roll)?,
@@ -298,7 +327,8 @@ impl RockerBogie {
             rocker: out.finish(5, rocker)?,
             bogies: out.finish(6, bogies)?,
             wheel_drop: out.finish(7, drop)?,
-            status,
+            worth: status,
+            leading,
         })
     }
 }

@@ -51,31 +51,45 @@ impl Stability {
 }
 
 /// Whether a rover may stand at poses: see `RockerBogie.feasible`.
-#[pyclass(frozen, get_all, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel")]
 pub struct Feasible {
     /// Whether it may, shape (...).
+    #[pyo3(get)]
     ok: Py<PyAny>,
-    /// Why not, shape (...): `six_wheel.FeasibleReason`, ``ok`` where it may.
-    reason: Py<PyAny>,
+    /// Numbers of the reasons in `six_wheel.FeasibleReason`, shape (...), as in the layer of `six-wheel traverse`.
+    #[pyo3(get)]
+    reason_codes: Py<PyAny>,
     /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
     /// radii. NaN where nothing is known.
+    #[pyo3(get)]
     margin: Py<PyAny>,
     /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
+    #[pyo3(get)]
     tilt: Py<PyAny>,
     /// Clearance, shape (...) [m]; the least possible where `exact` is false.
+    #[pyo3(get)]
     clearance: Py<PyAny>,
     /// Whether the rover was settled to know, shape (...).
+    #[pyo3(get)]
     exact: Py<PyAny>,
 }
 
 #[pymethods]
 impl Feasible {
+    /// Why not, shape (...): `six_wheel.FeasibleReason`, ``ok`` where it may.
+    #[getter]
+    fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let module = py.import("six_wheel.bounding")?;
+        let reasons = module.call_method1("reasons", (&self.reason_codes,))?;
+        Ok(reasons.unbind())
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
             "Feasible(ok={}, reason={}, margin={}, tilt={}, clearance={}, exact={})",
             text(&self.ok)?,
-            text(&self.reason)?,
+            text(&self.reason(py)?)?,
             text(&self.margin)?,
             text(&self.tilt)?,
             text(&self.clearance)?,
@@ -184,9 +198,7 @@ impl RockerBogie {
             scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
         };
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
-        let codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
-        let module = py.import("six_wheel.bounding")?;
-        let reason = module.call_method1("reasons", (codes,))?.unbind();
+        let reason_codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
         let (ok, exact) = (
             truths(|verdict| verdict.reason as u8 == 0)?,
             truths(|verdict| verdict.exact)?,
@@ -199,7 +211,7 @@ impl RockerBogie {
         let [margins, tilts, clear] = outputs;
         Ok(Feasible {
             ok,
-            reason,
+            reason_codes,
             margin: out.finish(0, margins)?,
             tilt: out.finish(1, tilts)?,
             clearance: out.finish(2, clear)?,

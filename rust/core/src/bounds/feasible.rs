@@ -3,10 +3,10 @@
 use super::kernel::{Ground, Margins, bounds};
 use super::stability::{tilt, wheel_drop};
 use super::{Belly, COUNT, Knowledge, Plan, Within};
-use crate::batch::Workers;
 use crate::batch::machine::workers::each;
+use crate::batch::{Level, Workers};
 use crate::error::{Error, number};
-use crate::ground::{Settler, Stand, Status};
+use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
 use crate::suspension::{Dimensions, MAX_WHEELS};
 
 /// What is allowed: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
@@ -129,7 +129,7 @@ impl Verdict {
     }
 }
 
-/// Poses that are bounded at a time, before those that are left are settled.
+/// Poses that are bounded, or settled, at a time.
 const BLOCK: usize = 1024;
 
 /// What to judge with.
@@ -232,9 +232,8 @@ impl<'a> Judge<'a> {
         (margin < 0.0).then(|| verdict(reason, margin))
     }
 
-    /// Decided by settling.
-    fn by_settling(&self, pose: [f64; 3]) -> Verdict {
-        let stand = Stand::of(&self.settler.settle_finite(pose.into(), &[]));
+    /// Decided by how the rover settles.
+    fn by_settling(&self, pose: [f64; 3], stand: &Stand) -> Verdict {
         let chain = self.settler.chain;
         let Some(placed) = stand.place(chain, pose.into(), &[]) else {
             return Verdict::refused(match stand.status {
@@ -282,8 +281,9 @@ impl<'a> Judge<'a> {
         };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
+        let lanes = worth_lanes(poses.len());
         each(parts, |(poses, verdicts)| {
-            self.some(ground, poses, verdicts, workers);
+            self.some(ground, poses, verdicts, lanes, workers.level);
             Ok(())
         })
     }
@@ -293,11 +293,13 @@ impl<'a> Judge<'a> {
         ground: Ground<'_>,
         poses: &[[f64; 3]],
         verdicts: &mut [Verdict],
-        workers: Workers,
+        lanes: bool,
+        level: Level,
     ) {
-        let one = Workers {
+        let workers = Workers {
             threads: 1,
-            ..workers
+            level,
+            fresh: false,
         };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
@@ -305,29 +307,42 @@ impl<'a> Judge<'a> {
             yaw: &[0.0],
             position: &[0.0],
         };
-        for (poses, verdicts) in poses.chunks(BLOCK).zip(verdicts.chunks_mut(BLOCK)) {
-            let worth = &mut worth[..poses.len()];
-            let targets = table.each_mut().map(|block| &mut block[..poses.len()]);
-            bounds(
-                std::slice::from_ref(&self.plan),
-                ground,
-                poses,
-                margins,
-                targets,
-                worth,
-                one,
-            );
-            for (k, (pose, verdict)) in poses.iter().zip(verdicts).enumerate() {
+        let mut open = Vec::with_capacity(2 * BLOCK);
+        for first in (0..poses.len()).step_by(BLOCK) {
+            let some = &poses[first..poses.len().min(first + BLOCK)];
+            let targets = table.each_mut().map(|block| &mut block[..some.len()]);
+            let worth = &mut worth[..some.len()];
+            let plan = std::slice::from_ref(&self.plan);
+            bounds(plan, ground, some, margins, targets, worth, workers);
+            for (k, worth) in worth.iter().enumerate() {
+                let by_bounds = || self.by_bounds(&table.each_ref().map(|block| block[k]));
                 // What might stand on unknown ground may not: nothing but another map can tell.
-                *verdict = match worth[k] {
-                    Knowledge::OffMap => Verdict::refused(Reason::OffMap),
-                    Knowledge::UnknownCells => Verdict::refused(Reason::UnknownCells),
-                    Knowledge::Bounded => self
-                        .by_bounds(&table.each_ref().map(|block| block[k]))
-                        .unwrap_or_else(|| self.by_settling(*pose)),
-                    _ => self.by_settling(*pose),
+                let decided = match worth {
+                    Knowledge::OffMap => Some(Verdict::refused(Reason::OffMap)),
+                    Knowledge::UnknownCells => Some(Verdict::refused(Reason::UnknownCells)),
+                    Knowledge::Bounded => by_bounds(),
+                    _ => None,
                 };
+                match decided {
+                    Some(decided) => verdicts[first + k] = decided,
+                    None => open.push(first + k),
+                }
             }
+            if open.len() >= BLOCK {
+                self.settled(&open, poses, verdicts, lanes);
+                open.clear();
+            }
+        }
+        self.settled(&open, poses, verdicts, lanes);
+    }
+
+    /// Settles what bounds leave open.
+    fn settled(&self, open: &[usize], poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool) {
+        let some: Vec<[f64; 3]> = open.iter().map(|row| poses[*row]).collect();
+        let mut stands = vec![Stand::nothing(Status::NotConverged); some.len()];
+        settle_part(&self.settler, &some, &|_| &[], lanes, &mut stands);
+        for ((row, pose), stand) in open.iter().zip(some).zip(&stands) {
+            verdicts[*row] = self.by_settling(pose, stand);
         }
     }
 }

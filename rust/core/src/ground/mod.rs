@@ -25,4 +25,5 @@ pub use derivatives::{DIMENSIONS, by_dimension, by_pose, gap_slopes, shift_by_di
 pub use rim::{Minimum, Rim};
 pub use settle::{Settled, Settler, Status};
 pub use stand::{Contact, Stand, rim_point, settle};
+pub(crate) use stand::{settle_part, worth_lanes};
 pub use touch::{Touch, Touches};

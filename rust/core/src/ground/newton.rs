@@ -142,8 +142,23 @@ impl<'a> Settler<'a> {
         part: Part,
         near: Option<&Touches<'a>>,
     ) -> Option<Touches<'a>> {
+        let mut touches = Touches::nowhere(self.chain);
+        self.look(&mut touches, pose, state, steering, part, near)
+            .map(|()| touches)
+    }
+
+    /// The same, written over what is there.
+    fn look(
+        &self,
+        touches: &mut Touches<'a>,
+        pose: PlanPose,
+        state: &State,
+        steering: &[f64],
+        part: Part,
+        near: Option<&Touches<'a>>,
+    ) -> Option<()> {
         let (ground, chain) = (self.ground, self.chain);
-        Touches::of(ground, chain, pose, state, steering, part, near, self.level)
+        touches.put(ground, chain, pose, state, steering, part, near, self.level)
     }
 
     /// Closes the gaps from a start. None where the differential does not reach.
@@ -154,40 +169,38 @@ impl<'a> Settler<'a> {
         start: State,
         hold: &Hold,
     ) -> Option<Attempt<'a>> {
-        let at = |state: &State, part, near: Option<&Touches<'a>>| {
-            self.touches(pose, state, steering, part, near)
-        };
         let (mut part, mut stalls) = (Part::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
-        let mut touches = at(&state, part, None)?;
-        let mut worst = self.worst(&touches, hold);
+        // Where the chain is, where it is tried, and the best trial: written over, and never moved.
+        let room = || Touches::nowhere(self.chain);
+        let [first, second, third] = &mut [room(), room(), room()];
+        let (mut here, mut there, mut best) = (first, second, third);
+        self.look(here, pose, &state, steering, part, None)?;
+        let mut worst = self.worst(here, hold);
         for _ in 0..STEPS {
             let tolerance = self.tolerance(&state);
             if worst <= tolerance {
                 // Only the whole rim says that nothing else touches.
-                if part == Part::Lower && touches.look_up(self.ground, self.chain) {
+                if part == Part::Lower && here.look_up(self.ground, self.chain) {
                     part = Part::Whole;
-                    worst = self.worst(&touches, hold);
+                    worst = self.worst(here, hold);
                 }
                 if worst <= tolerance {
                     return Some(Attempt {
                         state,
-                        touches,
+                        touches: here.clone(),
                         closed: true,
                     });
                 }
             }
-            let Some(step) = worst
-                .is_finite()
-                .then(|| self.step(&touches, hold))
-                .flatten()
-            else {
+            let step = worst.is_finite().then(|| self.step(here, hold)).flatten();
+            let Some(step) = step else {
                 break;
             };
-            let mut best: Option<(State, Touches<'a>, f64)> = None;
+            let mut found: Option<(State, f64)> = None;
             let mut share = 1.0;
             while share > 0.01 {
                 let mut trial = state;
@@ -195,10 +208,11 @@ impl<'a> Settler<'a> {
                     trial[k] += share * step[k];
                 }
                 if trial[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE) {
-                    let there = at(&trial, part, Some(&touches))?;
-                    let size = self.worst(&there, hold);
-                    if best.as_ref().is_none_or(|best| size < best.2) {
-                        best = Some((trial, there, size));
+                    self.look(there, pose, &trial, steering, part, Some(here))?;
+                    let size = self.worst(there, hold);
+                    if found.is_none_or(|(_, least)| size < least) {
+                        found = Some((trial, size));
+                        std::mem::swap(&mut there, &mut best);
                     }
                     if size < worst * (1.0 - 0.3 * share) || size <= tolerance {
                         break;
@@ -206,7 +220,7 @@ impl<'a> Settler<'a> {
                 }
                 share *= 0.5;
             }
-            let Some((trial, there, size)) = best else {
+            let Some((trial, size)) = found else {
                 break;
             };
             if size >= worst {
@@ -219,11 +233,12 @@ impl<'a> Settler<'a> {
                     break;
                 }
             }
-            (state, touches, worst) = (trial, there, size);
+            (state, worst) = (trial, size);
+            std::mem::swap(&mut here, &mut best);
         }
         Some(Attempt {
             state,
-            touches,
+            touches: here.clone(),
             closed: false,
         })
     }
@@ -283,8 +298,9 @@ impl<'a> Settler<'a> {
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
         }
+        let mut placed = self.chain.nowhere();
         for round in 0..3 {
-            let placed = self.chain.place(pose, &state, steering)?;
+            placed.put(pose, &state, steering)?;
             let mut system = System::<1>::empty();
             let (mut missing, mut mean) = (0.0, 0.0);
             for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {

@@ -53,7 +53,8 @@ pub struct Rim {
 }
 
 impl Rim {
-    const NOTHING: Self = Self {
+    /// Nothing yet.
+    pub(crate) const NOTHING: Self = Self {
         least: None,
         next: None,
         unknown: false,

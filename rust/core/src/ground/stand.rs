@@ -162,33 +162,51 @@ pub fn settle(
         }
     };
     let [rows, columns] = settler.ground.shape();
-    if poses.len() >= WORTH_LANES && poses.len() * WORTH_A_PYRAMID > rows * columns {
+    if worth_lanes(poses.len()) && poses.len() * WORTH_A_PYRAMID > rows * columns {
         // It only saves time: where there is no memory for it, rims are walked without.
         let _ = settler.ground.pyramid();
     }
-    let work = |first: usize, poses: &[[f64; 3]], stands: &mut [Stand]| {
-        let mut left = Vec::new();
-        let lanes = (poses.len() >= WORTH_LANES).then(|| {
-            let angles = |k: usize| {
-                let angles = angles(first + k).iter().copied().map(Some);
-                let mut angles = angles.chain(std::iter::repeat(None));
-                std::array::from_fn(|_| angles.next().flatten().unwrap_or(0.0))
-            };
-            let steered = !steering.is_empty();
-            batch::settle(settler, poses, &angles, steered, stands, &mut left)
-        });
-        if lanes.flatten().is_none() {
-            left = (0..poses.len()).map(|k| (k, None)).collect();
-        }
-        for (k, near) in left {
-            let settled = settler.settle_near(poses[k].into(), angles(first + k), near);
-            stands[k] = Stand::of(&settled);
-        }
-    };
+    let lanes = worth_lanes(poses.len());
     let share = poses.len().div_ceil(threads.max(1)).max(WORTH_A_THREAD);
     let parts = poses.chunks(share).zip(stands.chunks_mut(share));
     each(parts.enumerate(), |(k, (poses, stands))| {
-        work(k * share, poses, stands);
+        let angles = |row: usize| angles(k * share + row);
+        settle_part(settler, poses, &angles, lanes, stands);
         Ok(())
     })
+}
+
+/// Settles poses of finite numbers with these steering angles, in lanes or one by one. What a pose comes to does not depend
+/// on the others: `lanes` is to be the same for all parts of a batch.
+pub(crate) fn settle_part<'a>(
+    settler: &Settler<'_>,
+    poses: &[[f64; 3]],
+    angles: &dyn Fn(usize) -> &'a [f64],
+    lanes: bool,
+    stands: &mut [Stand],
+) {
+    let mut left = Vec::new();
+    let in_lanes = lanes.then(|| {
+        let padded = |k: usize| {
+            let mut padded = [0.0; MAX_WHEELS];
+            for (padded, angle) in padded.iter_mut().zip(angles(k)) {
+                *padded = *angle;
+            }
+            padded
+        };
+        let steered = !poses.is_empty() && !angles(0).is_empty();
+        batch::settle(settler, poses, &padded, steered, stands, &mut left)
+    });
+    if in_lanes.flatten().is_none() {
+        left = (0..poses.len()).map(|k| (k, None)).collect();
+    }
+    for (k, near) in left {
+        let settled = settler.settle_near(poses[k].into(), angles(k), near);
+        stands[k] = Stand::of(&settled);
+    }
+}
+
+/// From how many poses on a batch is settled in lanes.
+pub(crate) fn worth_lanes(poses: usize) -> bool {
+    poses >= WORTH_LANES
 }

@@ -94,20 +94,43 @@ impl Touch {
 }
 
 impl<'a> Touches<'a> {
-    /// A chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
-    /// nearby, if there is one. None where a differential does not reach.
+    /// Room for a chain over the ground.
+    pub(crate) fn nowhere(chain: &'a Chain) -> Self {
+        let frame = WheelFrame {
+            centre: Vector3::zeros(),
+            forward: Vector3::x(),
+            axle: Vector3::y(),
+            up: Vector3::z(),
+        };
+        let touch = Touch {
+            frame,
+            rim: Rim::NOTHING,
+            gap: f64::NAN,
+            point: frame.centre,
+            gradient: [f64::NAN; 2],
+        };
+        Self {
+            placed: chain.nowhere(),
+            wheels: [touch; MAX_WHEELS],
+        }
+    }
+
+    /// Puts the chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
+    /// nearby, if there is one. None, and nothing that makes sense, where a differential does not reach.
     #[allow(clippy::too_many_arguments)] // one caller, which names them
-    pub(crate) fn of(
+    pub(crate) fn put(
+        &mut self,
         ground: &Terrain,
-        chain: &'a Chain,
+        chain: &Chain,
         pose: PlanPose,
         state: &State,
         steering: &[f64],
         part: Part,
         near: Option<&Self>,
         level: Level,
-    ) -> Option<Self> {
-        let placed = chain.place(pose, state, steering)?;
+    ) -> Option<()> {
+        let Self { placed, wheels } = self;
+        placed.put(pose, state, steering)?;
         let count = chain.wheels().len();
         // Lanes without a wheel repeat the first.
         let frames: [WheelFrame; RIMS] =
@@ -116,7 +139,7 @@ impl<'a> Touches<'a> {
         let circles: [Circle; RIMS] =
             std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
         let least = rims::walk(level, ground, &circles, count);
-        let touch = |k: usize| {
+        for (k, touch) in wheels.iter_mut().enumerate().take(count) {
             let sure = least[k].filter(|least| {
                 part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap)
             });
@@ -128,15 +151,11 @@ impl<'a> Touches<'a> {
                 },
                 Rim::of,
             );
-            Touch::of(ground, frames[k], radius(k), rim)
-        };
-        let first = touch(0);
-        let wheels = std::array::from_fn(|k| match k {
-            0 => first,
-            k if k < count => touch(k),
-            _ => first,
-        });
-        Some(Self { placed, wheels })
+            *touch = Touch::of(ground, frames[k], radius(k), rim);
+        }
+        let first = wheels[0];
+        wheels[count..].fill(first);
+        Some(())
     }
 
     /// The same over ground whose heights are a share of what they are above a datum, the lower halves of the rims alone: `over`

@@ -213,27 +213,25 @@ impl Chain {
     /// Puts the chain where a pose, a state and steering angles (all 0 if there are none) say. None where a
     /// differential does not reach.
     pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
-        let [z, roll, pitch, ref joints @ ..] = *state;
-        let heading = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw).into_inner();
-        let tilt = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
-        let mut placed = Placed {
+        let mut placed = self.nowhere();
+        placed.put(pose, state, steering).map(|()| placed)
+    }
+
+    /// Room for the chain in the world.
+    pub(crate) fn nowhere(&self) -> Placed<'_> {
+        Placed {
             chain: self,
-            origin: Vector3::new(pose.x, pose.y, z),
-            rotation: heading * tilt,
-            // Rz Ry x, Rz y.
-            roll_axis: heading * Vector3::new(pitch.cos(), 0.0, -pitch.sin()),
-            pitch_axis: heading * Vector3::y(),
+            origin: Vector3::zeros(),
+            rotation: Matrix3::identity(),
+            roll_axis: Vector3::zeros(),
+            pitch_axis: Vector3::zeros(),
             parts: [PlacedPart {
                 rotation: Matrix3::identity(),
                 origin: Vector3::zeros(),
                 axis: Vector3::zeros(),
                 slope: 0.0,
             }; MAX_PARTS],
-        };
-        for k in 0..self.parts.len() {
-            placed.turn(k, joints, steering)?;
         }
-        Some(placed)
     }
 
     /// Takes the weight to act at another height of the body [m].
@@ -319,6 +317,19 @@ pub struct WheelFrame {
 pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 
 impl Placed<'_> {
+    /// See [`Chain::place`].
+    pub(crate) fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
+        let [z, roll, pitch, ref joints @ ..] = *state;
+        let heading = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw).into_inner();
+        let tilt = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
+        self.origin = Vector3::new(pose.x, pose.y, z);
+        self.rotation = heading * tilt;
+        // Rz Ry x, Rz y.
+        self.roll_axis = heading * Vector3::new(pitch.cos(), 0.0, -pitch.sin());
+        self.pitch_axis = heading * Vector3::y();
+        (0..self.chain.parts.len()).try_for_each(|k| self.turn(k, joints, steering))
+    }
+
     /// Puts a part where its parent and these angles say; angles that are not there are 0. None where a differential does not reach.
     #[inline]
     fn turn(&mut self, k: usize, joints: &[f64], steering: &[f64]) -> Option<()> {

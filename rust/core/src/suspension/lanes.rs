@@ -298,10 +298,13 @@ pub(crate) struct Placing<'a, S: Simd> {
     /// Of the body, and of every part.
     frames: [Frame<S>; MOST_PARTS + 1],
     axes: [Axis<S>; MOST_PARTS],
-    /// The wheels, straight ahead.
+    /// The wheels, straight ahead until somebody steers them.
     pub wheels: [WheelAt<S>; MAX_WHEELS],
     /// Where the wheels are steered about.
     pivots: [Vectors<S>; MAX_WHEELS],
+    /// Of the body and every part, the velocity that a point at the body's origin would have with it [m/s], and how it turns
+    /// [rad/s].
+    flow: [[Vectors<S>; 2]; MOST_PARTS + 1],
 }
 
 /// Sine and cosine of the angle of a part's own, and its derivative by the free angle; NaN where a differential does
@@ -354,6 +357,7 @@ impl<'a, S: Vector> Placing<'a, S> {
             }; MOST_PARTS],
             wheels: [nowhere; MAX_WHEELS],
             pivots: [[zero; 3]; MAX_WHEELS],
+            flow: [[[zero; 3]; 2]; MOST_PARTS + 1],
         }
     }
 
@@ -434,31 +438,23 @@ impl<'a, S: Vector> Placing<'a, S> {
         movers.iter().map(|&part| &self.axes[part])
     }
 
-    /// How the parts move at these rates of the body and the free angles.
+    /// Moves the parts at these rates of the body and the free angles.
     #[inline(always)]
-    pub fn moving(&self, simd: S, body: [Vectors<S>; 2], rates: &[Lanes<S>; MAX_FREE]) -> Flow<S> {
-        let mut flow = Flow {
-            parts: [[[all(simd, 0.0); 3]; 2]; MOST_PARTS + 1],
-        };
-        flow.parts[0] = body;
+    pub fn moves(&mut self, body: [Vectors<S>; 2], rates: &[Lanes<S>; MAX_FREE]) {
+        self.flow[0] = body;
         for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
             let Axis { axis, origin, .. } = self.axes[k];
             let turning = scaled(axis, rates[part.joint % MAX_FREE]);
-            let [velocity, turn] = flow.parts[part.parent];
-            flow.parts[k + 1] = [less(velocity, cross(turning, origin)), sum(turn, turning)];
+            let [velocity, turn] = self.flow[part.parent];
+            self.flow[k + 1] = [less(velocity, cross(turning, origin)), sum(turn, turning)];
         }
-        flow
     }
 
-    /// The velocity of a point of a wheel's carrier [m/s], and how the carrier turns [rad/s]: see `moving::contact::carried`.
+    /// The velocity of a point of a wheel's carrier as the parts move [m/s], and how the carrier turns [rad/s]: see
+    /// `moving::contact::carried`.
     #[inline(always)]
-    pub fn carried(&self, wheel: usize, point: Vectors<S>, flow: &Flow<S>) -> [Vectors<S>; 2] {
-        let [velocity, turn] = flow.parts[self.plan.wheels[wheel].frame];
+    pub fn carried(&self, wheel: usize, point: Vectors<S>) -> [Vectors<S>; 2] {
+        let [velocity, turn] = self.flow[self.plan.wheels[wheel].frame];
         [sum(velocity, cross(turn, point)), turn]
     }
-}
-
-/// Of the body and every part, the velocity that a point at the body's origin would have with it [m/s], and how it turns [rad/s].
-pub(crate) struct Flow<S: Simd> {
-    parts: [[Vectors<S>; 2]; MOST_PARTS + 1],
 }

@@ -169,16 +169,14 @@ impl InLanes<'_, Job<'_>> {
         let footings = self.job.footings;
         let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut never);
         placing.place(simd, &standing.joints);
-        let placing = &*placing;
         let wheels = plan.wheels().min(MAX_WHEELS);
-        let mut treads = placing.wheels;
-        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
+        for wheel in 0..wheels {
             if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                *tread = placing.steered(simd, wheel, turned);
+                placing.wheels[wheel] = placing.steered(simd, wheel, turned);
             }
             let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
-            let touch = Touch::new(simd, tread, radius, at);
+            let touch = Touch::new(simd, &placing.wheels[wheel], radius, at);
             let [normal, ..] = room.contacts[wheel].rows.each_mut();
             answers(
                 placing,
@@ -202,15 +200,16 @@ impl InLanes<'_, Job<'_>> {
             [rates[3], rates[4], rates[5]],
         ];
         let mut doubt = zero.below(zero);
-        let flow = placing.moving(simd, body, &joints);
+        placing.moves(body, &joints);
+        let placing = &*placing;
         let mut locals = [Local::none(simd); MAX_WHEELS];
         for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
-            let tread = &treads[wheel];
+            let tread = &placing.wheels[wheel];
             let own = |vector| {
                 let [ahead, left, up] = [tread.forward, tread.axle, tread.up];
                 [dot(ahead, vector), dot(left, vector), dot(up, vector)]
             };
-            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
+            let [velocity, turn] = placing.carried(wheel, tread.centre);
             *local = Local {
                 normal: own(standing.normals[wheel]),
                 velocity: own(velocity),

@@ -230,14 +230,14 @@ impl InLanes<'_, Job<'_>> {
         }
         let wanted = self.wanted(simd, given);
         placing.place(simd, &joints);
-        let placing = &*placing;
         let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
-        let mut treads = placing.wheels;
-        for (wheel, tread) in treads.iter_mut().enumerate().take(wheels) {
+        for wheel in 0..wheels {
             if let Some(joint) = plan.steering(wheel) {
-                *tread = placing.steered(simd, wheel, turned[joint % MAX_WHEELS]);
+                placing.wheels[wheel] = placing.steered(simd, wheel, turned[joint % MAX_WHEELS]);
             }
         }
+        placing.moves(wanted.body, &wanted.rates);
+        let placing = &*placing;
         let none = Centre {
             along: zero,
             across: zero,
@@ -246,11 +246,10 @@ impl InLanes<'_, Job<'_>> {
             radius: 1.0,
         };
         let mut centres = [none; MAX_WHEELS];
-        let flow = placing.moving(simd, wanted.body, &wanted.rates);
-        for wheel in 0..wheels {
-            let tread = &treads[wheel];
-            let [velocity, turn] = placing.carried(wheel, tread.centre, &flow);
-            centres[wheel] = Centre {
+        for (wheel, centre) in centres.iter_mut().enumerate().take(wheels) {
+            let tread = &placing.wheels[wheel];
+            let [velocity, turn] = placing.carried(wheel, tread.centre);
+            *centre = Centre {
                 along: dot(velocity, tread.forward),
                 across: dot(velocity, tread.up),
                 vertical: [tread.forward[2], tread.up[2]],
@@ -267,7 +266,8 @@ impl InLanes<'_, Job<'_>> {
         let mut checked = vertical;
         let (mut speeds, mut contacts) = ([zero; MAX_WHEELS], [zero; MAX_WHEELS]);
         let mut lifted = zero;
-        let steepest = all(simd, self.job.steepest);
+        let steepest = all(simd, self.job.steepest * self.job.steepest);
+        let slowest = all(simd, driving.lift.speed);
         for (wheel, centre) in centres.iter().enumerate() {
             let velocity = centre.at(vertical);
             let to: Way<S> = way(velocity, (zero, one), &mut doubt);
@@ -275,11 +275,12 @@ impl InLanes<'_, Job<'_>> {
             speeds[wheel] = rolled - centre.turn;
             contacts[wheel] = angle_of(simd, to.turned);
             checked = checked + speeds[wheel];
-            let [x, y] = wanted.in_plan(treads[wheel].centre);
-            let slope = steepest * x.mul_add(x, y * y).sqrt();
-            let most = all(simd, driving.lift.speed).max(slope);
-            let bit = all(simd, f64::from(1_u32 << wheel));
-            lifted = lifted + most.below(velocity[1].abs()).select(bit, zero);
+            let [x, y] = wanted.in_plan(placing.wheels[wheel].centre);
+            // Squares: a root takes as long as the rest of it.
+            let slope = steepest * x.mul_add(x, y * y);
+            let across = velocity[1];
+            let lifts = slowest.below(across.abs()) & slope.below(across * across);
+            lifted = lifted + lifts.select(all(simd, f64::from(1_u32 << wheel)), zero);
         }
         // What is not finite is not sure to be what the plain way says.
         doubt = doubt | !finite(simd, checked);
