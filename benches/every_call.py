@@ -146,6 +146,8 @@ def listed(rows=ROWS):
     add("Mppi.step", "a step of a rollout", plan.step, (5.0, 5.0, 0.3), path=[(5.0, 5.0), (9.0, 8.0)],
         costmap=hills, rows=plan.samples * 56)  # fmt: skip
     add("dead_reckon", "six-wheel", sw.dead_reckon, rover, steering, totals, stamps, goal=5.0)
+    turning = {"yaw_rate": inside[:, 2], "gyroscope": sw.Gyroscope()}
+    add("dead_reckon", "gyroscope", sw.dead_reckon, rover, steering, totals, stamps, goal=5.0, **turning)
     odometry = sw.Odometry(rover)
     add(
         "Odometry.run",

@@ -44,6 +44,20 @@ def test_a_bias_learnt_at_rest_is_taken_off_on_the_way():
     assert learnt.state.covariance[2, 2] < 0.1 * state.covariance[2, 2]
 
 
+def test_a_bias_learnt_late_also_moves_what_was_driven_without_readings():
+    """Ten seconds with a bias that nobody knows, ten seconds in which the gyroscope is silent, then rest: the
+    yaw was off by 0.05 rad from the first ten on, which the next ten metres went the wrong way by."""
+    known = sw.Gyroscope(1e-4, bias_noise=0.05, bias_walk=0.0)
+    odometry = sw.Odometry(PAIR, sw.Noise(speed=10.0), gyroscope=known)
+    for k in range(401):
+        state = odometry.update(None, (0.5 * k, 0.5 * k), 0.05 * k, yaw_rate=0.005 if k <= 200 else None)
+    assert abs(state.pose[1]) > 0.5
+    for k in range(401, 421):
+        state = odometry.update(None, (200.0, 200.0), 0.05 * k, yaw_rate=0.005)
+    # What is left is of second order: 20 m times half the square of 0.05.
+    np.testing.assert_allclose(state.pose, (20.0, 0.0, 0.0), atol=0.025)
+
+
 def test_a_rover_that_is_turned_by_hand_does_not_stand():
     odometry = sw.Odometry(PAIR, NOISE, gyroscope=KNOWN)
     park(odometry, 10.0, 0.0)

@@ -42,12 +42,15 @@ pub(crate) use spread::Spread;
 pub(crate) use state::State;
 use state::{advance, check_covariance, check_pose};
 use step::{Motion, Workspace, shared_readings};
-pub(crate) use step::{ROUNDING, SMALL_TURN, SUSPICIOUS, bend, small_bend, step_jacobian};
+pub(crate) use step::{
+    ROUNDING, SMALL_TURN, SUSPICIOUS, Turned, agreed, bend, gain, leant, left, left_of, met,
+    small_bend, step_jacobian,
+};
 use take::Refusal;
 use tolerant::Suspect;
 pub use tolerant::{Recording, TrackRows};
 use uncertainty::Uncertainty;
-pub(crate) use uncertainty::{StepJacobian, StepNoise, rounded};
+pub(crate) use uncertainty::{Bias, StepJacobian, StepNoise, rounded};
 
 /// What was read at one instant.
 #[derive(Clone, Copy, Debug)]

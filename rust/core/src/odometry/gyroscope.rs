@@ -11,6 +11,14 @@ pub(super) const STANDING: f64 = 1e-3;
 /// Deviations within which a reading may well be the bias.
 pub(super) const LIKELY: f64 = 4.0;
 
+/// What a gyroscope turned in a step that began with the reading `before`, if there was one then, and ended with this one
+/// [rad]: their mean without the bias.
+#[inline]
+pub(super) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
+    let known = bias.map_or(0.0, |bias| bias.value);
+    (f64::midpoint(before.unwrap_or(rate), rate) - known) * dt
+}
+
 /// What is known of a gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gyroscope {

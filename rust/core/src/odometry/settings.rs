@@ -154,6 +154,20 @@ impl Settings {
         [self.smoothing, walk]
     }
 
+    /// Variance that the bias of the gyroscope wanders by in so long [rad²/s²].
+    #[inline]
+    pub(crate) fn wandered(&self, dt: f64) -> f64 {
+        let [_, walk] = self.habits();
+        walk * walk * dt
+    }
+
+    /// Standard deviation of a yaw rate [rad/s].
+    #[inline]
+    pub(super) fn rate_noise(&self) -> f64 {
+        self.gyroscope
+            .map_or(self.noise.yaw_rate, |known| known.noise)
+    }
+
     /// Standard deviation of the factor that the gyroscope's turns are off by.
     pub(super) fn scale_noise(&self) -> f64 {
         self.gyroscope.map_or(0.0, |known| known.scale_noise)
@@ -165,12 +179,11 @@ impl Settings {
     }
 
     pub(super) fn rules(&self) -> Rules {
-        let mut noise = self.noise;
-        if let Some(known) = self.gyroscope {
-            noise.yaw_rate = known.noise;
-        }
         Rules {
-            noise,
+            noise: Noise {
+                yaw_rate: self.rate_noise(),
+                ..self.noise
+            },
             method: self.method,
             inflate: self.inflate,
             slip_threshold: self.flagged_slip(),

@@ -221,6 +221,19 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
         }
     }
 
+    /// With the product of a vector with itself.
+    #[inline(always)]
+    pub fn and_square<F: Arithmetic<Number = T>>(self, by: F, [x, y, z]: [T; 3]) -> Self {
+        Self {
+            xx: by.fused(x, x, self.xx),
+            xy: by.fused(x, y, self.xy),
+            xz: by.fused(x, z, self.xz),
+            yy: by.fused(y, y, self.yy),
+            yz: by.fused(y, z, self.yz),
+            zz: by.fused(z, z, self.zz),
+        }
+    }
+
     /// As the third component swings the other two by this lever.
     #[inline(always)]
     pub fn swung<F: Arithmetic<Number = T>>(&self, by: F, [x, y]: [T; 2]) -> Self {

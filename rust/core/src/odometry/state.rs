@@ -120,13 +120,10 @@ pub(super) fn follow(
     let bend = bend(Apart, displacement.omega / 2.0);
     let jacobian = step_jacobian(Apart, displacement.into(), bend, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
-    if motion.gyro_turn.is_some() {
-        let gain = work.fusion().gain;
-        let wandered = walk * walk * motion.dt;
-        state
-            .uncertainty
-            .lean_on_bias(&jacobian, &gain, motion.dt, wandered);
-    }
+    let (gain, wandered) = (work.fusion().gain, walk * walk * motion.dt);
+    state
+        .uncertainty
+        .lean_on_bias(&jacobian, &gain, motion.dt, wandered);
     state.go(jacobian.shift, displacement.omega);
     let twist = <[f64; 3]>::from(displacement).map(|part| part / motion.dt);
     state.hold(twist.into(), motion.dt, smoothing);

@@ -1,6 +1,7 @@
 //! The displacement over one step, from what the wheels turned, and what it may be off by.
 
 mod arc;
+mod turned;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,6 +18,7 @@ use crate::geometry::Twist;
 use crate::rover::Rover;
 pub(super) use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
+pub(crate) use turned::{Turned, agreed, gain, leant, left, left_of, met};
 
 /// How many standard deviations a wheel may disagree before it is said to slip.
 pub(crate) const SUSPICIOUS: f64 = 4.0;

@@ -1,8 +1,9 @@
 //! How a sample is taken in: checked, turned into a step, and made the one from which the next one counts.
 
-use super::gyroscope::{LIKELY, STANDING};
+use super::gyroscope::{self, LIKELY, STANDING};
 use super::state::{advance, meet_yaw};
 use super::step::Motion;
+use super::uncertainty::Bias;
 use super::{Health, Odometry, Readings, Sample};
 use crate::error::{Error, number, numbers};
 use crate::geometry::Twist;
@@ -31,7 +32,9 @@ impl Odometry {
             .make_room(sample.stamp)
             .map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
-            Some(slips) => Ok(self.conclude(&sample, Health::SLIP.when(slips), None)),
+            Some((slips, gyro_turn)) => {
+                Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn))
+            }
             None => self.take_any(sample),
         }
     }
@@ -73,19 +76,18 @@ impl Odometry {
         let wrapped = self.difference(&sample, dt);
         self.check_jump(dt)
             .map_err(|error| Refusal::new(Health::JUMP, error))?;
+        let bias = self.state.uncertainty.bias;
         if let Some(rate) = sample.yaw_rate
-            && self.stands(rate, dt)
+            && self.stands(rate, bias, dt, self.turned.iter().copied())
         {
             self.rest(rate, dt);
             let flags = Health::WRAPPED.when(wrapped);
             return Ok(self.conclude(&sample, flags, None));
         }
-        let bias = self.state.uncertainty.bias;
-        let known = bias.map_or(0.0, |bias| bias.value);
-        let gyro_turn = sample.yaw_rate.map(|rate| {
-            let before = self.reference.yaw_rate.unwrap_or(rate);
-            (f64::midpoint(before, rate) - known) * dt
-        });
+        let before = self.reference.yaw_rate;
+        let gyro_turn = sample
+            .yaw_rate
+            .map(|rate| gyroscope::turn(before, rate, bias, dt));
         let motion = Motion {
             steering: [&self.reference.angles, &self.angles],
             turned: &self.turned,
@@ -246,16 +248,22 @@ impl Odometry {
 
     /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
     /// its bias.
-    fn stands(&self, rate: f64, dt: f64) -> bool {
-        let (Some(known), Some(bias)) = (self.settings.gyroscope, self.state.uncertainty.bias)
-        else {
+    #[inline]
+    pub(super) fn stands(
+        &self,
+        rate: f64,
+        bias: Option<Bias>,
+        dt: f64,
+        turned: impl Iterator<Item = f64>,
+    ) -> bool {
+        let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
             return false;
         };
         let still = self
             .rover
             .wheels()
             .iter()
-            .zip(&self.turned)
+            .zip(turned)
             .all(|(wheel, turned)| {
                 turned.is_nan() || (wheel.radius * turned).abs() <= STANDING * dt
             });
@@ -266,9 +274,8 @@ impl Odometry {
     /// A step of standing: the pose is held, and the bias learnt.
     fn rest(&mut self, rate: f64, dt: f64) {
         let noise = self.settings.gyroscope.map_or(0.0, |known| known.noise);
-        let [_, walk] = self.settings.habits();
         if let Some(bias) = &mut self.state.uncertainty.bias {
-            bias.variance += walk * walk * dt;
+            bias.variance += self.settings.wandered(dt);
         }
         let shift = self.state.uncertainty.learn_bias(rate, noise * noise);
         self.state.shift(&shift);

@@ -117,13 +117,16 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Where the rows from `first` on end that tell no yaw and no rate of it, `most` of them at most.
-    pub(super) fn bare_until(&self, first: usize, most: usize) -> usize {
+    /// Where the rows from `first` on end of which none but the last one tells a yaw, `most` of them at most.
+    pub(super) fn until_yaw(&self, first: usize, most: usize) -> usize {
         let end = self.stamps.len().min(first + most);
-        let sensors = [self.yaws, self.yaw_rates].into_iter().flatten();
-        sensors.fold(end, |end, values| {
-            let told = values[first..end].iter().position(|value| !value.is_nan());
-            told.map_or(end, |k| first + k)
+        let told = self.yaws.and_then(|yaws| {
+            let found = yaws[first..end].iter().position(|yaw| !yaw.is_nan());
+            found.map(|k| first + k)
+        });
+        told.map_or(end, |row| {
+            let is_usual = self.yaws.is_some_and(|yaws| yaws[row].is_finite());
+            row + usize::from(is_usual)
         })
     }
 }
@@ -264,12 +267,9 @@ impl Odometry {
             ErrorKind::Memory => error,
             _ => error.at_row(k),
         })?;
-        track.poses[k] = self.pose().into();
+        self.tell(k, track);
         track.twists[k] = self.twist().into();
         track.health[k] = flags.0;
-        if let Some(covariances) = &mut track.covariances {
-            covariances[k].copy_from_slice(self.covariance().as_flattened());
-        }
         let of_wheels = [
             (&mut track.residuals, &self.residual),
             (&mut track.weights, &self.work.weights),
@@ -285,5 +285,13 @@ impl Odometry {
             }
         }
         Ok(flags)
+    }
+
+    /// Where the rover is, into a row.
+    pub(super) fn tell(&self, k: usize, track: &mut TrackRows<'_>) {
+        track.poses[k] = self.pose().into();
+        if let Some(covariances) = &mut track.covariances {
+            covariances[k].copy_from_slice(self.covariance().as_flattened());
+        }
     }
 }

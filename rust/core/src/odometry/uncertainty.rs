@@ -12,12 +12,13 @@
 //!
 //! What dimensions are off by enters every step: it has columns too, which are never settled (`lasting`).
 
-use std::ops::Neg;
+use std::ops::{Add, Mul, Neg};
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::arithmetic::{Apart, Arithmetic};
 use super::spread::Spread;
+use super::step::{leant, met};
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
@@ -47,6 +48,19 @@ impl<T: Copy + Neg<Output = T>> StepJacobian<T> {
     #[inline(always)]
     pub fn lever(&self) -> [T; 2] {
         [-self.shift[1], self.shift[0]]
+    }
+}
+
+impl<T: Copy + Add<Output = T> + Mul<Output = T>> StepJacobian<T> {
+    /// What an error of the displacement is at the end.
+    #[inline(always)]
+    pub fn ended<F: Arithmetic<Number = T>>(&self, by: F, [x, y, z]: [T; 3]) -> [T; 3] {
+        let [[a, b, c], [d, e, f]] = self.by_displacement;
+        [
+            by.fused(c, z, by.fused(b, y, a * x)),
+            by.fused(f, z, by.fused(e, y, d * x)),
+            z,
+        ]
     }
 }
 
@@ -140,6 +154,26 @@ pub(crate) struct Bias {
     pub variance: f64,
     /// Covariance of its error with that of the pose.
     pub cross: Vector3<f64>,
+}
+
+impl Bias {
+    /// Goes along one step that is off by `by_bias` times its error, and wanders by a variance: what that adds to the
+    /// covariance of the pose.
+    #[inline(always)]
+    pub fn lean<F: Arithmetic<Number = f64>>(
+        &mut self,
+        by: F,
+        lever: [f64; 2],
+        by_bias: [f64; 3],
+        wandered: f64,
+    ) -> Spread {
+        let cross = self.cross.into();
+        let added = leant(by, lever, cross, by_bias, self.variance);
+        let end = by_bias.map(|part| part * self.variance);
+        self.cross = met(by, lever, cross, end).into();
+        self.variance += wandered;
+        added
+    }
 }
 
 /// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
@@ -244,21 +278,8 @@ impl Uncertainty {
         self.carry_yaw_offset(step.lever());
     }
 
-    /// The same where the columns of the joints have gone along already: what is left is the gyroscope's.
-    #[inline(always)]
-    pub fn follow(&mut self, settled: Spread, open: Spread, lever: [f64; 2]) {
-        (self.settled, self.open) = (settled, open);
-        if let Some(column) = self.carried.last_mut()
-            && *column != [0.0; 3]
-        {
-            let whole = carry(lever, &Vector3::from(*column));
-            self.settled.add(&whole, 1.0);
-            *column = [0.0; 3];
-        }
-        self.carry_yaw_offset(lever);
-    }
-
     /// What steps came to that went along by registers.
+    #[inline(always)]
     pub fn settle(&mut self, settled: Spread, open: Spread) {
         (self.settled, self.open) = (settled, open);
     }
@@ -269,19 +290,13 @@ impl Uncertainty {
     }
 
     /// The bias of a gyroscope goes along one step, in which it turned the rover by as much as `gain` let it, and wandered
-    /// by a variance.
+    /// by a variance. Where the gyroscope said nothing, what it turned before still swings the pose.
     pub fn lean_on_bias(&mut self, step: &StepJacobian, gain: &Vector3<f64>, dt: f64, walk: f64) {
-        let Some(mut bias) = self.bias else {
-            return;
-        };
-        let by = step.map(&(gain * -dt));
-        let carried = carry(step.lever(), &bias.cross);
-        let mixed = by * carried.transpose();
-        let added = mixed + mixed.transpose() + by * by.transpose() * bias.variance;
-        self.settled.add_spread(&Spread::of(&added));
-        bias.cross = carried + by * bias.variance;
-        bias.variance += walk;
-        self.bias = Some(bias);
+        if let Some(bias) = &mut self.bias {
+            let by_bias = step.map(&(gain * -dt)).into();
+            let added = bias.lean(Apart, step.lever(), by_bias, walk);
+            self.settled.add_spread(&added);
+        }
     }
 
     /// At rest a gyroscope reads its bias: by how much that moves the pose, which has leant on it.

@@ -14,7 +14,7 @@ use crate::steering::{ANGLE_TOLERANCE, UNDECIDED};
 use crate::wheels::Direction;
 
 /// Comparisons that rounding may turn are not sure within this [rad].
-const CLOSE: f64 = 1e-9;
+pub(super) const CLOSE: f64 = 1e-9;
 
 /// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
 const LEFT: f64 = 0.75;

@@ -9,7 +9,7 @@ use pulp::Simd;
 
 use super::choice::Asked;
 use super::cone::Cone;
-use super::steered::{Reach, Steered, absolute, load};
+use super::steered::{EITHER, ONLY, Reach, Steered, absolute, load};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::stream::fetch_ahead;
@@ -47,6 +47,8 @@ pub(crate) struct Plan<'a> {
     is_simple: bool,
     /// Whether there is only one way of making a motion, wherever the wheels are, unless they rest.
     is_inner: bool,
+    /// Whether some wheels may have to ask the others which of two ways to go.
+    asks: bool,
 }
 
 impl<'a> Plan<'a> {
@@ -75,7 +77,8 @@ impl<'a> Plan<'a> {
             rover,
             cone,
             is_simple: all(&|_| true),
-            is_inner: all(&|reach| reach.inner),
+            is_inner: all(&|reach| reach.ways == ONLY),
+            asks: !all(&|reach| reach.ways != EITHER),
             parts,
             joints: rover.steered().len(),
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),

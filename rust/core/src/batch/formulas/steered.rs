@@ -1,12 +1,15 @@
 //! One steered wheel: the angle it takes without a second thought, through a block.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use pulp::Simd;
 
+use super::choice::CLOSE;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::angle;
 use crate::batch::machine::weave::{BLOCK, Column};
 use crate::rover::Mount;
-use crate::steering::SteeringRange;
+use crate::steering::{SteeringRange, UNDECIDED};
 use crate::wheels::{Direction, REST, Wheel};
 
 /// Angles this near to an end of the reach need a second thought where the other end may be as near [rad].
@@ -16,7 +19,15 @@ pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;
 pub(in crate::batch) const AT_AN_END: f64 = 5e-10;
 
 /// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
-pub(in crate::batch) const DECIDED: f64 = 84.0 * std::f64::consts::PI / 180.0;
+pub(in crate::batch) const DECIDED: f64 = 84.0 * PI / 180.0;
+
+/// A range that goes further to both sides surely holds the nearer way of any motion [rad].
+const WIDE: f64 = FRAC_PI_2 + 1e-6;
+
+/// How a wheel finds its way: it has only one, the nearer one of two is surely meant, or it may have to ask the others.
+pub(in crate::batch) const ONLY: u8 = 0;
+pub(super) const NEARER: u8 = 1;
+pub(super) const EITHER: u8 = 2;
 
 /// The angles that need no thought.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +38,8 @@ pub(crate) struct Reach {
     pub symmetric: bool,
     /// Whether it is a quarter turn to either side at most.
     pub folded: bool,
-    /// Whether it is less than that, so that there is one way only of making a motion.
-    pub inner: bool,
+    /// [`ONLY`], [`NEARER`] or [`EITHER`].
+    pub ways: u8,
 }
 
 impl Reach {
@@ -49,8 +60,15 @@ impl Reach {
             lower: end(-range.lower),
             symmetric: range.lower == -range.upper,
             folded,
-            inner: range.lower > quarter.lower + NEAR_AN_END
-                && range.upper < quarter.upper - NEAR_AN_END,
+            ways: if range.lower > quarter.lower + NEAR_AN_END
+                && range.upper < quarter.upper - NEAR_AN_END
+            {
+                ONLY
+            } else if range.lower < -WIDE && range.upper > WIDE {
+                EITHER
+            } else {
+                NEARER
+            },
         })
     }
 
@@ -161,12 +179,56 @@ pub(crate) struct Steer<'a, S: Simd> {
     pub per_radius: Lanes<S>,
     pub angles: &'a mut [S::f64s],
     pub speeds: &'a mut [S::f64s],
+    /// How many undecided wheels would go either way, and by how much the way backwards is shorter for all of them [rad].
+    pub votes: &'a mut [Column; 3],
+}
+
+/// By how much the nearer way at this angle is shorter than the other one [rad]: at most 0.
+#[inline(always)]
+fn lead<S: Simd>(simd: S, angle: Lanes<S>) -> Lanes<S> {
+    let size = angle.abs();
+    size + size - Lanes::splat(simd, PI)
+}
+
+impl Steered {
+    /// The other way of a wheel at this angle, and whether it is about as near and within the range, of which the end is not
+    /// close to it.
+    #[inline(always)]
+    fn other<S: Simd>(&self, simd: S, angle: Lanes<S>) -> (Lanes<S>, [Mask<S>; 2]) {
+        let splat = |number| Lanes::splat(simd, number);
+        let half = angle + splat(PI);
+        let other = splat(0.0).below(angle).select(half - splat(TAU), half);
+        let (below, above) = (
+            splat(self.range.lower) - other,
+            other - splat(self.range.upper),
+        );
+        let beyond = below.max(above);
+        let near = splat(-UNDECIDED).below(lead(simd, angle));
+        let sure = !near | splat(2.0 * CLOSE).below(beyond.abs());
+        (other, [near & beyond.below(splat(0.0)), sure])
+    }
+
+    /// Angle and speed of a wheel after those of all have been asked which way to go: where it could as soon go the other
+    /// way, and that is theirs, it does.
+    #[inline(always)]
+    pub fn agreed<S: Simd>(
+        &self,
+        simd: S,
+        [angle, speed]: [Lanes<S>; 2],
+        asked: Mask<S>,
+        backwards: Mask<S>,
+    ) -> [Lanes<S>; 2] {
+        let back = speed.below(Lanes::splat(simd, 0.0));
+        let (other, [undecided, _]) = self.other(simd, angle);
+        let turns = asked & undecided & ((back & !backwards) | (!back & backwards));
+        [turns.select(other, angle), turns.select(-speed, speed)]
+    }
 }
 
 impl<S: Simd> Steer<'_, S> {
     /// Where the wheel surely moves and is surely within its range. What is known of it beforehand leaves the loop.
     #[inline(always)]
-    pub fn run<const TURNED: bool, const INNER: bool>(
+    pub fn run<const TURNED: bool, const WAYS: u8>(
         self,
         simd: S,
         steered: &Steered,
@@ -187,11 +249,30 @@ impl<S: Simd> Steer<'_, S> {
             let (along, across) = (x.abs(), y.abs());
             let sign = x.sign();
             let mut angle = angle(simd, along, across).flip(y.sign()).flip(sign);
-            if INNER {
+            if WAYS == ONLY {
                 let inside = angle.max(lower).min(upper);
                 let moves = margin.below(along.max(across));
                 sure = sure & moves & (angle - inside).abs().at_most(at_an_end);
                 angle = inside;
+            } else if WAYS == EITHER {
+                let near = lead(simd, angle);
+                let beyond = near + Lanes::splat(simd, UNDECIDED);
+                let close = Lanes::splat(simd, CLOSE);
+                sure = sure & margin.below(along.max(across));
+                sure = sure & close.below(beyond.abs()) & close.below(near.abs());
+                if zero.below(beyond).any() {
+                    let (_, [undecided, clear]) = steered.other(simd, angle);
+                    sure = sure & clear;
+                    let one = Lanes::splat(simd, 1.0);
+                    let back = x.below(zero);
+                    for (votes, vote) in self.votes.iter_mut().zip([
+                        back.select(zero, one),
+                        back.select(one, zero),
+                        near.flip(sign),
+                    ]) {
+                        votes.store(k, votes.load(simd, k) + undecided.select(vote, zero));
+                    }
+                }
             } else {
                 sure = sure & reach.holds(simd, [x, y], margin);
             }

@@ -16,7 +16,7 @@ use pulp::Simd;
 use super::twist::is_sure;
 use crate::admissible::SLIP_TOLERANCE;
 use crate::batch::formulas::inverse::{LARGEST, SMALLEST, is_usual, pivots_apart};
-use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, Reach};
+use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{ROUND, angle};
@@ -196,7 +196,7 @@ impl Group {
     fn set_range(&mut self, lane: usize, range: SteeringRange) {
         self.range[0][lane] = range.lower;
         self.range[1][lane] = range.upper;
-        let inner = Reach::new(range).is_some_and(|reach| reach.inner);
+        let inner = Reach::new(range).is_some_and(|reach| reach.ways == ONLY);
         let margin = if inner { 0.0 } else { NEAR_AN_END };
         self.slack[lane] = if inner { AT_AN_END } else { 0.0 };
         self.inside[0][lane] = range.lower + margin;

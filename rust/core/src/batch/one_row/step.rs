@@ -18,13 +18,13 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, padded};
 use crate::error::HUGE;
 use crate::odometry::{
-    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, bend,
-    step_jacobian,
+    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, Turned,
+    agreed, bend, gain, left, left_of, met, step_jacobian,
 };
 pub(crate) use plan::Plan;
 use plan::Room;
 pub(crate) use wheels::SURELY;
-use wheels::{Pick, Register, Squares, disagree, ended, lean, listen, met};
+use wheels::{InLanes, Pick, Register, Squares, disagree, lean, listen};
 
 /// Way of a wheel and turn of a joint over one step beyond which it is left to the plain core [m, rad]; half the turn is as
 /// far as the chord is the polynomial. A wheel may turn by as many radians as metres.
@@ -57,6 +57,9 @@ pub(crate) struct Given<'a> {
     /// Steering angles at its start [rad].
     pub angles: &'a [f64],
     pub terms: Terms<f64>,
+    pub turned: Option<Turned<f64>>,
+    /// Variance that the bias of a gyroscope wanders by [rad²/s²].
+    pub wandered: f64,
 }
 
 /// Where the results of a step go.
@@ -119,8 +122,22 @@ impl Kernel for Step<'_, '_> {
         let heading = targets.state.walk.heading.value();
         let (sin, cos) = sin_cos(simd, Lanes::splat(simd, heading));
         let terms = given.terms.everywhere(simd);
-        let displacement = displace(simd, plan, given, &terms, targets)?;
+        let mut displacement = displace(simd, plan, given, &terms, targets)?;
         let dt = given.terms.dt;
+        let (mut own, slips) = doubt(simd, plan, &terms, displacement);
+        let mut shared = None;
+        if let Some(turned) = &given.turned {
+            let ends = ends(simd, plan, &terms);
+            let (gain, variance) = gain(Instruction, turned, own.and(ends.and(ends)), dt);
+            if variance.is_nan() || variance <= 0.0 {
+                return None;
+            }
+            displacement = agreed(Instruction, gain, displacement, turned.turn);
+            own = left_of(Instruction, gain, own);
+            let column = gain.map(|part| part * turned.deviation);
+            let ends = left_of(Instruction, gain, ends).and_square(Instruction, column);
+            shared = Some((gain, ends, column));
+        }
         let twist = displacement.map(|part| part / dt);
         let is_usual = displacement.iter().all(|part| part.abs() < HUGE)
             && twist.iter().all(|part| part.is_finite());
@@ -133,19 +150,36 @@ impl Kernel for Step<'_, '_> {
             bend(Instruction, displacement[2] / 2.0),
             [sin.last(simd), cos.last(simd)],
         );
-        let (own, slips) = doubt(simd, plan, &terms, displacement);
         if !own.is_below(HUGE) {
             return None;
         }
         report(simd, plan, 1.0 / dt, targets.residual);
         let Targets { state, noise, .. } = targets;
         let uncertainty = &mut state.uncertainty;
-        let [ends, met] = carry(simd, plan, &terms, &mut uncertainty.carried, &jacobian);
-        let by = &jacobian.by_displacement;
-        let added = own.displaced(Instruction, by).and(met);
-        let lever = jacobian.lever();
+        let by_gyroscope = shared.map(|(gain, ..)| gain);
+        let carried = &mut uncertainty.carried;
+        let [mut ends, mut whole] = carry(simd, plan, &terms, carried, &jacobian, by_gyroscope);
+        let (by, lever) = (&jacobian.by_displacement, jacobian.lever());
+        if let Some(column) = carried.last_mut()
+            && (shared.is_some() || *column != [0.0; 3])
+        {
+            let mut end = [0.0; 3];
+            if let Some((_, fused, column)) = shared {
+                ends = fused;
+                end = jacobian.ended(Instruction, column);
+            }
+            whole = whole.and_square(Instruction, met(Instruction, lever, *column, end));
+            *column = end;
+        }
+        let mut added = own.displaced(Instruction, by).and(whole);
+        if let Some(bias) = &mut uncertainty.bias {
+            let by_bias = by_gyroscope.unwrap_or_default().map(|part| part * -dt);
+            let by_bias = jacobian.ended(Instruction, by_bias);
+            added = added.and(bias.lean(Instruction, lever, by_bias, given.wandered));
+        }
         let settled = uncertainty.settled.swung(Instruction, lever).and(added);
-        uncertainty.follow(settled, ends.displaced(Instruction, by), lever);
+        uncertainty.settle(settled, ends.displaced(Instruction, by));
+        uncertainty.carry_yaw_offset(lever);
         (noise.own, noise.ends) = (own, ends.and(ends));
         state.go(jacobian.shift, displacement[2]);
         state.hold(twist.into(), dt, given.terms.smoothing);
@@ -227,6 +261,18 @@ fn doubt<S: Vector>(
     (squares.total(), slips)
 }
 
+/// What the joints' readings at one end add to the displacement's covariance.
+#[inline(always)]
+fn ends<S: Vector>(simd: S, plan: &Plan, terms: &Terms<Lanes<S>>) -> Spread {
+    let mut ends = Squares::new(simd);
+    for (group, room) in plan.groups.iter().zip(&plan.rooms) {
+        for k in 0..group.steered.div_ceil(S::F64_LANES) {
+            ends.add_square(lean(simd, (group, Register(simd, k)), terms, (room, k)));
+        }
+    }
+    ends.total()
+}
+
 /// The residuals of a step that was made, `per` one over its duration [1/s].
 #[inline(always)]
 fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
@@ -261,8 +307,8 @@ fn is_slip(rooms: &[Room]) -> bool {
     })
 }
 
-/// Takes the joints' errors along: what one end of the step adds to the displacement's covariance, and what the
-/// columns that were carried come to at its end.
+/// Takes the joints' errors along: what one end of the step adds to the displacement's covariance by the wheels, and what
+/// the columns that were carried come to at its end, where a gyroscope shares the step with this gain.
 #[inline(always)]
 fn carry<S: Vector>(
     simd: S,
@@ -270,15 +316,19 @@ fn carry<S: Vector>(
     terms: &Terms<Lanes<S>>,
     carried: &mut [[f64; 3]],
     jacobian: &StepJacobian,
+    gain: Option<[f64; 3]>,
 ) -> [Spread; 2] {
+    let by = InLanes(simd);
     let splat = |number| Lanes::splat(simd, number);
-    let mut by = [[splat(0.0); 3]; 2];
-    let parts = jacobian.by_displacement.as_flattened().iter();
-    for (part, number) in by.as_flattened_mut().iter_mut().zip(parts) {
-        *part = splat(*number);
-    }
-    let [x, y] = jacobian.lever();
-    let lever = [splat(x), splat(y)];
+    let ([a, b], [[c, d, e], [f, g, h]]) = (jacobian.shift, jacobian.by_displacement);
+    let jacobian = StepJacobian {
+        shift: [splat(a), splat(b)],
+        by_displacement: [
+            [splat(c), splat(d), splat(e)],
+            [splat(f), splat(g), splat(h)],
+        ],
+    };
+    let lever = jacobian.lever();
     let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
     let mut columns = carried
         .as_flattened_mut()
@@ -286,10 +336,13 @@ fn carry<S: Vector>(
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let Some(columns) = columns.next() else { break };
-            let half = lean(simd, (group, Register(simd, k)), terms, (room, k));
+            let mut half = lean(simd, (group, Register(simd, k)), terms, (room, k));
             ends.add_square(half);
-            let end = ended(by, half);
-            settled.add_square(met(lever, Lanes::unbraid(simd, columns), end));
+            if let Some([x, y, z]) = gain {
+                half = left(by, [splat(x), splat(y), splat(z)], half);
+            }
+            let end = jacobian.ended(by, half);
+            settled.add_square(met(by, lever, Lanes::unbraid(simd, columns), end));
             Lanes::braid(end, columns);
         }
     }

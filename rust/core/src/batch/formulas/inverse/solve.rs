@@ -4,8 +4,9 @@ use pulp::Simd;
 
 use super::{Part, Plan, block, usual};
 use crate::batch::formulas::choice::Asked;
+use crate::batch::formulas::choice::CLOSE;
 use crate::batch::formulas::cone::dot;
-use crate::batch::formulas::steered::{Steer, Steered, absolute, load};
+use crate::batch::formulas::steered::{EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::stream::{Output, fetch_ahead};
@@ -51,6 +52,7 @@ impl Kernel for Solve<'_> {
         let mut all_speeds = output(self.speeds, wheels);
         let simple =
             plan.is_simple && (previous.is_none() && previous_speeds.is_none() || plan.is_inner);
+        let mut votes = [Column::ZERO; 3];
         let mut usual = true;
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = b * BLOCK;
@@ -62,7 +64,7 @@ impl Kernel for Solve<'_> {
             let mut doubtful = false;
             // Where the last block needed the whole formula, this one most likely does; now and then it is tried.
             let tries = simple && (usual || b % TRIES == 0);
-            usual = tries && solve_block(simd, plan, &twists, steering, speeds);
+            usual = tries && solve_block(simd, plan, &twists, steering, speeds, &mut votes);
             if !usual {
                 let of = |values, width| block(values, width, first, rows.len());
                 unweave(simd, of(previous, joints), before);
@@ -96,6 +98,7 @@ fn solve_block<S: Simd>(
     twists: &[Column; 3],
     steering: &mut [Column],
     speeds: &mut [Column],
+    votes: &mut [Column; 3],
 ) -> bool {
     let zero = Lanes::splat(simd, 0.0);
     let mut sure = zero.at_most(zero);
@@ -109,7 +112,10 @@ fn solve_block<S: Simd>(
         (summed * Lanes::splat(simd, 2.0 * REST)).store(margins, k);
     }
     let mut joint = 0;
-    for ((part, per_radius), speeds) in plan.parts.iter().zip(speeds) {
+    if plan.asks {
+        *votes = [Column::ZERO; 3];
+    }
+    for ((part, per_radius), speeds) in plan.parts.iter().zip(&mut *speeds) {
         let per_radius = Lanes::splat(simd, *per_radius);
         match part {
             Part::Fixed(row) => roll(simd, row, per_radius, twists, speeds),
@@ -126,18 +132,59 @@ fn solve_block<S: Simd>(
                     per_radius,
                     angles,
                     speeds: S::as_mut_simd_f64s(&mut speeds.0).0,
+                    votes,
                 };
                 sure = sure
-                    & match (steered.heading, reach.inner) {
-                        (None, true) => steer.run::<false, true>(simd, steered, reach),
-                        (None, false) => steer.run::<false, false>(simd, steered, reach),
-                        (Some(_), true) => steer.run::<true, true>(simd, steered, reach),
-                        (Some(_), false) => steer.run::<true, false>(simd, steered, reach),
+                    & match (steered.heading, reach.ways) {
+                        (None, ONLY) => steer.run::<false, ONLY>(simd, steered, reach),
+                        (None, EITHER) => steer.run::<false, EITHER>(simd, steered, reach),
+                        (None, _) => steer.run::<false, NEARER>(simd, steered, reach),
+                        (Some(_), ONLY) => steer.run::<true, ONLY>(simd, steered, reach),
+                        (Some(_), EITHER) => steer.run::<true, EITHER>(simd, steered, reach),
+                        (Some(_), _) => steer.run::<true, NEARER>(simd, steered, reach),
                     };
             }
         }
     }
+    if plan.asks {
+        sure = sure & agree(simd, plan, votes, steering, speeds);
+    }
     !(!sure).any()
+}
+
+/// Undecided wheels that would go different ways go the one that is shorter for all of them. Where that is sure.
+#[inline(always)]
+fn agree<S: Simd>(
+    simd: S,
+    plan: &Plan<'_>,
+    votes: &[Column; 3],
+    steering: &mut [Column],
+    speeds: &mut [Column],
+) -> Mask<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    let mut sure = zero.at_most(zero);
+    for k in 0..BLOCK / S::F64_LANES {
+        let [ahead, back, lead] = load(simd, votes, k);
+        let differ = zero.below(ahead * back);
+        if !differ.any() {
+            continue;
+        }
+        let backwards = zero.below(lead);
+        sure = sure & !(differ & lead.abs().below(Lanes::splat(simd, CLOSE)));
+        let mut angles = steering.iter_mut();
+        for ((part, _), speeds) in plan.parts.iter().zip(&mut *speeds) {
+            if let Part::Steered(steered) = part
+                && let Some(angles) = angles.next()
+                && steered.reach.is_some_and(|reach| reach.ways == EITHER)
+            {
+                let command = [angles.load(simd, k), speeds.load(simd, k)];
+                let [angle, speed] = steered.agreed(simd, command, differ, backwards);
+                angles.store(k, angle);
+                speeds.store(k, speed);
+            }
+        }
+    }
+    sure
 }
 
 /// A wheel that is not steered.

@@ -172,3 +172,49 @@ fn wheels_with_trail_are_let_pass_where_the_plain_core_lets_them() -> Result<(),
     assert!((500..8000).contains(&refused), "{refused}");
     Ok(())
 }
+
+#[test]
+fn wheels_that_may_go_either_way_agree_as_in_the_plain_core() -> Result<(), Error> {
+    let mut numbers = Numbers(11);
+    for _ in 0..100 {
+        let mut wheels = Vec::new();
+        for name in ["a", "b", "c", "d", "e"] {
+            let (x, y) = (numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0));
+            let range = SteeringRange {
+                lower: -numbers.between(1.58, 3.4),
+                upper: numbers.between(1.58, 3.4),
+            };
+            wheels.push(Wheel::new(name, x, y, 0.1).steered(range));
+        }
+        let rover = Rover::new(wheels)?;
+        // To the side, all of them or all but one are undecided.
+        let mut twist = || {
+            let along = numbers.between(-0.1, 0.1);
+            [
+                along,
+                numbers.between(-1.0, 1.0),
+                numbers.between(-0.1, 0.1),
+            ]
+        };
+        let twists: Vec<_> = (0..512).map(|_| twist()).collect();
+        let solve = |level| {
+            let (mut steering, mut speeds) = (vec![0.0; 2560], vec![0.0; 2560]);
+            let workers = Workers {
+                level,
+                ..Workers::PLAIN
+            };
+            let inputs = Inputs::default();
+            batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
+                .map(|()| [steering, speeds])
+        };
+        let expected = solve(Level::Plain)?.concat();
+        for level in Level::available() {
+            let found = solve(level)?.concat();
+            for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let off = (found - expected).abs();
+                assert!(off <= 1e-13, "{level:?} {k}: {found} {expected} {rover:?}");
+            }
+        }
+    }
+    Ok(())
+}

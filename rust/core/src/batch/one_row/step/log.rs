@@ -4,29 +4,29 @@
 //! are added as a register's lanes are. What depends on the step before goes from row to row in between: angles of joints
 //! and the heading, which are sums, and at the end the pose and its covariance. So a row's bits are those of a sample alone.
 
+mod apart;
 mod block;
 mod led;
 mod room;
 
+use apart::apart;
 pub(crate) use block::Block;
 use block::{at, load, store};
-use led::{LEAD, all};
+use led::{LEAD, Led, all, row};
 pub(crate) use room::Room;
 
 use super::plan::Plan;
-use super::wheels::{
-    Everywhere, InLanes, Pick, Register, Squares, disagree, ended, lean, listen, met,
-};
+use super::wheels::{Everywhere, InLanes, Pick, Register, Squares, disagree, lean, listen};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::sin_cos;
 use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, unweave};
+use crate::batch::machine::weave::BLOCK;
 use crate::batch::one_row::inverse::GROUP;
 use crate::error::HUGE;
 use crate::odometry::{
-    Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian,
-    StepNoise, small_bend, step_jacobian,
+    Bias, Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian,
+    StepNoise, Turned, agreed, gain, leant, left, left_of, met, small_bend, step_jacobian,
 };
 
 /// Parts of a sum over wheels, at most.
@@ -39,6 +39,8 @@ pub(crate) struct Rows<'a> {
     pub steering: &'a [f64],
     pub stamps: &'a [f64],
     pub settings: &'a Settings,
+    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
+    pub leans: bool,
 }
 
 /// Goes along rows of a log, from these angles of the joints on, as many as are usual. Nothing but the state and the noise
@@ -77,15 +79,14 @@ impl Kernel for Follow<'_> {
         } = self;
         // Lanes of the kernel of one step, and of this one.
         let (parts, lanes) = (plan.level.lanes(), S::F64_LANES);
-        let count = (rows.stamps.len() - 1) / lanes * lanes;
-        if count == 0 {
-            return 0;
-        }
+        let count = rows.stamps.len() - 1;
         apart(simd, &rows, angles, count, room, block);
         let mut usual = 0;
-        while usual < count && step(simd, plan, parts, rows.settings, usual / lanes, room, block) {
+        while usual < count && step(simd, plan, parts, &rows, usual / lanes, room, block) {
             usual += lanes;
         }
+        let usual = usual.min(count);
+        let registers = usual.div_ceil(lanes);
         let Some(last) = usual.checked_sub(1) else {
             return 0;
         };
@@ -101,15 +102,26 @@ impl Kernel for Follow<'_> {
                 end.0[LEAD - 1] = *carried;
             }
         }
-        for k in 0..usual / lanes {
-            place(simd, k, room, block);
+        if let Some(column) = state.uncertainty.carried.last().filter(|_| rows.leans) {
+            for (end, column) in room.by_gyroscope.iter_mut().zip(column) {
+                end.0[LEAD - 1] = *column;
+            }
         }
-        for k in 0..usual / lanes {
-            join(simd, plan, parts, k, room, block);
+        for k in 0..registers {
+            place(simd, rows.leans, k, room, block);
+        }
+        if rows.leans {
+            sway(rows.settings, usual, block, &mut state.uncertainty.bias);
+        }
+        for k in 0..registers {
+            join(simd, plan, parts, rows.leans, k, room, block);
         }
         sum(usual, block, state);
         for (ends, carried) in room.ends.iter().zip(&mut state.uncertainty.carried) {
-            *carried = [0, 1, 2].map(|part: usize| ends[part].0[LEAD + last]);
+            *carried = row(ends, last);
+        }
+        if let Some(column) = state.uncertainty.carried.last_mut().filter(|_| rows.leans) {
+            *column = row(&room.by_gyroscope, last);
         }
         let smoothing = rows.settings.smoothing;
         let from = if smoothing > 0.0 { 0 } else { last };
@@ -118,79 +130,6 @@ impl Kernel for Follow<'_> {
         }
         usual
     }
-}
-
-/// What wheels and joints did in every step, by columns.
-#[inline(always)]
-fn apart<S: Vector>(
-    simd: S,
-    rows: &Rows<'_>,
-    angles: &[f64],
-    count: usize,
-    room: &mut Room,
-    block: &mut Block,
-) {
-    let pairs = rows.stamps.iter().zip(&rows.stamps[1..]);
-    for (dt, (before, after)) in block.dt.0.iter_mut().zip(pairs) {
-        *dt = after - before;
-    }
-    let wheels = room.wheels.len();
-    let pairs = rows.wheels.iter().zip(&rows.wheels[wheels..]);
-    let flat = &mut room.flat[..count * wheels];
-    for (counts, (before, after)) in flat.iter_mut().zip(pairs) {
-        *counts = after - before;
-    }
-    unweave(simd, flat, &mut room.wheels);
-    let joints = angles.len();
-    let (middles, turns) = room.flat[..2 * count * joints].split_at_mut(count * joints);
-    let mut joint = 0;
-    while joint < joints {
-        // Four at a time are the lanes of a register; most rovers have as many.
-        let to = [&mut *middles, &mut *turns, &mut room.angles];
-        joint += if joint + 4 <= joints {
-            turn::<4>(rows.steering, angles, &room.per_count, joint, to)
-        } else {
-            turn::<1>(rows.steering, angles, &room.per_count, joint, to)
-        };
-    }
-    let (middle, turned) = room.joints.split_at_mut(joints);
-    unweave(simd, middles, middle);
-    unweave(simd, turns, turned);
-}
-
-/// Middle angles, turns and angles of `N` joints from this one on, one row after the other. How many they are.
-#[inline(always)]
-fn turn<const N: usize>(
-    steering: &[f64],
-    angles: &[f64],
-    per_count: &[f64],
-    joint: usize,
-    [middles, turns, ends]: [&mut [f64]; 3],
-) -> usize {
-    let joints = angles.len();
-    let of = |all: &[f64], row: usize| -> [f64; N] {
-        let numbers = all
-            .get(row * joints + joint..)
-            .and_then(|rest| rest.first_chunk());
-        numbers.copied().unwrap_or([f64::NAN; N])
-    };
-    let (mut start, per_count) = (of(angles, 0), of(per_count, 0));
-    let mut before = of(steering, 0);
-    for row in 0..middles.len() / joints {
-        let after = of(steering, row + 1);
-        let (mut middle, mut turned, mut end) = (start, start, start);
-        for j in 0..N {
-            end[j] = (after[j] - before[j]) * per_count[j] + start[j];
-            middle[j] = (start[j] + end[j]) * 0.5;
-            turned[j] = end[j] - start[j];
-        }
-        let here = row * joints + joint..row * joints + joint + N;
-        middles[here.clone()].copy_from_slice(&middle);
-        turns[here.clone()].copy_from_slice(&turned);
-        ends[here].copy_from_slice(&end);
-        (before, start) = (after, end);
-    }
-    N
 }
 
 /// Goes over the places of a plan in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each part.
@@ -233,7 +172,7 @@ fn step<S: Vector>(
     simd: S,
     plan: &Plan,
     parts: usize,
-    settings: &Settings,
+    rows: &Rows<'_>,
     k: usize,
     room: &mut Room,
     block: &mut Block,
@@ -241,7 +180,8 @@ fn step<S: Vector>(
     let splat = |number| Lanes::splat(simd, number);
     let zero = splat(0.0);
     let dt = block.dt.load(simd, k);
-    let terms = settings.terms(InLanes(simd), dt);
+    let by = InLanes(simd);
+    let terms = rows.settings.terms(by, dt);
     let mut usual = splat(f64::MIN_POSITIVE).at_most(dt) & dt.at_most(splat(f64::MAX));
     let joints = room.joints.len() / 2;
     let mut sums = [[zero; 3]; PARTS];
@@ -267,18 +207,7 @@ fn step<S: Vector>(
             said = [zero; 3];
         }
     );
-    let displacement = total(sums, parts);
-    let [x, y, yaw] = displacement;
-    let twist = [x.quotient(dt), y.quotient(dt), yaw.quotient(dt)];
-    let huge = splat(HUGE);
-    for (part, rate) in displacement.into_iter().zip(twist) {
-        usual = usual & part.abs().below(huge) & rate.abs().at_most(splat(f64::MAX));
-    }
-    let half = displacement[2] * splat(0.5);
-    usual = usual & half.abs().below(splat(SMALL_TURN));
-    if (!usual).any() {
-        return false;
-    }
+    let mut displacement = total(sums, parts);
     let mut suspects = zero.below(zero);
     let mut squares = Squares::new(simd);
     let mut sums = [[zero; 6]; PARTS];
@@ -296,13 +225,7 @@ fn step<S: Vector>(
             squares = Squares::new(simd);
         }
     );
-    let own = total(sums, parts);
-    for variance in [own[0], own[3], own[5]] {
-        usual = usual & variance.abs().below(huge);
-    }
-    if (!usual).any() {
-        return false;
-    }
+    let mut own = total(sums, parts);
     if terms.slip_bound.is_none() && suspects.any() {
         suspects = beyond_rounding(simd, room, suspects);
     }
@@ -325,6 +248,50 @@ fn step<S: Vector>(
             squares = Squares::new(simd);
         }
     );
+    let mut open = total(sums, parts);
+    if rows.leans {
+        let turned = Turned {
+            says: block.says.load(simd, k),
+            turn: block.turn.load(simd, k),
+            deviation: rows.settings.turn_deviation(by, dt),
+            bias_variance: block.bias.load(simd, k),
+        };
+        let (wheels, ends) = (Spread::from(own), Spread::from(open));
+        let (gain, variance) = gain(by, &turned, wheels.and(ends.and(ends)), dt);
+        usual = usual & zero.below(variance);
+        displacement = agreed(by, gain, displacement, turned.turn);
+        for ends in &mut room.ends {
+            let half = left(by, gain, all(simd, ends, k, 0));
+            for (column, half) in ends.iter_mut().zip(half) {
+                column.store(k, half);
+            }
+        }
+        let column = [
+            gain[0] * turned.deviation,
+            gain[1] * turned.deviation,
+            gain[2] * turned.deviation,
+        ];
+        for (end, column) in room.by_gyroscope.iter_mut().zip(column) {
+            end.store(k, column);
+        }
+        own = left_of(by, gain, wheels).into();
+        open = left_of(by, gain, ends).and_square(by, column).into();
+        store(gain, &mut block.by_bias, k);
+    }
+    let [x, y, yaw] = displacement;
+    let twist = [x.quotient(dt), y.quotient(dt), yaw.quotient(dt)];
+    let huge = splat(HUGE);
+    for (part, rate) in displacement.into_iter().zip(twist) {
+        usual = usual & part.abs().below(huge) & rate.abs().at_most(splat(f64::MAX));
+    }
+    for variance in [own[0], own[3], own[5]] {
+        usual = usual & variance.abs().below(huge);
+    }
+    let half = yaw * splat(0.5);
+    usual = usual & half.abs().below(splat(SMALL_TURN));
+    if (!usual).any() {
+        return false;
+    }
     let per = splat(1.0).quotient(dt);
     for (g, group) in plan.groups.iter().enumerate() {
         for place in 0..group.count {
@@ -335,7 +302,7 @@ fn step<S: Vector>(
     store(displacement, &mut block.displacement, k);
     store(twist, &mut block.twists, k);
     store(own, &mut block.own, k);
-    store(total(sums, parts), &mut block.open, k);
+    store(open, &mut block.open, k);
     true
 }
 
@@ -359,7 +326,7 @@ fn beyond_rounding<S: Vector>(simd: S, room: &Room, suspects: Mask<S>) -> Mask<S
 
 /// A register of steps in world axes.
 #[inline(always)]
-fn place<S: Vector>(simd: S, k: usize, room: &mut Room, block: &mut Block) {
+fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut Room, block: &mut Block) {
     let by = InLanes(simd);
     let displacement = load(simd, &block.displacement, k);
     let (sin, cos) = sin_cos(simd, block.heading.load(simd, k));
@@ -371,10 +338,14 @@ fn place<S: Vector>(simd: S, k: usize, room: &mut Room, block: &mut Block) {
         store(spread.displaced(by, &matrix).into(), columns, k);
     }
     for ends in &mut room.ends {
-        let half = all(simd, ends, k, 0);
-        for (end, column) in ended(matrix, half).into_iter().zip(ends) {
-            column.store(k, end);
-        }
+        end(by, &jacobian, ends, k);
+    }
+    if leans {
+        end(by, &jacobian, &mut room.by_gyroscope, k);
+        let [x, y, z] = load(simd, &block.by_bias, k);
+        let dt = -block.dt.load(simd, k);
+        let by_bias = jacobian.ended(by, [x * dt, y * dt, z * dt]);
+        store(by_bias, &mut block.by_bias, k);
     }
     store(jacobian.lever(), &mut block.lever, k);
     let [east, north] = jacobian.shift;
@@ -382,9 +353,51 @@ fn place<S: Vector>(simd: S, k: usize, room: &mut Room, block: &mut Block) {
     block.poses[1].store(k, north);
 }
 
+/// Errors of the displacement that two steps share, at the end of the first.
+#[inline(always)]
+fn end<S: Vector>(
+    by: InLanes<S>,
+    jacobian: &StepJacobian<Lanes<S>>,
+    errors: &mut [Led; 3],
+    k: usize,
+) {
+    let ended = jacobian.ended(by, all(by.0, errors, k, 0));
+    for (end, column) in ended.into_iter().zip(errors) {
+        column.store(k, end);
+    }
+}
+
+/// The bias of a gyroscope goes along, row by row: its covariance with the pose at the start of every step.
+#[inline(always)]
+fn sway(settings: &Settings, count: usize, block: &mut Block, bias: &mut Option<Bias>) {
+    let Some(bias) = bias else { return };
+    for k in 0..count {
+        let cross: [f64; 3] = bias.cross.into();
+        let (lever, by_bias) = (at(&block.lever, k), at(&block.by_bias, k));
+        for (column, cross) in block.cross.iter_mut().zip(cross) {
+            column.0[k] = cross;
+        }
+        bias.lean(
+            Instruction,
+            lever,
+            by_bias,
+            settings.wandered(block.dt.0[k]),
+        );
+    }
+}
+
 /// A register of what steps add to what is settled of the pose's covariance.
 #[inline(always)]
-fn join<S: Vector>(simd: S, plan: &Plan, parts: usize, k: usize, room: &Room, block: &mut Block) {
+fn join<S: Vector>(
+    simd: S,
+    plan: &Plan,
+    parts: usize,
+    leans: bool,
+    k: usize,
+    room: &Room,
+    block: &mut Block,
+) {
+    let by = InLanes(simd);
     let lever = load(simd, &block.lever, k);
     let mut squares = Squares::new(simd);
     let mut sums = [squares.0; PARTS];
@@ -395,16 +408,26 @@ fn join<S: Vector>(simd: S, plan: &Plan, parts: usize, k: usize, room: &Room, bl
         |part, g, group, place| {
             let ends = &room.ends[g * GROUP + place];
             let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
-            squares.add_square(met(lever, before, end));
+            squares.add_square(met(by, lever, before, end));
         },
         {
             sums[part] = squares.0;
             squares = Squares::new(simd);
         }
     );
-    let met = Spread::from(total(sums, parts));
-    let own = Spread::from(load(simd, &block.own, k));
-    store(own.and(met).into(), &mut block.own, k);
+    let mut whole = Spread::from(total(sums, parts));
+    let mut own = Spread::from(load(simd, &block.own, k));
+    if leans {
+        let ends = &room.by_gyroscope;
+        let (before, end) = (all(simd, ends, k, 1), all(simd, ends, k, 0));
+        whole = whole.and_square(by, met(by, lever, before, end));
+    }
+    own = own.and(whole);
+    if leans {
+        let (cross, by_bias) = (load(simd, &block.cross, k), load(simd, &block.by_bias, k));
+        own = own.and(leant(by, lever, cross, by_bias, block.bias.load(simd, k)));
+    }
+    store(own.into(), &mut block.own, k);
 }
 
 /// What only goes from row to row: the pose, and what is settled of its covariance.

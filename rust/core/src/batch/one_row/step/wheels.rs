@@ -244,27 +244,3 @@ pub(super) fn lean<S: Vector, P: Pick<S>>(
     let [x, y, z] = here.three(&room.shares[1]);
     [x * error, y * error, z * error]
 }
-
-/// An error of the displacement at the end of the step.
-#[inline(always)]
-pub(super) fn ended<S: Vector>(
-    [first, second]: [[Lanes<S>; 3]; 2],
-    error: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
-    [dot(first, error), dot(second, error), error[2]]
-}
-
-/// What a reading that two steps share comes to at the end of the second: what it did in the first, swung by a lever, and
-/// what it does in the second.
-#[inline(always)]
-pub(super) fn met<S: Vector>(
-    [lever_x, lever_y]: [Lanes<S>; 2],
-    [x, y, z]: [Lanes<S>; 3],
-    end: [Lanes<S>; 3],
-) -> [Lanes<S>; 3] {
-    [
-        lever_x.mul_add(z, x + end[0]),
-        lever_y.mul_add(z, y + end[1]),
-        z + end[2],
-    ]
-}

@@ -15,6 +15,13 @@ pub(crate) struct Block {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
+    /// What a gyroscope says of every step: [`Turned`](crate::odometry::Turned), where it has a say.
+    pub says: Column,
+    pub turn: Column,
+    pub bias: Column,
+    /// Its gain; then what its bias makes of the end of a step, and its covariance with the pose at the start.
+    pub(super) by_bias: [Column; 3],
+    pub(super) cross: [Column; 3],
     pub(super) displacement: [Column; 3],
     pub(super) twists: [Column; 3],
     /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
@@ -33,6 +40,11 @@ impl Block {
         Self {
             dt: Column::ZERO,
             slips: Column::ZERO,
+            says: Column::ZERO,
+            turn: Column::ZERO,
+            bias: Column::ZERO,
+            by_bias: [Column::ZERO; 3],
+            cross: [Column::ZERO; 3],
             displacement: [Column::ZERO; 3],
             twists: [Column::ZERO; 3],
             own: [Column::ZERO; 6],
@@ -138,8 +150,8 @@ impl Kernel for Write<'_, '_> {
             weave(simd, &room.wheels, residuals);
         }
         if let Some(covariances) = &mut track.covariances {
-            for k in 0..rows.len() / S::F64_LANES {
-                report(simd, k, block);
+            for k in 0..rows.len().div_ceil(S::F64_LANES) {
+                report(simd, k, rows.len(), block);
             }
             weave(
                 simd,
@@ -152,7 +164,7 @@ impl Kernel for Write<'_, '_> {
 
 /// A register of covariances of the pose, without a negative variance in any direction.
 #[inline(always)]
-fn report<S: Vector>(simd: S, k: usize, block: &mut Block) {
+fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
     let (settled, open) = (load(simd, &block.own, k), load(simd, &block.open, k));
     let spread = rounded(InLanes(simd), Spread::from(settled).and(open.into()));
     let zero = Lanes::splat(simd, 0.0);
@@ -167,7 +179,7 @@ fn report<S: Vector>(simd: S, k: usize, block: &mut Block) {
         k,
     );
     if negative.any() {
-        for row in k * S::F64_LANES..(k + 1) * S::F64_LANES {
+        for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
             let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);
             let spread = Spread::from([xx, xy, xz, yy, yz, zz]);
             if spread.may_be_negative() {

@@ -28,6 +28,11 @@ impl Led {
     }
 }
 
+/// A row of three columns.
+pub(super) fn row([x, y, z]: &[Led; 3], row: usize) -> [f64; 3] {
+    [x.0[LEAD + row], y.0[LEAD + row], z.0[LEAD + row]]
+}
+
 /// Registers of three columns, of rows that begin `back` rows before.
 #[inline(always)]
 pub(super) fn all<S: Vector>(

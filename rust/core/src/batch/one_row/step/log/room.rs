@@ -24,6 +24,8 @@ pub(crate) struct Room {
     pub(super) places: Vec<Place>,
     /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
     pub(super) ends: Vec<[Led; 3]>,
+    /// The same of a gyroscope's reading.
+    pub(super) by_gyroscope: [Led; 3],
 }
 
 /// So many, if there is memory.
@@ -51,6 +53,7 @@ impl Room {
             joints: some(Column::ZERO, 2 * joints)?,
             places: some(Place::default(), GROUP * plan.groups.len())?,
             ends: some([Led([0.0; LEAD + BLOCK]); 3], joints)?,
+            by_gyroscope: [Led([0.0; LEAD + BLOCK]); 3],
         })
     }
 
