@@ -15,6 +15,9 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     /// Smallest square a division may safely be by.
     const TINY: f64;
 
+    /// Whether [`Self::roots`] are rounded once each, whatever they are of.
+    const EXACT_ROOTS: bool;
+
     /// From here on up a number has no fraction: adding it brings a whole number into the lowest bits.
     const WHOLE: f64;
 
@@ -80,7 +83,7 @@ macro_rules! of_two {
 }
 
 macro_rules! real {
-    ($real:ident, $tiny:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
+    ($real:ident, $tiny:literal, $exact:literal, $whole:literal, $mask:literal, $register:ident, $truths:ident, $lanes:ident,
      $as_simd:ident, $as_mut_simd:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
      $min:ident, $max:ident, $xor:ident, $and:ident, $abs:ident, $sqrt:ident, $fused:ident, $below:ident,
      $both:ident, $either:ident, $not:ident, $first:ident, $select:ident, $corners:ident, $roots:ident) => {
@@ -88,6 +91,7 @@ macro_rules! real {
             type Register<S: Simd> = S::$register;
             type Truths<S: Simd> = S::$truths;
             const TINY: f64 = $tiny;
+            const EXACT_ROOTS: bool = $exact;
             const WHOLE: f64 = $whole;
 
             #[inline(always)]
@@ -189,6 +193,7 @@ macro_rules! real {
 real!(
     f64,
     1e-280,
+    false,
     4_503_599_627_370_496.0,
     0xFFFF_FFFF,
     f64s,
@@ -220,6 +225,7 @@ real!(
 real!(
     f32,
     1e-30,
+    true,
     8_388_608.0,
     0x7F_FFFF,
     f32s,

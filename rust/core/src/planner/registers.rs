@@ -182,7 +182,7 @@ impl<S: Vector, R: Real, const N: usize> Regs<S, R, N> {
             [inverse.values[k], root.values[k]] = R::roots(self.simd, self.values[k]);
         }
         let odd = self.below(number(1e-30)) | number(1e36).below(self);
-        if odd.any() {
+        if !R::EXACT_ROOTS && odd.any() {
             let exact = self.sqrt();
             root = odd.select(exact, root);
             inverse = odd.select(number(1.0).over(exact), inverse);
