@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
+use crate::batch::longest;
 use crate::error::{Error, finite, number, numbers};
 
 /// Velocity of the body frame, in body axes [m/s, m/s, rad/s].
@@ -72,7 +73,11 @@ pub(crate) fn sinc(x: f64) -> f64 {
 
 /// The angle brought into [-pi, pi] by whole turns; unchanged if it is there already.
 pub fn wrap_angle(angle: f64) -> f64 {
-    let rest = angle % TAU; // exact
+    let rest = if angle.abs() < TAU {
+        angle
+    } else {
+        angle % TAU
+    }; // exact
     if rest > PI {
         rest - TAU
     } else if rest < -PI {
@@ -231,24 +236,6 @@ impl<'a> Steps<'a> {
             },
         }
     }
-}
-
-/// The longest of some durations, 0 of none; nothing unless all are finite and positive.
-pub(crate) fn longest(dts: &[f64]) -> Option<f64> {
-    // Without branches, several at once: this is asked of every batch before anything else.
-    const ABREAST: usize = 16;
-    let (mut longest, mut right) = ([0.0; ABREAST], [true; ABREAST]);
-    let (chunks, rest) = dts.as_chunks::<ABREAST>();
-    for chunk in chunks {
-        for k in 0..ABREAST {
-            let dt = chunk[k];
-            right[k] &= dt > 0.0 && dt <= f64::MAX;
-            longest[k] = if dt > longest[k] { dt } else { longest[k] };
-        }
-    }
-    let right =
-        right.iter().all(|right| *right) && rest.iter().all(|dt| *dt > 0.0 && *dt <= f64::MAX);
-    right.then(|| longest.iter().chain(rest).fold(0.0, |a, b| f64::max(a, *b)))
 }
 
 /// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).

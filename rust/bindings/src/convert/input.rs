@@ -5,7 +5,7 @@ use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
-use six_wheel_core::batch::Table;
+use six_wheel_core::batch::{Table, are_finite};
 use six_wheel_core::error::finite;
 
 use super::array::{read_array, three_numbers};
@@ -332,6 +332,9 @@ pub(super) fn check_finite(
     width: usize,
     leading: &[usize],
 ) -> PyResult<()> {
+    if are_finite(values) {
+        return Ok(());
+    }
     for (row, values) in values.chunks_exact(width.max(1)).enumerate() {
         finite(argument, values).map_err(|error| raise(error.at_row(row), leading))?;
     }

@@ -34,6 +34,8 @@ pub(crate) use formulas::cone::Cone;
 pub use formulas::fit::Fits;
 pub use formulas::maps::Map;
 pub use formulas::rollout_cost::{Costs, rollout_cost};
+pub use formulas::sizes::are_finite;
+pub(crate) use formulas::sizes::longest;
 pub use machine::level::Level;
 pub use machine::places::Places;
 pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};

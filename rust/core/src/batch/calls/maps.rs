@@ -1,7 +1,7 @@
 //! Maps between twists and poses, row by row.
 
-use crate::batch::formulas::integrate::sum_of_sizes;
 use crate::batch::formulas::maps::{Map, Mapped};
+use crate::batch::formulas::sizes::sum_of_sizes;
 use crate::batch::machine::level::Level;
 use crate::batch::machine::workers::Workers;
 use crate::error::{Error, finite};

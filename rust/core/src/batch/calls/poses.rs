@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::BLOCK_ROWS;
-use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, place, sum_of_sizes};
+use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, place};
 use crate::batch::formulas::logs::Logs;
+use crate::batch::formulas::sizes::sum_of_sizes;
 use crate::batch::machine::level::Level;
 use crate::batch::machine::stream::is_large;
 use crate::batch::machine::table::{Durations, Table};

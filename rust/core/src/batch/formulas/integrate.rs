@@ -21,34 +21,6 @@ const LARGEST_HEADING: f64 = 4.0;
 /// Numbers up to here surely add up to something finite.
 pub(crate) const LARGEST_TOTAL: f64 = 1e300;
 
-/// Sum of the absolute values. NaN if one is NaN.
-pub(crate) fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
-    level.run(SumOfSizes(values)).unwrap_or(f64::NAN)
-}
-
-struct SumOfSizes<'a>(&'a [f64]);
-
-impl Kernel for SumOfSizes<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<S: Vector>(self, simd: S) -> f64 {
-        let (registers, rest) = S::as_simd_f64s(self.0);
-        let mut sums = [Lanes::splat(simd, 0.0); 4];
-        let (quads, singles) = registers.as_chunks::<4>();
-        for quad in quads {
-            for (j, sum) in sums.iter_mut().enumerate() {
-                *sum = *sum + Lanes::load(simd, quad, j).abs();
-            }
-        }
-        for k in 0..singles.len() {
-            sums[0] = sums[0] + Lanes::load(simd, singles, k).abs();
-        }
-        let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        sum.total() + rest.iter().map(|value| value.abs()).sum::<f64>()
-    }
-}
-
 /// Goes on along a log that has been checked; the pose after every step.
 pub(crate) fn follow(
     level: Level,

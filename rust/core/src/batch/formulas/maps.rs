@@ -92,11 +92,7 @@ impl Kernel for Mapped<'_> {
                 let numbers = targets.as_flattened_mut();
                 numbers.copy_from_slice(&placed[..numbers.len()]);
             }
-            let sizes = [a, b, mapped].into_iter();
-            let mut usual = usual & moderate(dt);
-            for part in sizes.flatten() {
-                usual = usual & moderate(part);
-            }
+            let usual = usual & moderate(dt);
             if (!usual).any() {
                 let mut marks = [0.0; MOST];
                 usual
@@ -126,7 +122,7 @@ fn read<S: Vector>(simd: S, rows: &[[f64; 3]]) -> [Lanes<S>; 3] {
     Lanes::unbraid(simd, &padded)
 }
 
-/// Whether numbers are of a usual size, or 0.
+/// Whether a number is of a usual size, or 0.
 #[inline(always)]
 fn moderate<S: Vector>(number: Lanes<S>) -> Mask<S> {
     let simd = number.simd();
@@ -134,6 +130,12 @@ fn moderate<S: Vector>(number: Lanes<S>) -> Mask<S> {
     let size = number.abs();
     let zero = size.at_most(Lanes::splat(simd, 0.0));
     size.at_most(most) & (zero | least.at_most(size))
+}
+
+/// Whether the longer one of two parts of a way is: what the shorter one loses is nothing beside it.
+#[inline(always)]
+fn moderate_way<S: Vector>([x, y]: [Lanes<S>; 2]) -> Mask<S> {
+    moderate(x.abs().max(y.abs()))
 }
 
 /// `(x, y)` turned by an angle, by the plain core's operations.
@@ -153,7 +155,8 @@ fn exp<S: Vector>(simd: S, [vx, vy, omega]: [Lanes<S>; 3], dt: Lanes<S>) -> Row<
     let [x, y] = turned([sin, cos], [vx, vy]);
     let length = sinc * dt;
     let near = half.abs().at_most(Lanes::splat(simd, LARGEST_ANGLE));
-    ([x * length, y * length, yaw], near)
+    let usual = near & moderate_way([vx, vy]);
+    ([x * length, y * length, yaw], usual)
 }
 
 /// Where no whole turns have to be taken out.
@@ -167,7 +170,8 @@ fn log<S: Vector>(simd: S, [x, y, yaw]: [Lanes<S>; 3], dt: Lanes<S>) -> Row<S> {
     let speed = arc.quotient(chord * dt);
     let [vx, vy] = turned([-sin, cos], [x, y]);
     let short = yaw.abs().at_most(Lanes::splat(simd, std::f64::consts::PI));
-    ([vx * speed, vy * speed, yaw.quotient(dt)], short)
+    let usual = short & moderate(yaw) & moderate_way([x, y]);
+    ([vx * speed, vy * speed, yaw.quotient(dt)], usual)
 }
 
 #[inline(always)]
@@ -179,7 +183,8 @@ fn compose<S: Vector>(
     let (sin, cos) = sin_cos(simd, yaw);
     let [dx, dy] = turned([sin, cos], [ahead, left]);
     let near = yaw.abs().at_most(Lanes::splat(simd, LARGEST_ANGLE));
-    ([x + dx, y + dy, yaw + turn], near)
+    let usual = near & moderate_way([ahead, left]);
+    ([x + dx, y + dy, yaw + turn], usual)
 }
 
 /// The second pose seen from the first.

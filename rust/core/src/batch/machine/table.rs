@@ -3,9 +3,10 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::batch;
 use crate::error::Error;
 use crate::estimate::Measured;
-use crate::geometry::{self, Steps};
+use crate::geometry::Steps;
 use crate::rover::{Inputs, Rover};
 
 /// Rows of numbers.
@@ -192,7 +193,7 @@ impl<'a> Durations<'a> {
         for first in (0..length).step_by(block) {
             let end = length.min(first + block);
             let dts = table.get(first, end, &mut buffer);
-            let Some(here) = geometry::longest(dts) else {
+            let Some(here) = batch::longest(dts) else {
                 let checked = Steps::Each(dts).check(dts.len());
                 return checked
                     .map(|()| longest)
