@@ -29,8 +29,14 @@ use crate::odometry::{
     StepNoise, Turned, agreed, gain, leant, left, left_of, met, small_bend, step_jacobian,
 };
 
-/// Parts of a sum over wheels, at most.
-const PARTS: usize = 4;
+/// Parts of a sum over wheels: the lanes of the registers of one sample.
+const PARTS: usize = if cfg!(target_arch = "aarch64") { 2 } else { 4 };
+
+/// Sums of three or six numbers, part by part: room that every sum writes before it reads it.
+struct Sums<S: Vector> {
+    three: [[Lanes<S>; 3]; PARTS],
+    six: [[Lanes<S>; 6]; PARTS],
+}
 
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
@@ -77,12 +83,17 @@ impl Kernel for Follow<'_> {
             state,
             noise,
         } = self;
-        // Lanes of the kernel of one step, and of this one.
-        let (parts, lanes) = (plan.level.lanes(), S::F64_LANES);
+        debug_assert_eq!(plan.level.lanes(), PARTS);
+        let lanes = S::F64_LANES;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut sums = Sums {
+            three: [[zero; 3]; PARTS],
+            six: [[zero; 6]; PARTS],
+        };
         let count = rows.stamps.len() - 1;
         apart(simd, &rows, angles, count, room, block);
         let mut usual = 0;
-        while usual < count && step(simd, plan, parts, &rows, usual / lanes, room, block) {
+        while usual < count && step(simd, plan, &mut sums, &rows, usual / lanes, room, block) {
             usual += lanes;
         }
         let usual = usual.min(count);
@@ -114,7 +125,7 @@ impl Kernel for Follow<'_> {
             sway(rows.settings, usual, block, &mut state.uncertainty.bias);
         }
         for k in 0..registers {
-            join(simd, plan, parts, rows.leans, k, room, block);
+            join(simd, plan, &mut sums, rows.leans, k, room, block);
         }
         sum(usual, block, state);
         for (ends, carried) in room.ends.iter().zip(&mut state.uncertainty.carried) {
@@ -134,13 +145,13 @@ impl Kernel for Follow<'_> {
 
 /// Goes over the places of a plan in parts, as the lanes of a sample's registers do, `$of` each group; `$done` after each part.
 macro_rules! in_parts {
-    ($plan: ident, $parts: ident, $of: ident, |$part: ident, $g: ident, $group: ident, $place: ident| $each: block, $done: block) => {
-        for $part in 0..$parts {
+    ($plan: ident, $of: ident, |$part: ident, $g: ident, $group: ident, $place: ident| $each: block, $done: block) => {
+        for $part in 0..PARTS {
             for ($g, $group) in $plan.groups.iter().enumerate() {
                 let mut $place = $part;
                 while $place < $group.$of {
                     $each
-                    $place += $parts;
+                    $place += PARTS;
                 }
             }
             $done
@@ -150,10 +161,8 @@ macro_rules! in_parts {
 
 /// What the parts come to, added as the lanes of a register are.
 #[inline(always)]
-fn total<S: Vector, const N: usize>(
-    mut sums: [[Lanes<S>; N]; PARTS],
-    mut parts: usize,
-) -> [Lanes<S>; N] {
+fn total<S: Vector, const N: usize>(mut sums: [[Lanes<S>; N]; PARTS]) -> [Lanes<S>; N] {
+    let mut parts = PARTS;
     while parts > 1 {
         parts /= 2;
         for i in 0..parts {
@@ -171,7 +180,7 @@ fn total<S: Vector, const N: usize>(
 fn step<S: Vector>(
     simd: S,
     plan: &Plan,
-    parts: usize,
+    sums: &mut Sums<S>,
     rows: &Rows<'_>,
     k: usize,
     room: &mut Room,
@@ -184,11 +193,9 @@ fn step<S: Vector>(
     let terms = rows.settings.terms(by, dt);
     let mut usual = splat(f64::MIN_POSITIVE).at_most(dt) & dt.at_most(splat(f64::MAX));
     let joints = room.joints.len() / 2;
-    let mut sums = [[zero; 3]; PARTS];
     let mut said = [zero; 3];
     in_parts!(
         plan,
-        parts,
         count,
         |part, g, group, place| {
             let mut joint = None;
@@ -203,17 +210,15 @@ fn step<S: Vector>(
             usual = usual & listen(simd, wheel, counts, joint, terms.most, &mut said, to);
         },
         {
-            sums[part] = said;
+            sums.three[part] = said;
             said = [zero; 3];
         }
     );
-    let mut displacement = total(sums, parts);
+    let mut displacement = total(sums.three);
     let mut suspects = zero.below(zero);
     let mut squares = Squares::new(simd);
-    let mut sums = [[zero; 6]; PARTS];
     in_parts!(
         plan,
-        parts,
         count,
         |part, g, group, place| {
             let wheel = (group, Everywhere(simd, place));
@@ -221,19 +226,17 @@ fn step<S: Vector>(
             suspects = suspects | disagree(simd, wheel, displacement, &terms, &mut squares, to);
         },
         {
-            sums[part] = squares.0;
+            sums.six[part] = squares.0;
             squares = Squares::new(simd);
         }
     );
-    let mut own = total(sums, parts);
+    let mut own = total(sums.six);
     if terms.slip_bound.is_none() && suspects.any() {
         suspects = beyond_rounding(simd, room, suspects);
     }
     block.slips.store(k, suspects.select(splat(1.0), zero));
-    let mut sums = [[zero; 6]; PARTS];
     in_parts!(
         plan,
-        parts,
         steered,
         |part, g, group, place| {
             let wheel = (group, Everywhere(simd, place));
@@ -244,11 +247,11 @@ fn step<S: Vector>(
             }
         },
         {
-            sums[part] = squares.0;
+            sums.six[part] = squares.0;
             squares = Squares::new(simd);
         }
     );
-    let mut open = total(sums, parts);
+    let mut open = total(sums.six);
     if rows.leans {
         let turned = Turned {
             says: block.says.load(simd, k),
@@ -391,7 +394,7 @@ fn sway(settings: &Settings, count: usize, block: &mut Block, bias: &mut Option<
 fn join<S: Vector>(
     simd: S,
     plan: &Plan,
-    parts: usize,
+    sums: &mut Sums<S>,
     leans: bool,
     k: usize,
     room: &Room,
@@ -400,10 +403,8 @@ fn join<S: Vector>(
     let by = InLanes(simd);
     let lever = load(simd, &block.lever, k);
     let mut squares = Squares::new(simd);
-    let mut sums = [squares.0; PARTS];
     in_parts!(
         plan,
-        parts,
         steered,
         |part, g, group, place| {
             let ends = &room.ends[g * GROUP + place];
@@ -411,11 +412,11 @@ fn join<S: Vector>(
             squares.add_square(met(by, lever, before, end));
         },
         {
-            sums[part] = squares.0;
+            sums.six[part] = squares.0;
             squares = Squares::new(simd);
         }
     );
-    let mut whole = Spread::from(total(sums, parts));
+    let mut whole = Spread::from(total(sums.six));
     let mut own = Spread::from(load(simd, &block.own, k));
     if leans {
         let ends = &room.by_gyroscope;
