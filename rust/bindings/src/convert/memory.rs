@@ -80,14 +80,18 @@ pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held>
     }
 }
 
-/// Notes that an argument is written to.
-pub fn write(argument: &str, rule: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
+/// Notes that an argument is written to; the rule is told where somebody else uses it.
+pub fn write(
+    argument: &str,
+    rule: impl FnOnce() -> String,
+    array: &Bound<'_, PyUntypedArray>,
+) -> PyResult<Held> {
     let (held, clash) = hold(array, Some(argument));
     let Some(clash) = clash else {
         return Ok(held);
     };
     if !clash.own {
-        return Err(refuse(argument, rule, "a read-only array or one in use"));
+        return Err(refuse(argument, &rule(), "a read-only array or one in use"));
     }
     // Fields of one tuple go by the name of the tuple.
     let tuple = |name: &str| name.split_once('.').map(|(tuple, _)| tuple.to_owned());

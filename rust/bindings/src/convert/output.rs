@@ -149,7 +149,7 @@ impl<'py> Output<'py> {
         if !memory::places(array).are_apart() {
             return Err(refuse(argument, "not overlap itself", "shared memory"));
         }
-        let held = memory::write(argument, &rule(), array)?;
+        let held = memory::write(argument, rule, array)?;
         let flat = array.cast::<PyArrayDyn<f64>>().ok();
         let flat = flat.filter(|array| array.is_c_contiguous() && array.is_aligned());
         let beside = match flat {

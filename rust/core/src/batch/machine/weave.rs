@@ -40,7 +40,9 @@ const SOME: usize = 32;
 /// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
 /// some hundred rows.
 pub(crate) fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
-    if count <= FEW {
+    if count == 0 {
+        work(&mut [])
+    } else if count <= FEW {
         work(&mut [Column::ZERO; FEW][..count])
     } else if count <= SOME {
         with_room::<T, SOME>(count, work)
