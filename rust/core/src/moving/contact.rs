@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
+use crate::wheels::Direction;
 
 /// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
 pub const COLUMNS: usize = 6 + MAX_FREE;
@@ -90,27 +91,36 @@ pub(super) enum Side {
     Far,
 }
 
-/// A wheel, the plane it stands on, and its carrier's velocities.
+/// A wheel, the plane it stands on, and where it touches.
 pub(super) struct Tread {
     pub frame: WheelFrame,
     pub normal: Vector3<f64>,
     pub radius: f64,
-    pub angle: f64,
+    /// Of the contact angle.
+    pub at: Direction,
 }
 
 impl Tread {
     /// A wheel turned against the ground: its contact moves along the plane, on the side of the rim that touches it.
     pub fn on_plane(frame: WheelFrame, normal: Vector3<f64>, radius: f64, side: Side) -> Self {
         let (ahead, up) = (frame.forward.dot(&normal), frame.up.dot(&normal));
-        let angle = match side {
-            Side::Near => (-ahead).atan2(up),
-            Side::Far => ahead.atan2(-up),
+        let length = match side {
+            Side::Near => ahead.hypot(up),
+            Side::Far => -ahead.hypot(up),
+        };
+        // A wheel that lies flat touches anywhere.
+        let at = match length {
+            0.0 => Direction::from(0.0),
+            _ => Direction {
+                sin: -ahead / length,
+                cos: up / length,
+            },
         };
         Self {
             frame,
             normal,
             radius,
-            angle,
+            at,
         }
     }
 
@@ -125,12 +135,12 @@ impl Tread {
 
     /// The direction in which it rolls.
     pub fn tangent(&self) -> Vector3<f64> {
-        self.frame.forward * self.angle.cos() + self.frame.up * self.angle.sin()
+        self.frame.forward * self.at.cos + self.frame.up * self.at.sin
     }
 
     /// From its centre to the touching point [m].
     pub fn spoke(&self) -> Vector3<f64> {
-        (self.frame.forward * self.angle.sin() - self.frame.up * self.angle.cos()) * self.radius
+        (self.frame.forward * self.at.sin - self.frame.up * self.at.cos) * self.radius
     }
 }
 
@@ -148,6 +158,24 @@ pub struct Contacts {
 }
 
 impl Contacts {
+    /// Nothing touches yet.
+    pub(super) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
+        let blank = Contact {
+            normal: [0.0; COLUMNS],
+            rolling: [0.0; COLUMNS],
+            side: [0.0; COLUMNS],
+            swivel: [0.0; 3],
+            steering: None,
+            touching: false,
+        };
+        Self {
+            wheels: [blank; MAX_WHEELS],
+            count: chain.wheels().len(),
+            joints: chain.joints().len(),
+            stopped,
+        }
+    }
+
     /// Those of a footing, or of other steering angles on the planes that it stands on. None where a differential
     /// does not reach.
     pub fn new(chain: &Chain, footing: &Footing<'_>, steering: Option<&[f64]>) -> Option<Self> {
@@ -157,20 +185,7 @@ impl Contacts {
             None => None,
         };
         let body_from_world = footing.rotation().inverse();
-        let blank = Contact {
-            normal: [0.0; COLUMNS],
-            rolling: [0.0; COLUMNS],
-            side: [0.0; COLUMNS],
-            swivel: [0.0; 3],
-            steering: None,
-            touching: false,
-        };
-        let mut contacts = Self {
-            wheels: [blank; MAX_WHEELS],
-            count: chain.wheels().len(),
-            joints: chain.joints().len(),
-            stopped: footing.stopped,
-        };
+        let mut contacts = Self::none(chain, footing.stopped);
         for (k, mount) in chain.wheels().iter().enumerate() {
             let normal = body_from_world * Vector3::from(footing.normals[k]);
             let radius = mount.radius;
@@ -178,7 +193,7 @@ impl Contacts {
                 frame,
                 normal,
                 radius,
-                angle: footing.angles[k],
+                at: Direction::from(footing.angles[k]),
             };
             let frame = placed.wheel(k);
             let tread = match &stands {

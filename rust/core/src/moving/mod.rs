@@ -31,7 +31,7 @@ pub use rows::{
 };
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};
-pub use unmapped::{Found, MEMORY, Unmapped};
+pub use unmapped::{Climb, Found, MEMORY, Unmapped};
 
 use crate::suspension::Chain;
 

@@ -5,6 +5,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 use super::contact::{Contacts, Footing, Row, Tread, carried, in_body};
 use crate::error::{Error, number};
 use crate::suspension::{Chain, MAX_WHEELS};
+use crate::wheels::Direction;
 
 /// How a wheel slips.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +42,7 @@ pub fn slip(
             frame,
             normal: body_from_world * Vector3::from(footing.normals[wheel]),
             radius: mount.radius,
-            angle: footing.angles[wheel],
+            at: Direction::from(footing.angles[wheel]),
         };
         let (velocity, turn) = carried(&placed, wheel, rates);
         let ahead = velocity.dot(&tread.tangent());

@@ -8,6 +8,7 @@ use super::contact::{Footing, Row, Side, Tread, carried, in_body};
 use crate::error::{Error, ErrorKind, number};
 use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
 use crate::suspension::{Chain, MAX_WHEELS, Placed};
+use crate::wheels::Direction;
 
 /// Turns after which an angle is bracketed instead: from where its touching point goes Newton's method squares what is
 /// missing, but on a wheel that almost rests.
@@ -160,7 +161,7 @@ impl Aim {
             frame,
             normal,
             radius: chain.wheels()[wheel].radius,
-            angle: footing.angles[wheel],
+            at: Direction::from(footing.angles[wheel]),
         };
         let radius = match tread.side() {
             Side::Near => tread.radius,

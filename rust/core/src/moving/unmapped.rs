@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Contact, Contacts, Row, Side, Tread, carried, in_body, slope};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
+use crate::wheels::Direction;
 
 /// Rounds in which plane and contacts on it are found; each leaves less than a hundredth of what was missing.
 const ROUNDS: usize = 6;
@@ -22,13 +23,19 @@ const STEEPEST: f64 = 0.98;
 /// Share of the spread of the wheels below which they stand in a line.
 const LINE: f64 = 1e-9;
 
-/// What is known of wheels without a map.
-#[derive(Clone, Copy, Debug)]
+/// Wheels on ground of which nothing is known: how their joints place them, and the plane they stand on.
+#[derive(Debug)]
 pub struct Unmapped<'a> {
-    /// Free angles [rad].
-    pub joints: &'a [f64],
-    /// Steering angles [rad].
-    pub steering: &'a [f64],
+    placed: Placed<'a>,
+    /// Of the plane, in the body.
+    normal: Vector3<f64>,
+    /// Mean velocity of the centres across the plane, by the rates: on flat ground of any slope they have none.
+    together: Row,
+}
+
+/// How wheels went over a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Climb<'a> {
     /// Motion of body and free angles over a step, as far as it is known; None: slopes are as before.
     pub motion: Option<&'a Row>,
     /// What every wheel turned over it [rad]; NaN where one has no encoder.
@@ -45,8 +52,8 @@ pub struct Unmapped<'a> {
 pub struct Found {
     /// The contacts.
     pub contacts: Contacts,
-    /// Contact angle of every wheel [rad].
-    pub angles: [f64; MAX_WHEELS],
+    /// Of the contact angle of every wheel.
+    pub at: [Direction; MAX_WHEELS],
     /// Slopes with those of this motion among them.
     pub slopes: [f64; MAX_WHEELS],
 }
@@ -54,60 +61,59 @@ pub struct Found {
 /// Way over which slopes are averaged, as a multiple of the doubt: their noise is the inverse of it.
 pub const MEMORY: f64 = 25.0;
 
-impl Contacts {
-    /// Those of wheels on ground of which nothing is known. None where a differential does not reach, or the wheels
-    /// stand in a line.
-    pub fn unmapped(chain: &Chain, known: &Unmapped<'_>) -> Option<Found> {
-        let placed = in_body(chain, known.joints, known.steering)?;
+impl<'a> Unmapped<'a> {
+    /// At these free angles and steering angles [rad]. None where a differential does not reach, or the wheels stand
+    /// in a line.
+    pub fn new(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Self> {
+        let placed = in_body(chain, joints, steering)?;
         let normal = plane(chain, &placed)?;
-        let (mut angles, mut slopes) = ([0.0; MAX_WHEELS], *known.slopes);
-        let blank = Contact {
-            normal: [0.0; COLUMNS],
-            rolling: [0.0; COLUMNS],
-            side: [0.0; COLUMNS],
-            swivel: [0.0; 3],
-            steering: None,
-            touching: false,
-        };
-        let mut contacts = Self {
-            wheels: [blank; MAX_WHEELS],
-            count: chain.wheels().len(),
-            joints: chain.joints().len(),
-            stopped: [false; MAX_FREE],
-        };
         let mut together = [0.0; COLUMNS];
-        for (wheel, mount) in chain.wheels().iter().enumerate() {
-            let mut tread = Tread::on_plane(placed.wheel(wheel), normal, mount.radius, Side::Near);
-            if let Some(motion) = known.motion {
-                let (way, turn) = carried(&placed, wheel, motion);
-                let rolled = mount.radius * (known.turned[wheel] + turn.dot(&tread.frame.axle));
-                slopes[wheel] = tread.slope(way, rolled, slopes[wheel], known.doubt);
-            }
-            tread.climb(slopes[wheel].asin());
-            angles[wheel] = tread.angle;
-            contacts.wheels[wheel] = Contact::new(&placed, wheel, &tread, true);
-            // The centre's velocity across the plane: on flat ground of any slope it has none.
-            let centre = placed.point_slopes(wheel, tread.frame.centre);
+        let count = chain.wheels().len();
+        for wheel in 0..count {
+            let centre = placed.point_slopes(wheel, placed.wheel(wheel).centre);
             for (column, sum) in together.iter_mut().enumerate() {
-                *sum += centre[slope(column)].dot(&normal) / contacts.count as f64;
+                *sum += centre[slope(column)].dot(&normal) / count as f64;
             }
         }
-        for contact in &mut contacts.wheels[..contacts.count] {
-            contact.normal = together;
-            contact.swivel[0] = 0.0;
-        }
-        Some(Found {
-            contacts,
-            angles,
-            slopes,
+        Some(Self {
+            placed,
+            normal,
+            together,
         })
     }
 
+    /// Their contacts.
+    pub fn contacts(&self, chain: &Chain, climb: &Climb<'_>) -> Found {
+        let mut found = Found {
+            contacts: Contacts::none(chain, [false; MAX_FREE]),
+            at: [Direction::from(0.0); MAX_WHEELS],
+            slopes: *climb.slopes,
+        };
+        for (wheel, mount) in chain.wheels().iter().enumerate() {
+            let frame = self.placed.wheel(wheel);
+            let mut tread = Tread::on_plane(frame, self.normal, mount.radius, Side::Near);
+            let slope = &mut found.slopes[wheel];
+            if let Some(motion) = climb.motion {
+                let (way, turn) = carried(&self.placed, wheel, motion);
+                let rolled = mount.radius * (climb.turned[wheel] + turn.dot(&tread.frame.axle));
+                *slope = tread.slope(way, rolled, *slope, climb.doubt);
+            }
+            tread.climb(*slope);
+            found.at[wheel] = tread.at;
+            let mut contact = Contact::new(&self.placed, wheel, &tread, true);
+            contact.normal = self.together;
+            contact.swivel[0] = 0.0;
+            found.contacts.wheels[wheel] = contact;
+        }
+        found
+    }
+}
+
+impl Contacts {
     /// The same with one row of side slip for all wheels that do not steer, their mean: what their axles are apart they
     /// slide in any turn, as in the wheel equation of a rover seen from above.
     #[must_use]
-    pub fn sharing_sides(&self) -> Self {
-        let mut shared = *self;
+    pub fn sharing_sides(mut self) -> Self {
         let alike = |contact: &Contact| contact.touching && contact.steering.is_none();
         let wheels = &self.wheels[..self.count];
         let count = wheels.iter().filter(|contact| alike(contact)).count() as f64;
@@ -117,13 +123,13 @@ impl Contacts {
                 *sum += part / count;
             }
         }
-        for contact in shared.wheels[..self.count]
+        for contact in self.wheels[..self.count]
             .iter_mut()
             .filter(|one| alike(one))
         {
             contact.side = mean;
         }
-        shared
+        self
     }
 }
 
@@ -148,10 +154,14 @@ impl Tread {
         (kept * before + (1.0 - kept) * way.dot(&up) / rolled).clamp(-STEEPEST, STEEPEST)
     }
 
-    /// Turns the contact up a slope.
+    /// Turns the contact up a slope, which is a sine.
     fn climb(&mut self, slope: f64) {
         let up = -self.spoke() / self.radius;
-        self.angle += slope;
+        let (Direction { sin, cos }, level) = (self.at, (1.0 - slope * slope).sqrt());
+        self.at = Direction {
+            sin: sin * level + cos * slope,
+            cos: cos * level - sin * slope,
+        };
         // The ground tilts with it about the axle, and keeps its slope along that.
         let share = self.normal.dot(&up);
         self.normal -= up * share;

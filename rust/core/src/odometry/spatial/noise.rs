@@ -107,7 +107,7 @@ pub(super) fn errors(
         }
         if let Some(joint) = told.contacts.wheels[wheel].steering {
             // A steering angle turns the rim towards its left.
-            let tilted = told.angles[wheel].cos();
+            let tilted = told.at[wheel].cos;
             steering[joint] += (by_side * ahead - by_way * left) * tilted;
             variance += (steering_deviation * ahead).powi(2);
         }

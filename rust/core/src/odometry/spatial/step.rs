@@ -12,9 +12,10 @@ use super::site::{Place, Site};
 use super::spread::StepNoise;
 use crate::error::HUGE;
 use crate::error::{Error, ErrorKind, numbers};
-use crate::moving::{COLUMNS, Contacts, Found, Readings, Response, Row, Unmapped};
+use crate::moving::{COLUMNS, Climb, Contacts, Found, Readings, Response, Row, Unmapped};
 use crate::odometry::step::chord;
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::wheels::Direction;
 
 /// Rounds in which turn, contacts and way are found together.
 const ROUNDS: usize = 12;
@@ -103,7 +104,8 @@ pub(super) struct Told {
     pub turn: Option<Vector3<f64>>,
     yaw: f64,
     pub contacts: Contacts,
-    pub angles: [f64; MAX_WHEELS],
+    /// Of the contact angle of every wheel.
+    pub at: [Direction; MAX_WHEELS],
     pub slopes: [f64; MAX_WHEELS],
     pub slid: [[f64; 2]; MAX_WHEELS],
     pub response: Response,
@@ -215,47 +217,63 @@ impl Input {
         }
     }
 
-    /// The contacts at a site, sides shared.
-    fn contacts(
-        &self,
-        way: &Way<'_>,
-        site: &Site<'_>,
-        motion: Option<&Row>,
-    ) -> Result<Found, Error> {
-        let found = match site {
+    /// What it stands on at a site.
+    fn stand<'a>(&self, chain: &'a Chain, site: &Site<'_>) -> Result<Underfoot<'a>, Error> {
+        let underfoot = match site {
             Site::Unmapped => {
-                let known = Unmapped {
-                    joints: self.joints(),
-                    steering: &self.angles[..self.steered],
+                let steering = &self.angles[..self.steered];
+                Unmapped::new(chain, self.joints(), steering).map(Underfoot::Unmapped)
+            }
+            Site::Ground(place) => {
+                let contacts = Contacts::new(chain, &place.footing(), None);
+                contacts.map(|contacts| {
+                    Underfoot::Ground(Found {
+                        contacts: contacts.sharing_sides(),
+                        at: place.stand.wheels.map(|contact| contact.at),
+                        slopes: [0.0; MAX_WHEELS],
+                    })
+                })
+            }
+        };
+        underfoot.ok_or_else(|| {
+            let rule = "be within reach of the differential, with wheels that stand in no line";
+            Error::value("joints", rule, numbers(self.joints()))
+        })
+    }
+
+    /// The contacts there, sides shared, as far as the motion is known.
+    fn contacts(&self, way: &Way<'_>, underfoot: &Underfoot<'_>, motion: Option<&Row>) -> Found {
+        match underfoot {
+            Underfoot::Unmapped(unmapped) => {
+                let climb = Climb {
                     motion,
                     turned: &self.speeds[..self.wheels],
                     slopes: way.slopes,
                     doubt: way.doubt,
                 };
-                Contacts::unmapped(way.chain, &known)
+                let found = unmapped.contacts(way.chain, &climb);
+                Found {
+                    contacts: found.contacts.sharing_sides(),
+                    ..found
+                }
             }
-            Site::Ground(place) => {
-                let contacts = Contacts::new(way.chain, &place.footing(), None);
-                contacts.map(|contacts| Found {
-                    contacts,
-                    angles: place.angles,
-                    slopes: [0.0; MAX_WHEELS],
-                })
-            }
-        };
-        let mut found = found.ok_or_else(|| {
-            let rule = "be within reach of the differential, with wheels that stand in no line";
-            Error::value("joints", rule, numbers(self.joints()))
-        })?;
-        found.contacts = found.contacts.sharing_sides();
-        Ok(found)
+            Underfoot::Ground(found) => *found,
+        }
     }
+}
+
+/// What is known of a site before the motion is.
+#[allow(clippy::large_enum_variant)] // one per step, on the stack
+enum Underfoot<'a> {
+    Unmapped(Unmapped<'a>),
+    Ground(Found),
 }
 
 /// Where half of a step leads from a settled start, in axes of its body.
 pub(super) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
     let input = Input::of(way);
-    let found = input.contacts(way, &Site::Ground(start), None).ok()?;
+    let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
+    let found = input.contacts(way, &underfoot, None);
     let half = Vector6::from(
         found
             .contacts
@@ -274,6 +292,7 @@ pub(super) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
 /// say; without a map contacts are where the wheels go.
 fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Error> {
     let input = Input::of(way);
+    let underfoot = input.stand(way.chain, site)?;
     let mut yaw = tilt.and_then(|tilt| tilt.yaw).unwrap_or(0.0);
     let mut rates: Option<Row> = None;
     let mut round = 0;
@@ -281,9 +300,9 @@ fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Err
         let turn = tilt.map(|tilt| tilt.turn(yaw));
         let Found {
             contacts,
-            angles,
+            at,
             slopes,
-        } = input.contacts(way, site, rates.as_ref())?;
+        } = input.contacts(way, &underfoot, rates.as_ref());
         let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
         let readings = input.readings(body.as_ref());
         let moving = contacts.forward(&readings, way.radii);
@@ -319,7 +338,7 @@ fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Err
                 yaw,
                 response: contacts.response(&readings, way.radii),
                 contacts,
-                angles,
+                at,
                 slopes,
                 slid: moving.residual.map(|[_, along, aside]| [along, aside]),
             });
