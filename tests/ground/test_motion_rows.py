@@ -198,6 +198,33 @@ def test_traction_is_the_plain_way(name: str, kernel: str) -> None:
         alike(found, plain, TRACTION)
 
 
+@pytest.mark.parametrize("name", VEHICLES)
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_one_row_of_traction_is_the_plain_way(name: str, kernel: str) -> None:
+    """With the wheels in the lanes: driving, turning, at rest, far from level; by the quick way too."""
+    arm, rng = VEHICLES[name], np.random.default_rng(2)
+    wheels, joints, steered = widths(arm)
+    for k in range(60):
+        turning, angles = rng.uniform(-0.2, 0.2, 3), rng.uniform(-1, 1, joints)
+        rates = rng.uniform(-0.2, 0.2, joints) * (k % 5 > 0)
+        given = (0.1 * (k % 3 - 1), None, turning * (k % 5 > 0), angles * (k % 7 > 0), rates)
+        turn = {"yaw_rate": rng.uniform(-0.1, 0.1) * (k % 4 > 0)}
+        for more in (
+            {},
+            {"steering": rng.uniform(-0.4, 0.4, steered)},
+            {"wheel_speeds": rng.uniform(-1, 1, wheels)},
+        ):
+            plain, found = (arm.traction(*given, **turn, **more, kernel=which) for which in ("plain", kernel))
+            for number in TRACTION:
+                want = np.asarray(getattr(plain, number), float)
+                np.testing.assert_allclose(
+                    np.asarray(getattr(found, number), float), want, rtol=1e-12, atol=1e-12, err_msg=number
+                )
+        quick, general = arm.traction(*given, **turn), arm.traction(*given, **turn, threads=1)
+        for number in TRACTION:
+            np.testing.assert_array_equal(getattr(quick, number), getattr(general, number), err_msg=number)
+
+
 @pytest.mark.parametrize("kernel", sw.kernels())
 def test_contacts_stay_on_their_side_of_the_rim(kernel: str) -> None:
     """Wheels that lean far may touch with the far side: a little steering changes little there."""

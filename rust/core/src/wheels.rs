@@ -67,6 +67,7 @@ pub enum Pivot {
 
 /// Sine and cosine of one angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Direction {
     /// Sine.
     pub sin: f64,

@@ -21,6 +21,7 @@ use crate::suspension::Suspension;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct GroundCommand(Told);
 
+#[allow(clippy::large_enum_variant)] // in the object itself: a box would be one more allocation of every call
 enum Told {
     /// The arrays of a batch.
     Rows {
@@ -31,7 +32,7 @@ enum Told {
         scale: Py<PyAny>,
     },
     /// One call's numbers: a control loop need not pay for arrays that it does not look at.
-    One(Box<One>),
+    One(One),
 }
 
 /// The numbers of one row.
@@ -49,7 +50,7 @@ pub struct One {
 impl GroundCommand {
     /// That of one call.
     pub fn one(one: One) -> Self {
-        Self(Told::One(Box::new(one)))
+        Self(Told::One(one))
     }
 }
 
@@ -129,6 +130,7 @@ impl GroundCommand {
 #[pyclass(frozen, module = "six_wheel")]
 pub struct GroundMotion(Moved);
 
+#[allow(clippy::large_enum_variant)] // see `Told`
 enum Moved {
     /// The arrays of a batch.
     Rows {
@@ -137,7 +139,7 @@ enum Moved {
         residual: Py<PyAny>,
     },
     /// One call's numbers.
-    One(Box<OneMotion>),
+    One(OneMotion),
 }
 
 /// The numbers of one row.
@@ -152,7 +154,7 @@ pub struct OneMotion {
 impl GroundMotion {
     /// That of one call.
     pub fn one(one: OneMotion) -> Self {
-        Self(Moved::One(Box::new(one)))
+        Self(Moved::One(one))
     }
 }
 

@@ -15,6 +15,7 @@ use crate::suspension::Suspension;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Traction(Told);
 
+#[allow(clippy::large_enum_variant)] // in the object itself: a box would be one more allocation of every call
 enum Told {
     /// The arrays of a batch.
     Rows {
@@ -25,7 +26,7 @@ enum Told {
         vertical_speed: Py<PyAny>,
     },
     /// One call's numbers: a control loop need not pay for arrays that it does not look at.
-    One(Box<One>),
+    One(One),
 }
 
 /// The numbers of one row.
@@ -42,7 +43,7 @@ pub struct One {
 impl Traction {
     /// That of one call.
     pub fn one(one: One) -> Self {
-        Self(Told::One(Box::new(one)))
+        Self(Told::One(one))
     }
 }
 

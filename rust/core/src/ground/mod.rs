@@ -24,6 +24,6 @@ mod touch;
 pub use derivatives::{DIMENSIONS, by_dimension, by_pose, gap_slopes, shift_by_dimension};
 pub use rim::{Minimum, Rim};
 pub use settle::{Settled, Settler, Status};
+pub(crate) use stand::{CONTACT, NUMBERS, settle_part, worth_lanes};
 pub use stand::{Contact, Stand, rim_point, settle};
-pub(crate) use stand::{settle_part, worth_lanes};
 pub use touch::{Touch, Touches};

@@ -1,5 +1,7 @@
 //! Settled poses as plain numbers, one by one and in batches.
 
+use std::mem::offset_of;
+
 use nalgebra::Vector3;
 
 use super::batch;
@@ -12,6 +14,7 @@ use crate::wheels::Direction;
 
 /// What a settled pose is, without the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // see `numbers`
 pub struct Stand {
     /// What came of settling.
     pub status: Status,
@@ -27,6 +30,7 @@ pub struct Stand {
 
 /// Where a wheel meets the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)] // see `Stand::numbers`
 pub struct Contact {
     /// Least vertical distance of the rim over the ground [m].
     pub gap: f64,
@@ -38,6 +42,10 @@ pub struct Contact {
     /// Contact angle of the next best contact, NaN unless its gap is the same to 1e-7 m.
     pub next: f64,
 }
+
+/// Numbers of a contact, and of a stand.
+pub(crate) const CONTACT: usize = 6;
+pub(crate) const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
 
 impl Contact {
     /// No contact.
@@ -96,6 +104,17 @@ impl Stand {
             };
         }
         stand
+    }
+
+    /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
+    pub(crate) fn numbers(&self) -> &[f64; NUMBERS] {
+        const {
+            assert!(offset_of!(Self, wheels) == offset_of!(Self, state) + size_of::<State>());
+            assert!(size_of::<Contact>() == CONTACT * size_of::<f64>());
+        }
+        let stand: *const Self = self;
+        // SAFETY: from the state on there are only numbers, without a gap between them: a contact is as large as its own.
+        unsafe { &*stand.byte_add(offset_of!(Self, state)).cast() }
     }
 
     /// Whether a wheel touches the ground.

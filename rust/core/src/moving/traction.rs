@@ -51,6 +51,19 @@ pub struct Lift {
     pub speed: f64,
 }
 
+/// Tangent of the default.
+const STEEPEST: f64 = 1.557_407_724_654_902_3;
+
+impl Lift {
+    /// The steepest slope as a ratio.
+    pub(super) fn slope(self) -> f64 {
+        match self.angle {
+            1.0 => STEEPEST,
+            angle => angle.tan(),
+        }
+    }
+}
+
 impl Default for Lift {
     /// Slopes of 1 rad, from 1 cm/s on.
     fn default() -> Self {
@@ -158,7 +171,7 @@ pub fn traction(
         Closure::Suspension => along_the_links(centres),
         Closure::Wheels(measured) => from_wheels(centres, measured),
     };
-    let steepest = lift.angle.tan();
+    let steepest = lift.slope();
     for (wheel, centre) in centres.iter().enumerate() {
         let [along, across] = centre.at(driven.vertical);
         let way = if along < 0.0 { -1.0 } else { 1.0 };

@@ -1,12 +1,16 @@
 //! A chain in lanes, a rover in each: where its wheels are in the body, and what its free angles do to them.
 //!
-//! What [`Chain::place`] does for one rover, in the axes of its body, for chains whose parts turn about the axes of
-//! their parents and whose steered wheels are mounted on what steers them: every vehicle that has a name here.
-//! Wheels are placed straight ahead, and steered afterwards.
+//! What [`Chain::place`](super::Chain::place) does for one rover, in the axes of its body, for chains whose parts turn about the body's y axis or
+//! about its x axis, those on one another about the same, and whose steered wheels are mounted on what steers them:
+//! every vehicle that has a name here. So a part is an angle and a point, and stays in its plane.
+
+mod plan;
 
 use pulp::Simd;
 
-use super::chain::{Chain, MAX_FREE, MAX_WHEELS, Turning};
+pub(crate) use self::plan::Plan;
+use self::plan::{MOST_PARTS, Wheel};
+use super::chain::{MAX_FREE, MAX_WHEELS};
 use super::dimensions::Differential;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::polynomials::direction;
@@ -42,169 +46,17 @@ impl Column {
     }
 }
 
-/// Parts with free angles at most: one on either side for each of them.
-const MOST_PARTS: usize = 2 * MAX_FREE;
-
 /// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
 pub(crate) const LARGEST_TURN: f64 = 600.0;
-
-/// A part with a free angle that turns about an axis of its parent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Part {
-    /// Place of the parent among the frames: 0 is the body.
-    parent: usize,
-    origin: [f64; 3],
-    axis: usize,
-    joint: usize,
-    /// Through a differential, of which the free angle is the left-hand side.
-    across: Option<Differential>,
-}
-
-/// A wheel on its part.
-#[derive(Clone, Debug, PartialEq)]
-struct Wheel {
-    frame: usize,
-    /// Where it is steered about, and its centre from there [m].
-    pivot: [f64; 3],
-    offset: [f64; 3],
-    radius: f64,
-    steering: Option<usize>,
-    /// Parts that carry it, innermost first.
-    movers: Vec<usize>,
-    /// Bits of the free angles that move it.
-    moved: u32,
-}
-
-/// Where a part that steers is in its parent, and its joint.
-type Knuckle = ([f64; 3], usize);
-
-/// What lanes need to know of a chain.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Plan {
-    parts: Vec<Part>,
-    wheels: Vec<Wheel>,
-    joints: usize,
-    /// The free angles, those first that move few wheels.
-    order: Vec<usize>,
-    /// Bits of the steering joints whose wheels have their centres about the axis.
-    centred: u32,
-}
-
-impl Plan {
-    /// None for chains that are not for lanes.
-    pub fn new(chain: &Chain) -> Option<Self> {
-        let mut plan = Self {
-            parts: Vec::new(),
-            wheels: Vec::new(),
-            joints: chain.joints().len(),
-            order: (0..chain.joints().len()).collect(),
-            centred: 0,
-        };
-        // The frame that a part is, or for one that steers that of its parent, with its origin there.
-        let mut frames: Vec<(usize, Option<Knuckle>)> = Vec::new();
-        for part in chain.parts() {
-            let (parent, knuckle) = part.parent.map_or((0, None), |k| frames[k]);
-            let unit = |axis: &usize| (0..3).all(|k| part.axis[k] == f64::from(k == *axis));
-            let axis = (0..3).find(unit)?;
-            let origin = part.origin.into();
-            let (joint, across) = match part.turning {
-                // Nothing hangs on what steers but wheels.
-                _ if knuckle.is_some() => return None,
-                Turning::Steering(joint) if axis == 2 => {
-                    frames.push((parent, Some((origin, joint))));
-                    continue;
-                }
-                Turning::Steering(_) => return None,
-                Turning::Free(joint) => (joint, None),
-                Turning::Across(joint, differential) => (joint, Some(differential)),
-            };
-            plan.parts.push(Part {
-                parent,
-                origin,
-                axis,
-                joint,
-                across,
-            });
-            frames.push((plan.parts.len(), None));
-        }
-        if plan.parts.len() > MOST_PARTS {
-            return None;
-        }
-        for wheel in chain.wheels() {
-            let (frame, knuckle) = wheel.part.map_or((0, None), |k| frames[k]);
-            let (pivot, offset, steering) = match knuckle {
-                Some((pivot, joint)) => (pivot, wheel.centre.into(), Some(joint)),
-                None => (wheel.centre.into(), [0.0; 3], None),
-            };
-            let parents = |&frame: &usize| Some(plan.parts[frame - 1].parent).filter(|&k| k > 0);
-            let carriers = std::iter::successors(Some(frame).filter(|&k| k > 0), parents);
-            let movers: Vec<usize> = carriers.map(|frame| frame - 1).collect();
-            let bit = |part: &usize| 1 << plan.parts[*part].joint;
-            plan.wheels.push(Wheel {
-                frame,
-                pivot,
-                offset,
-                radius: wheel.radius,
-                steering,
-                moved: movers.iter().map(bit).fold(0, std::ops::BitOr::bitor),
-                movers,
-            });
-        }
-        let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
-        let wheels = &plan.wheels;
-        plan.order
-            .sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
-        for joint in 0..chain.steering().len() {
-            let own = wheels.iter().filter(|wheel| wheel.steering == Some(joint));
-            let [ahead, left] = own.fold([0.0; 2], |[ahead, left], wheel| {
-                [ahead + wheel.offset[0], left + wheel.offset[1]]
-            });
-            plan.centred |= u32::from(ahead == 0.0 && left == 0.0) << joint;
-        }
-        Some(plan)
-    }
-
-    pub fn wheels(&self) -> usize {
-        self.wheels.len()
-    }
-
-    pub fn joints(&self) -> usize {
-        self.joints
-    }
-
-    pub fn radius(&self, wheel: usize) -> f64 {
-        self.wheels[wheel].radius
-    }
-
-    pub fn steering(&self, wheel: usize) -> Option<usize> {
-        self.wheels[wheel].steering
-    }
-
-    /// Bits of the free angles that move a wheel.
-    pub fn moved(&self, wheel: usize) -> u32 {
-        self.wheels[wheel].moved
-    }
-
-    /// The free angles, those first that move few wheels.
-    pub fn order(&self) -> &[usize] {
-        &self.order
-    }
-
-    /// The centre of a wheel from its steering axis, ahead and to the left where that is straight [m].
-    pub fn offset(&self, wheel: usize) -> [f64; 2] {
-        let [ahead, left, _] = self.wheels[wheel].offset;
-        [ahead, left]
-    }
-
-    /// Whether the centres of a joint's wheels lie about its axis: then they go on average where the axis does.
-    pub fn is_centred(&self, joint: usize) -> bool {
-        self.centred >> joint & 1 == 1
-    }
-}
 
 #[inline(always)]
 pub(crate) fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
     Lanes::splat(simd, value)
+}
+
+#[inline(always)]
+fn triple<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> Vectors<S> {
+    [all(simd, x), all(simd, y), all(simd, z)]
 }
 
 #[inline(always)]
@@ -246,65 +98,70 @@ pub(crate) fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// `c a + s b`, and a quarter turn on.
+/// A vector in axes that are turned like this about the upward one.
 #[inline(always)]
-pub(crate) fn rotated<S: Simd>((s, c): Turned<S>, a: Vectors<S>, b: Vectors<S>) -> [Vectors<S>; 2] {
-    let mut turned = [a, b];
-    for k in 0..3 {
-        turned[0][k] = a[k].mul_add(c, b[k] * s);
-        turned[1][k] = b[k].mul_add(c, -(a[k] * s));
-    }
-    turned
+pub(crate) fn from_turned<S: Simd>((s, c): Turned<S>, [x, y, up]: Vectors<S>) -> Vectors<S> {
+    [x.mul_add(c, y * s), y.mul_add(c, -(x * s)), up]
 }
 
-/// Columns of a rotation, and a point that it carries [m].
+/// A part in lanes, or the body: how far it is turned in its plane, x and z (0) or y and z (1), with z towards x or y, and a
+/// point of it [m].
 #[derive(Clone, Copy)]
-struct Frame<S: Simd> {
-    columns: [Vectors<S>; 3],
+pub(crate) struct Limb<S: Simd> {
+    plane: usize,
+    turned: Turned<S>,
     origin: Vectors<S>,
 }
 
-impl<S: Simd> Frame<S> {
+impl<S: Simd> Limb<S> {
+    /// A vector in its own axes, in those of the body.
+    #[inline(always)]
+    pub fn out(&self, vector: Vectors<S>) -> Vectors<S> {
+        self.by(self.turned, vector)
+    }
+
+    /// A vector of the body in its own axes.
+    #[inline(always)]
+    pub fn own(&self, vector: Vectors<S>) -> Vectors<S> {
+        self.by((-self.turned.0, self.turned.1), vector)
+    }
+
+    #[inline(always)]
+    fn by(&self, (sin, cos): Turned<S>, [x, y, z]: Vectors<S>) -> Vectors<S> {
+        let ahead = if self.plane == 0 { x } else { y };
+        let up = z.mul_add(cos, -(ahead * sin));
+        let ahead = ahead.mul_add(cos, z * sin);
+        match self.plane {
+            0 => [ahead, y, up],
+            _ => [x, ahead, up],
+        }
+    }
+
     #[inline(always)]
     fn point(&self, simd: S, local: [f64; 3]) -> Vectors<S> {
-        let mut point = self.origin;
-        for (column, length) in self.columns.into_iter().zip(local) {
-            point = along(point, all(simd, length), column);
-        }
-        point
+        sum(self.origin, self.out(triple(simd, local)))
     }
-}
 
-/// A wheel in lanes: see [`super::WheelFrame`].
-#[derive(Clone, Copy)]
-pub(crate) struct WheelAt<S: Simd> {
-    pub centre: Vectors<S>,
-    pub forward: Vectors<S>,
-    pub axle: Vectors<S>,
-    pub up: Vectors<S>,
-}
-
-/// A part's axis times the derivative of its angle by the free one, and a point of it.
-#[derive(Clone, Copy)]
-pub(crate) struct Axis<S: Simd> {
-    pub joint: usize,
-    pub axis: Vectors<S>,
-    pub origin: Vectors<S>,
+    /// A vector along its plane and upwards.
+    #[inline(always)]
+    fn in_plane(&self, [x, y, z]: Vectors<S>) -> [Lanes<S>; 2] {
+        [if self.plane == 0 { x } else { y }, z]
+    }
 }
 
 /// The chain in lanes, in the axes of the body.
 pub(crate) struct Placing<'a, S: Simd> {
     plan: &'a Plan,
-    /// Of the body, and of every part.
-    frames: [Frame<S>; MOST_PARTS + 1],
-    axes: [Axis<S>; MOST_PARTS],
-    /// The wheels, straight ahead until somebody steers them.
-    pub wheels: [WheelAt<S>; MAX_WHEELS],
-    /// Where the wheels are steered about.
-    pivots: [Vectors<S>; MAX_WHEELS],
-    /// Of the body and every part, the velocity that a point at the body's origin would have with it [m/s], and how it turns
-    /// [rad/s].
-    flow: [[Vectors<S>; 2]; MOST_PARTS + 1],
+    /// The body, and every part.
+    limbs: [Limb<S>; MOST_PARTS + 1],
+    slopes: [Lanes<S>; MOST_PARTS],
+    /// Centres of the wheels, straight ahead until somebody steers them [m].
+    pub centres: [Vectors<S>; MAX_WHEELS],
+    /// How the body moves [m/s, rad/s].
+    body: [Vectors<S>; 2],
+    /// How fast every limb turns in its plane against the body [rad/s], and less how fast a point at the body's origin would move with
+    /// that, along the plane and upwards [m/s].
+    flow: [[Lanes<S>; 3]; MOST_PARTS + 1],
 }
 
 /// Sine and cosine of the angle of a part's own, and its derivative by the free angle; NaN where a differential does
@@ -337,27 +194,18 @@ impl<'a, S: Vector> Placing<'a, S> {
     #[inline(always)]
     pub fn new(simd: S, plan: &'a Plan) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let body = Frame {
-            columns: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
+        let body = Limb {
+            plane: 0,
+            turned: (zero, one),
             origin: [zero; 3],
-        };
-        let nowhere = WheelAt {
-            centre: [zero; 3],
-            forward: [zero; 3],
-            axle: [zero; 3],
-            up: [zero; 3],
         };
         Self {
             plan,
-            frames: [body; MOST_PARTS + 1],
-            axes: [Axis {
-                joint: 0,
-                axis: [zero; 3],
-                origin: [zero; 3],
-            }; MOST_PARTS],
-            wheels: [nowhere; MAX_WHEELS],
-            pivots: [[zero; 3]; MAX_WHEELS],
-            flow: [[[zero; 3]; 2]; MOST_PARTS + 1],
+            limbs: [body; MOST_PARTS + 1],
+            slopes: [one; MOST_PARTS],
+            centres: [[zero; 3]; MAX_WHEELS],
+            body: [[zero; 3]; 2],
+            flow: [[zero; 3]; MOST_PARTS + 1],
         }
     }
 
@@ -366,87 +214,108 @@ impl<'a, S: Vector> Placing<'a, S> {
     pub fn place(&mut self, simd: S, joints: &[Lanes<S>; MAX_FREE]) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let mut free = [(zero, one); MAX_FREE];
-        for (turned, angle) in free.iter_mut().zip(joints).take(self.plan.joints) {
+        for (turned, angle) in free.iter_mut().zip(joints).take(self.plan.joints()) {
             *turned = direction(simd, *angle);
         }
         for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
-            let parent = &self.frames[part.parent];
             let joint = part.joint % MAX_FREE;
-            let (turned, slope) = match part.across {
+            let (mut turned, mut slope) = match part.across {
                 None => (free[joint], one),
                 Some(by) => across(simd, by, joints[joint], free[joint]),
             };
-            let (first, second) = ((part.axis + 1) % 3, (part.axis + 2) % 3);
-            let [a, b] = rotated(turned, parent.columns[first], parent.columns[second]);
-            let axis = parent.columns[part.axis];
-            let origin = parent.point(simd, part.origin);
-            let frame = &mut self.frames[k + 1];
-            frame.columns[first] = a;
-            frame.columns[second] = b;
-            frame.columns[part.axis] = axis;
-            frame.origin = origin;
-            self.axes[k] = Axis {
-                joint,
-                axis: scaled(axis, slope),
+            if part.plane == 1 {
+                // About x, from z to y backwards.
+                (turned.0, slope) = (-turned.0, -slope);
+            }
+            let mut origin = triple(simd, part.origin);
+            if part.parent > 0 {
+                let parent = &self.limbs[part.parent];
+                origin = parent.point(simd, part.origin);
+                let ((sin, cos), (s, c)) = (parent.turned, turned);
+                turned = (sin.mul_add(c, cos * s), cos.mul_add(c, -(sin * s)));
+            }
+            self.limbs[k + 1] = Limb {
+                plane: part.plane,
+                turned,
                 origin,
             };
+            self.slopes[k] = slope;
         }
         for (k, wheel) in self.plan.wheels.iter().enumerate().take(MAX_WHEELS) {
-            let frame = &self.frames[wheel.frame];
-            let pivot = frame.point(simd, wheel.pivot);
-            let [forward, axle, up] = frame.columns;
-            let mut centre = pivot;
-            if wheel.offset != [0.0; 3] {
-                for (column, length) in frame.columns.into_iter().zip(wheel.offset) {
-                    centre = along(centre, all(simd, length), column);
-                }
-            }
-            self.pivots[k] = pivot;
-            self.wheels[k] = WheelAt {
-                centre,
-                forward,
-                axle,
-                up,
-            };
+            let [x, y, z] = wheel.pivot;
+            let [ahead, left, up] = wheel.offset;
+            self.centres[k] = self.limbs[wheel.limb].point(simd, [x + ahead, y + left, z + up]);
         }
     }
 
-    /// A wheel turned about its steering axis.
+    /// Moves the centre of a wheel to where it is turned like this about its steering axis.
     #[inline(always)]
-    pub fn steered(&self, simd: S, wheel: usize, turned: Turned<S>) -> WheelAt<S> {
-        let mut at = self.wheels[wheel];
-        [at.forward, at.axle] = rotated(turned, at.forward, at.axle);
-        let offset = self.plan.wheels[wheel].offset;
-        if offset != [0.0; 3] {
-            at.centre = self.pivots[wheel];
-            for (column, length) in [at.forward, at.axle, at.up].into_iter().zip(offset) {
-                at.centre = along(at.centre, all(simd, length), column);
-            }
+    pub fn steer(&mut self, simd: S, wheel: usize, turned: Turned<S>) {
+        self.centres[wheel] = self.steered(simd, wheel, turned);
+    }
+
+    /// The centre of a wheel turned like this about its steering axis.
+    #[inline(always)]
+    pub fn steered(&self, simd: S, wheel: usize, (sin, cos): Turned<S>) -> Vectors<S> {
+        let Wheel { offset, pivot, .. } = &self.plan.wheels[wheel];
+        let [ahead, left, up] = *offset;
+        if [ahead, left] == [0.0; 2] {
+            return self.centres[wheel];
         }
-        at
+        let offset = from_turned((-sin, cos), triple(simd, [ahead, left, up]));
+        let limb = self.limb(wheel);
+        let own = sum(triple(simd, *pivot), offset);
+        sum(limb.origin, limb.out(own))
+    }
+
+    /// What carries a wheel.
+    #[inline(always)]
+    pub fn limb(&self, wheel: usize) -> &Limb<S> {
+        &self.limbs[self.plan.wheels[wheel].limb]
     }
 
     /// Where a wheel is steered about.
-    pub fn pivot(&self, wheel: usize) -> Vectors<S> {
-        self.pivots[wheel]
+    #[inline(always)]
+    pub fn pivot(&self, simd: S, wheel: usize) -> Vectors<S> {
+        self.limb(wheel).point(simd, self.plan.wheels[wheel].pivot)
     }
 
-    /// The axes of the free angles that move a wheel.
+    /// The limbs that carry a wheel, innermost first.
     #[inline(always)]
-    pub fn axes(&self, wheel: usize) -> impl Iterator<Item = &Axis<S>> {
-        let movers = &self.plan.wheels[wheel].movers;
-        movers.iter().map(|&part| &self.axes[part])
+    pub fn movers(&self, wheel: usize) -> &'a [usize] {
+        &self.plan.wheels[wheel].movers
+    }
+
+    /// The free angle that turns a limb, and how a point that it carries moves by its rate, along its plane and downwards.
+    #[inline(always)]
+    pub fn swing(&self, mover: usize, point: Vectors<S>) -> (usize, [Lanes<S>; 2]) {
+        let (limb, slope) = (&self.limbs[mover + 1], self.slopes[mover]);
+        let [ahead, up] = limb.in_plane(less(point, limb.origin));
+        let joint = self.plan.parts[mover].joint % MAX_FREE;
+        (joint, [up * slope, ahead * slope])
+    }
+
+    /// The part of that motion in a direction.
+    #[inline(always)]
+    pub fn swung(&self, mover: usize, [forth, down]: [Lanes<S>; 2], to: Vectors<S>) -> Lanes<S> {
+        let [along, up] = self.limbs[mover + 1].in_plane(to);
+        forth.mul_add(along, -(down * up))
     }
 
     /// Moves the parts at these rates of the body and the free angles.
     #[inline(always)]
     pub fn moves(&mut self, body: [Vectors<S>; 2], rates: &[Lanes<S>; MAX_FREE]) {
-        self.flow[0] = body;
+        self.body = body;
         for (k, part) in self.plan.parts.iter().enumerate().take(MOST_PARTS) {
-            let Axis { axis, origin, .. } = self.axes[k];
-            let turning = scaled(axis, rates[part.joint % MAX_FREE]);
-            let [velocity, turn] = self.flow[part.parent];
-            self.flow[k + 1] = [less(velocity, cross(turning, origin)), sum(turn, turning)];
+            let limb = &self.limbs[k + 1];
+            let [ahead, up] = limb.in_plane(limb.origin);
+            let rate = self.slopes[k] * rates[part.joint % MAX_FREE];
+            let [turns, forth, down] = self.flow[part.parent];
+            self.flow[k + 1] = [
+                turns + rate,
+                rate.mul_add(up, forth),
+                rate.mul_add(ahead, down),
+            ];
         }
     }
 
@@ -454,7 +323,22 @@ impl<'a, S: Vector> Placing<'a, S> {
     /// `moving::contact::carried`.
     #[inline(always)]
     pub fn carried(&self, wheel: usize, point: Vectors<S>) -> [Vectors<S>; 2] {
-        let [velocity, turn] = self.flow[self.plan.wheels[wheel].frame];
-        [sum(velocity, cross(turn, point)), turn]
+        let which = self.plan.wheels[wheel].limb;
+        let ([velocity, mut turn], limb) = (self.body, &self.limbs[which]);
+        let mut velocity = sum(velocity, cross(turn, point));
+        if which > 0 {
+            let [turns, forth, down] = self.flow[which];
+            let [ahead, up] = limb.in_plane(point);
+            let along = turns.mul_add(up, -forth);
+            velocity[2] = velocity[2] + (down - turns * ahead);
+            if limb.plane == 0 {
+                velocity[0] = velocity[0] + along;
+                turn[1] = turn[1] + turns;
+            } else {
+                velocity[1] = velocity[1] + along;
+                turn[0] = turn[0] - turns;
+            }
+        }
+        [velocity, turn]
     }
 }

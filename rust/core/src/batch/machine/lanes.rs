@@ -184,10 +184,20 @@ impl<S: Vector> Lanes<S> {
     /// row's first one on have to be there.
     #[inline(always)]
     pub fn columns(simd: S, rows: &[f64], width: usize) -> [Self; 8] {
+        let mut eights = [&[0.0; 8]; 8];
+        for (lane, eight) in eights.iter_mut().enumerate().take(S::F64_LANES) {
+            *eight = rows[lane * width..].first_chunk().unwrap_or(&[0.0; 8]);
+        }
+        Self::columns_of(simd, &eights)
+    }
+
+    /// The same of rows wherever they are, as many as there are lanes.
+    #[inline(always)]
+    pub fn columns_of(simd: S, rows: &[&[f64; 8]; 8]) -> [Self; 8] {
         let mut registers = [simd.splat_f64s(0.0); 8];
         for (k, register) in registers.iter_mut().enumerate() {
-            let first = k % S::F64_LANES * width + k / S::F64_LANES * S::F64_LANES;
-            *register = S::as_simd_f64s(&rows[first..first + S::F64_LANES]).0[0];
+            let part = &rows[k % S::F64_LANES][k / S::F64_LANES * S::F64_LANES..];
+            *register = S::as_simd_f64s(&part[..S::F64_LANES]).0[0];
         }
         let columns = simd.transpose(registers);
         let mut lanes = [Self::splat(simd, 0.0); 8];

@@ -4,7 +4,9 @@ use super::columns::{Way, angle_of, way};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::{Turned, Vectors, all, cross, dot, scaled, sum};
+use crate::suspension::lanes::{
+    Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum,
+};
 
 /// Turns of Newton's method.
 const TURNS: usize = 8;
@@ -15,6 +17,9 @@ const SHORTER: f64 = 0.4;
 
 /// A turn shorter than this [rad] is the last one: what it leaves is its square, or some of them.
 const LAST: f64 = 1e-8;
+
+/// The same where the bend is known too: what it leaves is its cube.
+const LAST_BENT: f64 = 2e-6;
 
 /// Speeds below this share of those they are made of are for the plain way: there a sign, or a root, hangs on rounding.
 const SLIGHT: f64 = 1e-9;
@@ -53,97 +58,117 @@ impl<S: Vector> Local<S> {
         self.offset != [0.0; 2]
     }
 
-    /// The velocity of its centre where it is turned like this [m/s], and the derivative by the angle; that is None where the
-    /// centre lies on the axis.
+    /// What turning like this adds to the velocity of its centre, which lies beside its axis [m/s], and the derivative by
+    /// the angle.
     #[inline(always)]
-    fn swung(&self, simd: S, (sin, cos): Turned<S>) -> (Vectors<S>, Option<Vectors<S>>) {
-        if !self.is_beside() {
-            return (self.velocity, None);
-        }
+    fn swung(&self, simd: S, (sin, cos): Turned<S>) -> (Vectors<S>, Vectors<S>) {
         let zero = all(simd, 0.0);
         let (x, y) = (all(simd, self.offset[0]), all(simd, self.offset[1]));
-        let to = [x.mul_add(cos, -(y * sin)), x.mul_add(sin, y * cos)];
-        let moved = cross(self.turn, [to[0] - x, to[1] - y, zero]);
-        let on = cross(self.turn, [-to[1], to[0], zero]);
-        (sum(self.velocity, moved), Some(on))
+        let [ahead, left, _] = from_turned((-sin, cos), [x, y, zero]);
+        let moved = cross(self.turn, [ahead - x, left - y, zero]);
+        (moved, cross(self.turn, [-left, ahead, zero]))
     }
 
     /// The rate of its encoder when it rolls over a plane, turned like this, or at a contact angle [rad/s].
     #[inline(always)]
     pub fn rolling(&self, simd: S, turned: Turned<S>, at: Turned<S>) -> Lanes<S> {
-        let (sin, cos) = turned;
-        let (velocity, _) = self.swung(simd, turned);
-        let ahead = velocity[0].mul_add(cos, velocity[1] * sin);
-        let along = ahead.mul_add(at.1, velocity[2] * at.0);
-        let turning = self.turn[1].mul_add(cos, -(self.turn[0] * sin));
+        let mut velocity = self.velocity;
+        if self.is_beside() {
+            velocity = sum(velocity, self.swung(simd, turned).0);
+        }
+        let [ahead, _, up] = from_turned(turned, velocity);
+        let along = ahead.mul_add(at.1, up * at.0);
+        let [_, turning, _] = from_turned(turned, self.turn);
         along.mul_add(all(simd, 1.0 / self.radius), -turning)
     }
 
     /// The normal along the wheel's forward and upward axes where it is turned like this.
     #[inline(always)]
-    pub fn upright(&self, (sin, cos): Turned<S>) -> [Lanes<S>; 2] {
-        let [x, y, z] = self.normal;
-        [x.mul_add(cos, y * sin), z]
+    pub fn upright(&self, turned: Turned<S>) -> [Lanes<S>; 2] {
+        let [ahead, _, up] = from_turned(turned, self.normal);
+        [ahead, up]
     }
 }
 
 /// What a wheel counts for its joint, and what it does sideways.
 #[derive(Clone, Copy)]
-struct Aim<S: Vector> {
-    local: Local<S>,
-    /// `r n x w` [m/s].
+struct Aim<'a, S: Vector> {
+    local: &'a Local<S>,
+    /// `r n x w`, and the centre's velocity along the ground [m/s], ahead and to the left.
     rim: Vectors<S>,
+    slide: Vectors<S>,
     /// 1, or 0 for one in the air beside one that touches.
     counts: Lanes<S>,
 }
 
-impl<S: Vector> Aim<S> {
-    /// How fast the touching point goes sideways, times the length of the normal across the axle, and the derivative
-    /// by the angle [m/s].
+impl<'a, S: Vector> Aim<'a, S> {
     #[inline(always)]
-    fn aside(&self, simd: S, turned: Turned<S>) -> [Lanes<S>; 2] {
-        let (sin, cos) = turned;
-        let [nx, ny, nz] = self.local.normal;
-        let (velocity, change) = self.local.swung(simd, turned);
-        let across = |[x, y, _]: Vectors<S>| y.mul_add(cos, -(x * sin));
-        let ahead = |[x, y, _]: Vectors<S>| x.mul_add(cos, y * sin);
-        // The tilt of the axle against the ground has minus `level` as its derivative.
-        let (tilt, level) = (ny.mul_add(cos, -(nx * sin)), nx.mul_add(cos, ny * sin));
-        let share = level.mul_add(level, nz * nz).sqrt();
-        let up = dot(self.local.normal, velocity);
-        let (rim, rim_on) = (across(self.rim), -ahead(self.rim));
-        let aside = share.mul_add(rim, across(velocity) - tilt * up);
-        let mut by = level.mul_add(up, -ahead(velocity));
-        by = share.mul_add(rim_on, by) + (tilt * level).quotient(share) * rim;
-        if let Some(change) = change {
-            by = by + across(change) - tilt * dot(self.local.normal, change);
+    fn new(simd: S, local: &'a Local<S>, counts: Lanes<S>) -> Self {
+        let (normal, velocity) = (local.normal, local.velocity);
+        let rim = scaled(cross(normal, local.turn), all(simd, local.radius));
+        let along = scaled(normal, dot(normal, velocity));
+        Self {
+            local,
+            rim,
+            slide: less(velocity, along),
+            counts,
         }
-        [aside * self.counts, by * self.counts]
+    }
+
+    /// How fast the touching point goes sideways, times the length of the normal across the axle, the derivative by the angle,
+    /// and the second one beside that of a sine, for wheels on their axis [m/s].
+    #[inline(always)]
+    fn aside(&self, simd: S, turned: Turned<S>) -> Vectors<S> {
+        let normal = self.local.normal;
+        // The tilt of the axle against the ground has minus `level` as its derivative.
+        let [level, tilt, up] = from_turned(turned, normal);
+        let square = level.mul_add(level, up * up);
+        let inverse = square.inverse_root();
+        let share = square * inverse;
+        let [rim_ahead, rim, _] = from_turned(turned, self.rim);
+        let [ahead, across, _] = from_turned(turned, self.slide);
+        let mut aside = share.mul_add(rim, across);
+        let slope = tilt * level * inverse;
+        let mut by = slope.mul_add(rim, -share.mul_add(rim_ahead, ahead));
+        // Of the length itself the second derivative, then what changes with it.
+        let bend = (tilt * tilt - slope.mul_add(slope, level * level)) * inverse;
+        let mut bend = bend.mul_add(rim, -((slope + slope) * rim_ahead));
+        if self.local.is_beside() {
+            let (moved, change) = self.local.swung(simd, turned);
+            let [ahead, across, _] = from_turned(turned, moved);
+            let [_, on, _] = from_turned(turned, change);
+            let up = dot(normal, moved);
+            aside = aside + across - tilt * up;
+            by = by + level.mul_add(up, -ahead) + on - tilt * dot(normal, change);
+            bend = all(simd, 0.0);
+        }
+        scaled([aside, by, bend], self.counts)
     }
 
     /// Where the touching point goes as the wheel points now: ahead and to the left [m/s].
     #[inline(always)]
     fn ways(&self) -> [Lanes<S>; 2] {
-        let [nx, ny, nz] = self.local.normal;
-        let share = nx.mul_add(nx, nz * nz).sqrt();
-        let velocity = self.local.velocity;
-        let up = dot(self.local.normal, velocity);
-        let of = |n: Lanes<S>, v: Lanes<S>, rim: Lanes<S>| share.mul_add(rim, v - n * up);
-        [
-            of(nx, velocity[0], self.rim[0]) * self.counts,
-            of(ny, velocity[1], self.rim[1]) * self.counts,
-        ]
+        let [nx, _, nz] = self.local.normal;
+        let square = nx.mul_add(nx, nz * nz);
+        let share = square * square.inverse_root();
+        let [ahead, left, _] = along(self.slide, share, self.rim);
+        [ahead * self.counts, left * self.counts]
     }
 
     /// Speeds of which these are made, or more [m/s].
     #[inline(always)]
     fn size(&self, simd: S) -> Lanes<S> {
-        let length = |[x, y, z]: Vectors<S>| x.abs() + y.abs() + z.abs();
         let [ahead, left] = self.local.offset;
-        let arm = all(simd, ahead.hypot(left));
-        let swing = length(self.local.turn) * arm;
-        (length(self.local.velocity) + length(self.rim) + swing) * self.counts
+        // The rim is not faster than its radius times that.
+        let arm = all(simd, ahead.hypot(left) + 1.5 * self.local.radius);
+        length(self.local.turn).mul_add(arm, length(self.local.velocity)) * self.counts
     }
+}
+
+/// The length of a vector, or more.
+#[inline(always)]
+fn length<S: Vector>([x, y, z]: Vectors<S>) -> Lanes<S> {
+    x.abs() + y.abs() + z.abs()
 }
 
 /// How far a joint turns, and its angle [rad].
@@ -169,17 +194,11 @@ impl<S: Vector> Joint<S> {
     /// A turn of Newton's method where it is open; lanes that have found theirs wait for the others, so that no lane
     /// depends on another.
     #[inline(always)]
-    fn turn<'a>(&mut self, simd: S, aims: impl Iterator<Item = &'a Aim<S>>, doubt: &mut Mask<S>)
-    where
-        S: 'a,
-    {
-        let zero = all(simd, 0.0);
-        let (mut aside, mut by) = (zero, zero);
-        for aim in aims {
-            let [one, slope] = aim.aside(simd, self.turned);
-            (aside, by) = (aside + one, by + slope);
-        }
-        let step = -(aside.quotient(by));
+    fn turn(&mut self, simd: S, [aside, by, bend]: Vectors<S>, last: f64, doubt: &mut Mask<S>) {
+        let inverse = all(simd, 1.0).quotient(by);
+        let step = -(aside * inverse);
+        let bent = bend * inverse * (step * step);
+        let step = bent.mul_add(all(simd, -0.5), step);
         let length = step.abs();
         let most = all(simd, SHORTER) * self.last;
         let steep = (all(simd, FLAT) * self.size).below(by.abs());
@@ -191,7 +210,7 @@ impl<S: Vector> Joint<S> {
             self.open.select(s * inverse, sin),
             self.open.select(c * inverse, cos),
         );
-        self.open = self.open & all(simd, LAST).below(length);
+        self.open = self.open & all(simd, last).below(length);
         self.last = length;
     }
 }
@@ -207,52 +226,67 @@ pub(super) fn aimed<S: Vector>(
     doubt: &mut Mask<S>,
 ) -> [Option<Aimed<S>>; MAX_WHEELS] {
     let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-    let still = Aim {
-        local: Local::none(simd),
-        rim: [zero; 3],
-        counts: one,
+    // Of every joint its wheels, whether one of them touches, where they go, and how fast.
+    let mut wheels = [0_u32; MAX_WHEELS];
+    let mut touches = [zero; MAX_WHEELS];
+    let (mut ways, mut sizes) = ([[zero; 2]; MAX_WHEELS], [zero; MAX_WHEELS]);
+    let mut beside = [false; MAX_WHEELS];
+    for (wheel, touching) in touching.iter().enumerate().take(locals.len()) {
+        if let Some(joint) = steering(wheel) {
+            wheels[joint] |= 1 << wheel;
+            touches[joint] = touches[joint].max(*touching);
+        }
+    }
+    let mut aims = [None; MAX_WHEELS];
+    for (wheel, (aim, local)) in aims.iter_mut().zip(locals).enumerate() {
+        let Some(joint) = steering(wheel) else {
+            continue;
+        };
+        let counts = zero.below(touches[joint]).select(touching[wheel], one);
+        let aims = Aim::new(simd, local, counts);
+        let [ahead, left] = aims.ways();
+        ways[joint] = [ways[joint][0] + ahead, ways[joint][1] + left];
+        sizes[joint] = sizes[joint] + aims.size(simd);
+        beside[joint] |= local.is_beside();
+        *aim = Some(aims);
+    }
+    let nowhere = Joint {
+        turned: (zero, one),
+        size: zero,
+        last: all(simd, 0.5),
+        open: zero.below(zero),
     };
-    let mut aims = [still; MAX_WHEELS];
-    let joint_of = |wheel: usize| (wheel < locals.len()).then(|| steering(wheel)).flatten();
-    let of = |joint: usize| move |wheel: &usize| joint_of(*wheel) == Some(joint);
-    let mut joints: [Option<Joint<S>>; MAX_WHEELS] = [None; MAX_WHEELS];
-    for (joint, slot) in joints.iter_mut().enumerate() {
-        let wheels = || (0..MAX_WHEELS).filter(of(joint));
-        if wheels().next().is_none() {
+    let mut joints = [nowhere; MAX_WHEELS];
+    for (k, joint) in joints.iter_mut().enumerate() {
+        if wheels[k] == 0 {
             continue;
         }
-        let mut touches = zero;
-        for wheel in wheels() {
-            touches = touches.max(touching[wheel]);
-        }
-        let (mut size, mut way_of) = (zero, [zero; 2]);
-        for wheel in wheels() {
-            let (aim, local) = (&mut aims[wheel], &locals[wheel]);
-            aim.local = *local;
-            aim.rim = scaled(cross(local.normal, local.turn), all(simd, local.radius));
-            aim.counts = zero.below(touches).select(touching[wheel], one);
-            let [ahead, left] = aim.ways();
-            way_of = [way_of[0] + ahead, way_of[1] + left];
-            size = size + aim.size(simd);
-        }
-        let Way { turned, rests, .. } = way(way_of, (zero, one), doubt);
-        let slight = way_of[0].abs().below(all(simd, SLIGHT) * size);
+        let Way { turned, rests, .. } = way(ways[k], (zero, one), doubt);
+        let slight = ways[k][0].abs().below(all(simd, SLIGHT) * sizes[k]);
         *doubt = *doubt | (slight & !rests);
-        *slot = Some(Joint {
+        *joint = Joint {
             turned,
-            size,
-            last: all(simd, 0.5),
+            size: sizes[k],
             open: !rests,
-        });
+            ..nowhere
+        };
     }
     for _ in 0..TURNS {
         let mut open = zero.below(zero);
-        for (joint, slot) in joints.iter_mut().enumerate() {
-            let Some(found) = slot else { continue };
-            let wheels = aims.iter().enumerate();
-            let own = wheels.filter(|(wheel, _)| of(joint)(wheel));
-            found.turn(simd, own.map(|(_, aim)| aim), doubt);
-            open = open | found.open;
+        for (k, joint) in joints.iter_mut().enumerate() {
+            if !joint.open.any() {
+                continue;
+            }
+            let (mut sums, mut left) = ([zero; 3], wheels[k]);
+            while let Some(aim) = aims.get(left.trailing_zeros() as usize) {
+                left &= left - 1;
+                if let Some(aim) = aim {
+                    sums = sum(sums, aim.aside(simd, joint.turned));
+                }
+            }
+            let last = if beside[k] { LAST } else { LAST_BENT };
+            joint.turn(simd, sums, last, doubt);
+            open = open | joint.open;
         }
         // Whoever is in doubt need not be waited for.
         if !(open & !*doubt).any() {
@@ -260,25 +294,23 @@ pub(super) fn aimed<S: Vector>(
         }
     }
     let mut aimed = [None; MAX_WHEELS];
-    for (joint, (found, slot)) in aimed.iter_mut().zip(&joints).enumerate() {
-        let Some(Joint { turned, open, .. }) = slot else {
+    for (k, (found, joint)) in aimed.iter_mut().zip(&joints).enumerate() {
+        if wheels[k] == 0 {
             continue;
-        };
-        *doubt = *doubt | *open;
-        let (sin, cos) = *turned;
-        let mut wheels = (0..MAX_WHEELS).filter(of(joint));
-        let beside = wheels.any(|wheel| aims[wheel].local.is_beside());
+        }
+        *doubt = *doubt | joint.open;
+        let (sin, cos) = joint.turned;
         let square = cos.abs().below(all(simd, SLIGHT));
         *doubt = *doubt | square;
         let behind = cos.sign();
-        if beside {
+        if beside[k] {
             *doubt = *doubt | cos.below(zero);
         }
         let turned = (sin.flip(behind), cos.flip(behind));
         *found = Some(Aimed {
             turned,
             angle: angle_of(simd, turned),
-            beside,
+            beside: beside[k],
         });
     }
     aimed

@@ -1,12 +1,12 @@
 //! Contacts in lanes, and the suspension that follows the ground: see [`Contacts`](super::super::Contacts).
 
-use super::footings::{Eights, Standing, rim};
-use super::solve::{Equations, RIGHTS, UNKNOWNS};
+use super::footings::{Eights, Standing};
+use super::solve::{Equation, Equations, Square, UNKNOWNS};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{FOLLOWING, PLAN};
-use crate::suspension::lanes::{Placing, Plan, Turned, Vectors, WheelAt, all, cross, dot, less};
+use crate::suspension::lanes::{Placing, Plan, Turned, Vectors, all, along, cross, dot, less};
 use crate::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.
@@ -17,6 +17,7 @@ pub(super) struct Room<S: Vector> {
     pub eights: Eights,
     pub equations: Equations<S>,
     pub contacts: Contacts<S>,
+    pub standing: Standing<S>,
 }
 
 impl<S: Vector> Room<S> {
@@ -26,6 +27,7 @@ impl<S: Vector> Room<S> {
         Self {
             eights: Eights::new(),
             equations: Equations::new(simd),
+            standing: Standing::new(simd),
             contacts: [Contact {
                 rows: [[all(simd, 0.0); COLUMNS]; 3],
                 swivel: [all(simd, 0.0); 3],
@@ -42,16 +44,27 @@ pub(super) struct Touch<S: Vector> {
 }
 
 impl<S: Vector> Touch<S> {
-    /// At a contact angle.
+    /// At a contact angle, of a wheel with this centre that is turned about its steering axis.
     #[inline(always)]
-    pub fn new(simd: S, tread: &WheelAt<S>, radius: f64, at: Turned<S>) -> Self {
-        let [tangent, outwards] = rim(at, tread.forward, tread.up);
-        let radius = all(simd, radius);
-        let mut point = tread.centre;
-        for k in 0..3 {
-            point[k] = outwards[k].mul_add(radius, point[k]);
+    pub fn new(
+        placing: &Placing<'_, S>,
+        wheel: usize,
+        centre: Vectors<S>,
+        radius: Lanes<S>,
+        steered: Option<Turned<S>>,
+        (sin, cos): Turned<S>,
+    ) -> Self {
+        let zero = all(sin.simd(), 0.0);
+        let limb = placing.limb(wheel);
+        // h cos + u sin, and a quarter turn back.
+        let (mut tangent, mut spoke) = ([cos, zero, sin], [sin, zero, -cos]);
+        if let Some((s, c)) = steered {
+            (tangent, spoke) = ([cos * c, cos * s, sin], [sin * c, sin * s, -cos]);
         }
-        Self { tangent, point }
+        Self {
+            tangent: limb.out(tangent),
+            point: along(centre, radius, limb.out(spoke)),
+        }
     }
 }
 
@@ -81,12 +94,12 @@ pub(super) fn answers<S: Vector, const N: usize>(
         row[3..6].copy_from_slice(&cross(point, direction));
     }
     let mut told = 0_u32;
-    for axis in placing.axes(wheel) {
-        let moved = cross(axis.axis, less(point, axis.origin));
-        let (joint, again) = (axis.joint % MAX_FREE, told >> axis.joint & 1 == 1);
-        told |= 1 << axis.joint;
+    for &mover in placing.movers(wheel) {
+        let (joint, moved) = placing.swing(mover, point);
+        let again = told >> joint & 1 == 1;
+        told |= 1 << joint;
         for (row, direction) in rows.iter_mut().zip(directions) {
-            let along = dot(moved, direction);
+            let along = placing.swung(mover, moved, direction);
             row[6 + joint] = if again { row[6 + joint] + along } else { along };
         }
     }
@@ -95,13 +108,15 @@ pub(super) fn answers<S: Vector, const N: usize>(
 /// What the rate of a wheel's own steering adds along some directions.
 #[inline(always)]
 pub(super) fn swivel<S: Vector>(
+    simd: S,
     placing: &Placing<'_, S>,
     wheel: usize,
-    up: Vectors<S>,
     point: Vectors<S>,
     directions: [Vectors<S>; 3],
 ) -> [Lanes<S>; 3] {
-    let moved = cross(up, less(point, placing.pivot(wheel)));
+    let limb = placing.limb(wheel);
+    let [ahead, left, _] = limb.own(less(point, placing.pivot(simd, wheel)));
+    let moved = limb.out([-left, ahead, all(simd, 0.0)]);
     let [normal, ahead, left] = directions;
     [dot(moved, normal), dot(moved, ahead), dot(moved, left)]
 }
@@ -147,6 +162,7 @@ impl<S: Vector> Follow<S> {
     pub fn new<const RIGHT: usize>(
         simd: S,
         plan: &Plan,
+        square: Option<&Square>,
         standing: &Standing<S>,
         known: &[Known<S>; COLUMNS],
         contacts: &Contacts<S>,
@@ -182,52 +198,53 @@ impl<S: Vector> Follow<S> {
             }
         }
         let (count, unknown) = (follow.count.min(UNKNOWNS), follow.unknown);
-        equations.clear();
-        for (wheel, contact) in contacts.iter().enumerate().take(plan.wheels()) {
-            let (normal, moved) = (&contact.rows[0], contact.swivel[0]);
-            let mut bits = 0;
-            for (k, column) in unknown.iter().enumerate().take(count) {
-                bits |= u32::from(moves(plan, wheel, *column)) << k;
-            }
-            let row = equations.add(bits);
-            for (cell, column) in row.iter_mut().zip(&unknown[..count]) {
-                *cell = match known[*column] {
-                    Known::Somewhere(here, _) => normal[*column] * (one - here),
-                    _ => normal[*column],
-                };
-            }
-            if RIGHT > 1 {
-                for (k, column) in PLAN.into_iter().enumerate() {
-                    row[count + k] = -normal[column];
-                    if RIGHT == 4 {
-                        row[count + k] = row[count + k] * follow.free[k];
-                    }
-                }
-            }
-            if RIGHT != 3 {
-                let mut rest = -moved;
-                for (part, value) in normal.iter().zip(&follow.offset) {
-                    rest = (-*part).mul_add(*value, rest);
-                }
-                row[count + RIGHT - 1] = rest;
-            }
-            if !standing.all_touch {
-                for cell in &mut row[..count + RIGHT] {
-                    *cell = *cell * standing.touching[wheel];
-                }
-            }
+        // All touch, and nothing is known.
+        let mut usual = zero.at_most(zero);
+        for touching in &standing.touching[..plan.wheels()] {
+            usual = usual & one.at_most(*touching);
         }
-        for (k, column) in unknown.iter().enumerate().take(count) {
+        for column in &unknown[..count] {
             if let Known::Somewhere(here, _) = known[*column] {
-                // Nothing is missing of what is known.
-                let row = equations.add(1 << k);
-                *row = [zero; UNKNOWNS + RIGHTS];
-                row[k] = here;
+                usual = usual & here.at_most(zero);
             }
         }
-        let (solution, sure) = equations.solve::<RIGHT>(simd, count);
-        follow.sure = sure;
-        for (k, told) in solution.iter().enumerate().take(count) {
+        let mut found = [[zero; RIGHT]; UNKNOWNS];
+        let square = square.filter(|_| count == UNKNOWNS && usual.any());
+        if let Some(square) = square {
+            equations.clear();
+            for wheel in square.wheels {
+                let row = equations.add(0);
+                follow.put_down::<RIGHT>(&contacts[wheel % MAX_WHEELS], known, row);
+            }
+            (found, follow.sure) = equations.eliminate(simd, square);
+        }
+        if square.is_none() || (!(usual | standing.nowhere)).any() {
+            equations.clear();
+            for (wheel, contact) in contacts.iter().enumerate().take(plan.wheels()) {
+                let mut bits = 0;
+                for (k, column) in unknown.iter().enumerate().take(count) {
+                    bits |= u32::from(moves(plan.moved(wheel), *column)) << k;
+                }
+                follow.put_down::<RIGHT>(contact, known, equations.add(bits));
+            }
+            equations.limit(standing, plan.wheels(), count + RIGHT);
+            for (k, column) in unknown.iter().enumerate().take(count) {
+                if let Known::Somewhere(here, _) = known[*column] {
+                    equations.know(simd, k, here);
+                }
+            }
+            let (solution, sure) = equations.solve::<RIGHT>(simd, count);
+            if square.is_none() {
+                usual = zero.below(zero);
+            }
+            follow.sure = usual & follow.sure | !usual & sure;
+            for (found, told) in found.iter_mut().zip(solution) {
+                for k in 0..RIGHT {
+                    found[k] = usual.select(found[k], told[k]);
+                }
+            }
+        }
+        for (k, told) in found.iter().enumerate().take(count) {
             if RIGHT > 1 {
                 follow.spread[k] = [told[0], told[1 % RIGHT], told[2 % RIGHT]];
             }
@@ -237,6 +254,38 @@ impl<S: Vector> Follow<S> {
             }
         }
         follow
+    }
+
+    /// The equation of a wheel.
+    #[inline(always)]
+    fn put_down<const RIGHT: usize>(
+        &self,
+        contact: &Contact<S>,
+        known: &[Known<S>; COLUMNS],
+        row: &mut Equation<S>,
+    ) {
+        let (normal, moved) = (&contact.rows[0], contact.swivel[0]);
+        let count = self.count.min(UNKNOWNS);
+        for (cell, column) in row.iter_mut().zip(&self.unknown[..count]) {
+            *cell = normal[column % COLUMNS];
+        }
+        if RIGHT > 1 {
+            for (k, column) in PLAN.into_iter().enumerate() {
+                row[count + k] = -normal[column];
+                if RIGHT == 4 {
+                    row[count + k] = row[count + k] * self.free[k];
+                }
+            }
+        }
+        if RIGHT != 3 {
+            let mut rest = -moved;
+            for ((part, value), known) in normal.iter().zip(&self.offset).zip(known) {
+                if !matches!(known, Known::Nowhere) {
+                    rest = (-*part).mul_add(*value, rest);
+                }
+            }
+            row[count + RIGHT - 1] = rest;
+        }
     }
 
     /// Where there are as many rates to follow the ground as wheels on it: they follow it exactly.
@@ -255,20 +304,16 @@ impl<S: Vector> Follow<S> {
 
     /// How what a direction says of a wheel answers to the motion in plan.
     #[inline(always)]
-    fn plan<const RIGHT: usize>(
-        &self,
-        plan: &Plan,
-        wheel: usize,
-        direction: &Row<S>,
-    ) -> [Lanes<S>; 3] {
-        let mut told = PLAN.map(|column| direction[column]);
+    fn plan<const RIGHT: usize>(&self, moved: u32, direction: &Row<S>) -> [Lanes<S>; 3] {
+        let [x, y, turn] = PLAN;
+        let mut told = [direction[x], direction[y], direction[turn]];
         if RIGHT != 3 {
             for (told, free) in told.iter_mut().zip(self.free) {
                 *told = *told * free;
             }
         }
         for (column, spread) in self.unknown.iter().zip(&self.spread).take(self.count) {
-            if moves(plan, wheel, *column) {
+            if moves(moved, *column) {
                 for k in 0..3 {
                     told[k] = direction[*column].mul_add(spread[k], told[k]);
                 }
@@ -292,7 +337,7 @@ impl<S: Vector> Follow<S> {
                 left = part.mul_add(*rate, left);
             }
         }
-        (self.plan::<RIGHT>(plan, wheel, direction), left)
+        (self.plan::<RIGHT>(plan.moved(wheel), direction), left)
     }
 
     /// The rates of a motion in plan.
@@ -311,7 +356,7 @@ impl<S: Vector> Follow<S> {
     }
 }
 
-/// Whether a rate moves a wheel: those of the body do, of the free angles some.
-fn moves(plan: &Plan, wheel: usize, column: usize) -> bool {
-    column < 6 || plan.moved(wheel) >> (column - 6) & 1 == 1
+/// Whether a rate moves a wheel that these free angles move: those of the body do.
+fn moves(moved: u32, column: usize) -> bool {
+    column < 6 || moved >> (column - 6) & 1 == 1
 }

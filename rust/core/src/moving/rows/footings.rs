@@ -4,10 +4,10 @@ use super::columns::Span;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, direction, sin_cos};
 use crate::batch::machine::vector::Vector;
-use crate::ground::Stand;
+use crate::ground::{CONTACT, NUMBERS, Stand};
 use crate::moving::Footing;
-use crate::suspension::lanes::{LARGEST_TURN, MOST, Turned, Vectors, all, rotated, scaled};
-use crate::suspension::{Chain, Joint, MAX_FREE, MAX_WHEELS};
+use crate::suspension::lanes::{LARGEST_TURN, MOST, Turned, Vectors, all, dot};
+use crate::suspension::{Chain, Joint, MAX_FREE, MAX_STATE, MAX_WHEELS};
 use crate::terrain::normal;
 use crate::wheels::Direction;
 
@@ -19,6 +19,9 @@ const STOPPED: f64 = 1e-9;
 
 /// Slopes beyond which a lane is left to the plain way.
 const STEEP: f64 = 1e100;
+
+/// Registers of stands from those that are read to those that are fetched.
+const AHEAD: usize = 2;
 
 /// Where rovers stand.
 #[derive(Clone, Copy, Debug)]
@@ -92,11 +95,11 @@ fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
 const ZERO: One = [[0.0; MOST]; 2 + MAX_WHEELS];
 
 impl Footings<'_> {
-    /// Whether anything is steered.
-    fn steers(&self) -> bool {
+    /// Steering angles, none if all are 0.
+    fn steering(&self) -> &[f64] {
         match self {
-            Self::Settled { steering, .. } => !steering.is_empty(),
-            Self::Told(told) => !told.steering.is_empty(),
+            Self::Settled { steering, .. } => steering,
+            Self::Told(told) => told.steering,
         }
     }
 
@@ -183,6 +186,102 @@ impl Footings<'_> {
     }
 }
 
+/// What some rows say, as it is read.
+enum Given<'a> {
+    /// The poses and the numbers of the stands.
+    Settled(&'a [[f64; 3]], [&'a [f64; NUMBERS]; MOST]),
+    Told(&'a Eights),
+}
+
+/// Where the ground faces, in the world.
+enum Upwards<S: Vector> {
+    Normal(Vectors<S>),
+    /// Derivatives of its height.
+    Slopes([Lanes<S>; 2]),
+}
+
+/// Eight numbers of each from the same one on.
+#[inline(always)]
+fn eights<'a>(numbers: &[&'a [f64; NUMBERS]; MOST], first: usize) -> [&'a [f64; MOST]; MOST] {
+    let mut eights = [&[0.0; MOST]; MOST];
+    for (eight, row) in eights.iter_mut().zip(numbers) {
+        *eight = row[first..].first_chunk().unwrap_or(&[0.0; MOST]);
+    }
+    eights
+}
+
+impl<'a> Given<'a> {
+    #[inline(always)]
+    fn new<S: Vector>(
+        simd: S,
+        chain: &Chain,
+        footings: &Footings<'a>,
+        span: Span,
+        read: &'a mut Eights,
+    ) -> Self {
+        let row = |lane: usize| span.first + lane.min(span.count - 1);
+        if let Footings::Settled { stands, poses, .. } = *footings {
+            let mut numbers = [stands[0].numbers(); MOST];
+            if stands.len() > 1 {
+                for (lane, numbers) in numbers.iter_mut().enumerate().take(S::F64_LANES) {
+                    *numbers = stands[row(lane)].numbers();
+                    // Asked for beforehand: a stand is several lines, and eight of them more than the processor follows.
+                    let ahead = AHEAD * S::F64_LANES * size_of::<Stand>();
+                    for k in (0..NUMBERS).step_by(MOST) {
+                        simd.fetch(numbers.as_ptr().wrapping_add(k).wrapping_byte_add(ahead));
+                    }
+                }
+            }
+            return Self::Settled(poses, numbers);
+        }
+        for (lane, one) in read.0.iter_mut().enumerate().take(S::F64_LANES) {
+            footings.put(chain, row(lane), one);
+        }
+        Self::Told(read)
+    }
+
+    /// Roll, pitch and yaw, and the free angles [rad].
+    #[inline(always)]
+    fn body<S: Vector>(&self, simd: S, span: Span) -> (Vectors<S>, [Lanes<S>; MAX_FREE]) {
+        match self {
+            Self::Settled(poses, numbers) => {
+                let first = eights(numbers, 0);
+                let [_, roll, pitch, a, b, c, ..] = Lanes::columns_of(simd, &first);
+                let yaw = match poses {
+                    [[_, _, yaw]] => all(simd, *yaw),
+                    _ => span.read::<S, 3>(simd, poses.as_flattened(), 3)[2],
+                };
+                ([roll, pitch, yaw], [a, b, c])
+            }
+            Self::Told(eights) => {
+                let [roll, pitch, yaw, a, b, c, ..] = eights.columns(simd, 0);
+                ([roll, pitch, yaw], [a, b, c])
+            }
+        }
+    }
+
+    /// Gap and contact angle of a wheel, and where the ground faces.
+    #[inline(always)]
+    fn contact<S: Vector>(&self, simd: S, wheel: usize) -> (Lanes<S>, Turned<S>, Upwards<S>) {
+        match self {
+            Self::Settled(_, numbers) => {
+                // Eight numbers, of which the last contact has only six left.
+                let first = (MAX_STATE + CONTACT * wheel).min(NUMBERS - MOST);
+                let columns = Lanes::columns_of(simd, &eights(numbers, first));
+                let [gap, sin, cos, x, y] = match wheel + 1 < MAX_WHEELS {
+                    true => [columns[0], columns[1], columns[2], columns[3], columns[4]],
+                    false => [columns[2], columns[3], columns[4], columns[5], columns[6]],
+                };
+                (gap, (sin, cos), Upwards::Slopes([x, y]))
+            }
+            Self::Told(eights) => {
+                let [gap, sin, cos, x, y, z, ..] = eights.columns(simd, 2 + wheel);
+                (gap, (sin, cos), Upwards::Normal([x, y, z]))
+            }
+        }
+    }
+}
+
 /// From where on a free angle is at its lower and its upper stop [rad].
 fn stops(joint: &Joint) -> [f64; 2] {
     [joint.range.lower + STOPPED, joint.range.upper - STOPPED]
@@ -213,30 +312,16 @@ pub(super) struct Standing<S: Vector> {
 }
 
 impl<S: Vector> Standing<S> {
-    /// Some rows; adds to the doubtful lanes those that are not for lanes.
+    /// Nothing is read yet.
     #[inline(always)]
-    pub fn new(
-        simd: S,
-        chain: &Chain,
-        footings: &Footings<'_>,
-        span: Span,
-        read: &mut Eights,
-        doubt: &mut Mask<S>,
-    ) -> Self {
-        for (lane, one) in read.0.iter_mut().enumerate().take(S::F64_LANES) {
-            footings.put(chain, span.first + lane.min(span.count - 1), one);
-        }
+    pub fn new(simd: S) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let [roll, pitch, yaw, joints @ ..] = read.columns(simd, 0);
-        let far = all(simd, LARGEST_TURN);
-        let mut plain = all(simd, LARGEST_ANGLE).below(yaw.abs());
-        plain = plain | far.below(roll.abs()) | far.below(pitch.abs());
-        let mut standing = Self {
-            roll: direction(simd, roll),
-            pitch: direction(simd, pitch),
+        Self {
+            roll: (zero, one),
+            pitch: (zero, one),
             joints: [zero; MAX_FREE],
             steering: [zero; MAX_WHEELS],
-            steers: footings.steers(),
+            steers: false,
             at: [(zero, one); MAX_WHEELS],
             normals: [[zero; 3]; MAX_WHEELS],
             touching: [zero; MAX_WHEELS],
@@ -244,34 +329,68 @@ impl<S: Vector> Standing<S> {
             stopped: [zero; MAX_FREE],
             any_stopped: false,
             nowhere: zero.at_most(zero),
-        };
+        }
+    }
+
+    /// Reads some rows, of the same footings as before; adds to the doubtful lanes those that are not for lanes.
+    #[inline(always)]
+    pub fn read(
+        &mut self,
+        simd: S,
+        chain: &Chain,
+        footings: &Footings<'_>,
+        span: Span,
+        read: &mut Eights,
+        doubt: &mut Mask<S>,
+    ) {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let given = Given::new(simd, chain, footings, span, read);
+        let ([roll, pitch, yaw], joints) = given.body(simd, span);
+        let far = all(simd, LARGEST_TURN);
+        let mut plain = all(simd, LARGEST_ANGLE).below(yaw.abs());
+        plain = plain | far.below(roll.abs()) | far.below(pitch.abs());
+        let standing = self;
+        (standing.roll, standing.pitch) = (direction(simd, roll), direction(simd, pitch));
+        standing.steers = !footings.steering().is_empty();
+        (standing.all_touch, standing.any_stopped) = (true, false);
+        standing.nowhere = zero.at_most(zero);
+        let steered = chain.steering().len();
         if standing.steers {
-            let angles = read.columns(simd, 1);
-            let steered = chain.steering().len();
-            for (to, angle) in standing.steering.iter_mut().zip(angles).take(steered) {
-                *to = angle;
+            let steering = footings.steering();
+            standing.steering = match steering.len() > steered {
+                true => span.read(simd, steering, steered),
+                // The same for all of them.
+                false => Span { first: 0, count: 1 }.read(simd, steering, steered),
+            };
+            for angle in &standing.steering[..steered.min(MAX_WHEELS)] {
                 plain = plain | far.below(angle.abs());
             }
         }
-        let heading = sin_cos(simd, yaw);
-        let settled = matches!(footings, Footings::Settled { .. });
+        let axes = axes(standing.roll, standing.pitch, sin_cos(simd, yaw));
         let (hanging, mut hangs) = (all(simd, HANGING), zero.below(zero));
         for k in 0..chain.wheels().len().min(MAX_WHEELS) {
-            let [gap, sin, cos, x, y, z, ..] = read.columns(simd, 2 + k);
+            let (gap, at, upwards) = given.contact(simd, k);
             let touches = gap.abs().at_most(hanging);
             standing.touching[k] = touches.select(one, zero);
             standing.all_touch &= !(!touches).any();
             standing.nowhere = standing.nowhere & !touches;
             hangs = hangs | hanging.below(gap);
-            standing.at[k] = (sin, cos);
-            let upwards = if settled { [-x, -y, one] } else { [x, y, z] };
-            let mut normal = standing.in_body(heading, upwards);
-            if settled {
-                let square = x.mul_add(x, y.mul_add(y, one));
-                plain = plain | all(simd, STEEP).below(square);
-                normal = scaled(normal, square.inverse_root());
-            }
-            standing.normals[k] = normal;
+            standing.at[k] = at;
+            standing.normals[k] = match upwards {
+                Upwards::Normal(normal) => {
+                    let [ahead, left, up] = axes;
+                    [dot(ahead, normal), dot(left, normal), dot(up, normal)]
+                }
+                Upwards::Slopes([x, y]) => {
+                    let square = x.mul_add(x, y.mul_add(y, one));
+                    plain = plain | all(simd, STEEP).below(square);
+                    let size = square.inverse_root();
+                    let (x, y) = (x * size, y * size);
+                    let [ahead, left, up] = axes;
+                    let upwards = [-x, -y, size];
+                    [dot(ahead, upwards), dot(left, upwards), dot(up, upwards)]
+                }
+            };
         }
         let hang = hangs.any();
         for (k, joint) in chain.joints().iter().enumerate().take(MAX_FREE) {
@@ -285,20 +404,30 @@ impl<S: Vector> Standing<S> {
             }
         }
         *doubt = *doubt | (plain & !standing.nowhere);
-        standing
     }
+}
 
-    /// A vector of the world in the axes of the body.
-    #[inline(always)]
-    fn in_body(&self, heading: Turned<S>, [x, y, z]: Vectors<S>) -> Vectors<S> {
-        // Turned backwards about z, y, x.
-        let (sy, cy) = heading;
-        let (sp, cp) = self.pitch;
-        let (sr, cr) = self.roll;
-        let (x, y) = (x.mul_add(cy, y * sy), y.mul_add(cy, -(x * sy)));
-        let (x, z) = (x.mul_add(cp, -(z * sp)), z.mul_add(cp, x * sp));
-        [x, y.mul_add(cr, z * sr), z.mul_add(cr, -(y * sr))]
-    }
+/// The axes of a body in the world.
+#[inline(always)]
+fn axes<S: Vector>(
+    (sr, cr): Turned<S>,
+    (sp, cp): Turned<S>,
+    (sy, cy): Turned<S>,
+) -> [Vectors<S>; 3] {
+    let (ahead, to_left) = ([cy * sp, sy * sp], [-sy, cy]);
+    [
+        [cy * cp, sy * cp, -sp],
+        [
+            ahead[0].mul_add(sr, to_left[0] * cr),
+            ahead[1].mul_add(sr, to_left[1] * cr),
+            cp * sr,
+        ],
+        [
+            ahead[0].mul_add(cr, -(to_left[0] * sr)),
+            ahead[1].mul_add(cr, -(to_left[1] * sr)),
+            cp * cr,
+        ],
+    ]
 }
 
 /// The direction in which a wheel rolls over a plane, and where it touches, from its axes and the plane's normal: the
@@ -307,16 +436,4 @@ impl<S: Vector> Standing<S> {
 pub(super) fn on_plane<S: Vector>(forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
     let inverse = forward.mul_add(forward, up * up).inverse_root();
     (-(forward * inverse), up * inverse)
-}
-
-/// The tangent of a rim at a contact angle, and the way from its centre to there for a radius of 1.
-#[inline(always)]
-pub(super) fn rim<S: Vector>(
-    (sin, cos): Turned<S>,
-    forward: Vectors<S>,
-    up: Vectors<S>,
-) -> [Vectors<S>; 2] {
-    // h cos + u sin; a quarter turn on u cos - h sin, which is minus the spoke.
-    let [tangent, inwards] = rotated((sin, cos), forward, up);
-    [tangent, [-inwards[0], -inwards[1], -inwards[2]]]
 }

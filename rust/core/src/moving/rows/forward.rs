@@ -13,7 +13,7 @@ use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::moving::contact::{self, COLUMNS};
 use crate::moving::motion::{PLAN, Readings, weights};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Plan, WheelAt, all, cross, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, all, cross, dot, from_turned};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What was measured, row after row: see [`Readings`].
@@ -174,13 +174,27 @@ impl InLanes<'_, Job<'_>> {
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let mut doubt = zero.below(zero);
         let footings = self.job.footings;
-        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut doubt);
+        let Room {
+            eights,
+            equations,
+            contacts,
+            standing,
+        } = room;
+        standing.read(simd, chain, footings, given, eights, &mut doubt);
+        let standing = &*standing;
         placing.place(simd, &standing.joints);
         let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
-        let (contacts, equations) = (&mut room.contacts, &mut room.equations);
-        self.contacts(simd, given, &standing, placing, contacts, &mut doubt);
-        let known = self.known(simd, given, &standing);
-        let follow = Follow::new::<RIGHT>(simd, plan, &standing, &known, contacts, equations);
+        self.contacts(simd, given, standing, placing, contacts, &mut doubt);
+        let known = self.known(simd, given, standing);
+        let follow = Follow::new::<RIGHT>(
+            simd,
+            plan,
+            self.square,
+            standing,
+            &known,
+            contacts,
+            equations,
+        );
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
         let mut fit = Normal::new(simd);
         let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
@@ -226,19 +240,14 @@ impl InLanes<'_, Job<'_>> {
             for (part, rate) in rows[0].iter().zip(rates) {
                 lift = part.mul_add(rate, lift);
             }
-            let [mut rolled, aside] = says.map(|(columns, left)| {
-                let [ahead, to_left, turn] = columns;
-                ahead.mul_add(
-                    motion[0],
-                    to_left.mul_add(motion[1], turn.mul_add(motion[2], left)),
-                )
-            });
-            rolled = speeds[wheel].at_most(speeds[wheel]).select(rolled, nan);
+            let [rolled, aside] = [dot(says[0].0, motion), dot(says[1].0, motion)];
+            let (rolled, aside) = (rolled + says[0].1, aside + says[1].1);
+            let rolled = speeds[wheel].at_most(speeds[wheel]).select(rolled, nan);
             for (i, residual) in [lift, rolled, aside].into_iter().enumerate() {
                 residuals[3 * wheel + i] = touches.select(residual, nan);
             }
         }
-        self.write(span, &standing, &rates, &residuals);
+        self.write(span, standing, &rates, &residuals);
         doubt
     }
 
@@ -268,26 +277,45 @@ impl InLanes<'_, Job<'_>> {
         let any_turned = turned.any();
         let rates = self.job.readings.steering_rates;
         let rates = rates.map(|rates| given.read::<S, MAX_WHEELS>(simd, rates, steered));
+        let straight = (zero, all(simd, 1.0));
+        let (mut to, mut from) = ([None; MAX_WHEELS], [None; MAX_WHEELS]);
+        for k in 0..steered {
+            if steers {
+                to[k] = Some(direction(simd, angles[k]));
+            }
+            if standing.steers && any_turned {
+                from[k] = Some(direction(simd, standing.steering[k]));
+            }
+        }
         for (wheel, contact) in contacts.iter_mut().enumerate().take(plan.wheels()) {
-            let tread = at_angle(simd, plan, placing, wheel, &angles, steers);
+            let joint = plan.steering(wheel).map(|joint| joint % MAX_WHEELS);
+            let (mut stands, mut turns) = (None, None);
+            if let Some(joint) = joint {
+                (stands, turns) = (from[joint], to[joint]);
+            }
             let normal = standing.normals[wheel];
             let mut at = standing.at[wheel];
             if any_turned {
-                let stood = (&standing.steering, standing.steers);
-                let stands = at_angle(simd, plan, placing, wheel, stood.0, stood.1);
-                let (forward, up) = (dot(stands.forward, normal), dot(tread.up, normal));
+                let own = placing.limb(wheel).own(normal);
+                let [ahead, _, up] = from_turned(stands.unwrap_or(straight), own);
                 // The far side of the rim.
-                *doubt = *doubt | (turned & (up * at.1).below(forward * at.0));
-                let plane = on_plane(dot(tread.forward, normal), up);
+                *doubt = *doubt | (turned & (up * at.1).below(ahead * at.0));
+                let [ahead, ..] = from_turned(turns.unwrap_or(straight), own);
+                let plane = on_plane(ahead, up);
                 at = (turned.select(plane.0, at.0), turned.select(plane.1, at.1));
             }
-            let touch = Touch::new(simd, &tread, plan.radius(wheel), at);
+            let mut centre = placing.centres[wheel];
+            if let Some(turned) = turns {
+                centre = placing.steered(simd, wheel, turned);
+            }
+            let radius = all(simd, plan.radius(wheel));
+            let touch = Touch::new(placing, wheel, centre, radius, turns, at);
             let directions = [normal, touch.tangent, cross(normal, touch.tangent)];
             answers(placing, wheel, touch.point, directions, &mut contact.rows);
-            if let (Some(joint), Some(rates)) = (plan.steering(wheel), &rates) {
-                contact.swivel = swivel(placing, wheel, tread.up, touch.point, directions);
+            if let (Some(joint), Some(rates)) = (joint, &rates) {
+                contact.swivel = swivel(simd, placing, wheel, touch.point, directions);
                 for part in &mut contact.swivel {
-                    *part = *part * rates[joint % MAX_WHEELS];
+                    *part = *part * rates[joint];
                 }
             }
         }
@@ -367,25 +395,6 @@ impl InLanes<'_, Job<'_>> {
         span.write(simd, &twist, 6, movings.twists.as_flattened_mut());
         span.write(simd, &joints, free, movings.joint_rates);
         span.write(simd, residuals, 3 * wheels, movings.residuals);
-    }
-}
-
-/// A wheel where its joint is turned like this, if any is.
-#[inline(always)]
-fn at_angle<S: Vector>(
-    simd: S,
-    plan: &Plan,
-    placing: &Placing<'_, S>,
-    wheel: usize,
-    angles: &[Lanes<S>; MAX_WHEELS],
-    steers: bool,
-) -> WheelAt<S> {
-    match plan.steering(wheel) {
-        Some(joint) if steers => {
-            let turned = direction(simd, angles[joint % MAX_WHEELS]);
-            placing.steered(simd, wheel, turned)
-        }
-        _ => placing.wheels[wheel],
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Prepared;
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
-use super::follow::{Follow, Known, Room, Row, Touch, answers};
+use super::follow::{Contacts, Follow, Known, Room, Row, Touch, answers};
 use super::footings::{Footings, Standing, on_plane};
 use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
@@ -14,7 +14,7 @@ use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::moving::contact::COLUMNS;
 use crate::moving::motion::{Command, PLAN, View, Wanted, inverse};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
@@ -167,17 +167,26 @@ impl InLanes<'_, Job<'_>> {
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let mut never = zero.below(zero);
         let footings = self.job.footings;
-        let standing = Standing::new(simd, chain, footings, given, &mut room.eights, &mut never);
+        let Room {
+            eights,
+            equations,
+            contacts,
+            standing,
+        } = room;
+        standing.read(simd, chain, footings, given, eights, &mut never);
+        let standing = &*standing;
         placing.place(simd, &standing.joints);
         let wheels = plan.wheels().min(MAX_WHEELS);
-        for wheel in 0..wheels {
+        let mut stands = [None; MAX_WHEELS];
+        for (wheel, stands) in stands.iter_mut().enumerate().take(wheels) {
             if let Some(joint) = plan.steering(wheel).filter(|_| standing.steers) {
                 let turned = direction(simd, standing.steering[joint % MAX_WHEELS]);
-                placing.wheels[wheel] = placing.steered(simd, wheel, turned);
+                placing.steer(simd, wheel, turned);
+                *stands = Some(turned);
             }
-            let (radius, at) = (plan.radius(wheel), standing.at[wheel]);
-            let touch = Touch::new(simd, &placing.wheels[wheel], radius, at);
-            let [normal, ..] = room.contacts[wheel].rows.each_mut();
+            let (centre, radius) = (placing.centres[wheel], all(simd, plan.radius(wheel)));
+            let touch = Touch::new(placing, wheel, centre, radius, *stands, standing.at[wheel]);
+            let [normal, ..] = contacts[wheel].rows.each_mut();
             answers(
                 placing,
                 wheel,
@@ -186,7 +195,7 @@ impl InLanes<'_, Job<'_>> {
                 std::array::from_mut(normal),
             );
         }
-        let (rates, sure) = self.rates(simd, given, &standing, room);
+        let (rates, sure) = self.rates(simd, given, standing, contacts, equations);
         never = never | (!sure & !standing.nowhere);
         let mut total = zero;
         for rate in rates {
@@ -204,26 +213,26 @@ impl InLanes<'_, Job<'_>> {
         let placing = &*placing;
         let mut locals = [Local::none(simd); MAX_WHEELS];
         for (wheel, local) in locals.iter_mut().enumerate().take(wheels) {
-            let tread = &placing.wheels[wheel];
-            let own = |vector| {
-                let [ahead, left, up] = [tread.forward, tread.axle, tread.up];
-                [dot(ahead, vector), dot(left, vector), dot(up, vector)]
-            };
-            let [velocity, turn] = placing.carried(wheel, tread.centre);
+            let limb = placing.limb(wheel);
+            let steered = stands[wheel].unwrap_or((zero, one));
+            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
             *local = Local {
-                normal: own(standing.normals[wheel]),
-                velocity: own(velocity),
-                turn: own(turn),
+                normal: from_turned(steered, limb.own(standing.normals[wheel])),
+                velocity: from_turned(steered, limb.own(velocity)),
+                turn: from_turned(steered, limb.own(turn)),
                 offset: plan.offset(wheel),
                 radius: plan.radius(wheel),
             };
         }
-        let steered = self.steered(simd, given, &standing, &locals[..wheels], &mut doubt);
+        let steered = self.steered(simd, given, standing, &locals[..wheels], &mut doubt);
         let mut speeds = [zero; MAX_WHEELS];
         let mut fastest = zero;
         for (wheel, local) in locals.iter().enumerate().take(wheels) {
             let joint = plan.steering(wheel);
-            let to = joint.map_or((zero, one), |joint| steered.turned[joint % MAX_WHEELS]);
+            let to = match joint {
+                Some(joint) => steered.turned[joint % MAX_WHEELS],
+                None => (zero, one),
+            };
             let (sin, cos) = standing.at[wheel];
             let [forward, up] = local.upright((zero, one));
             // The far side of the rim.
@@ -261,9 +270,9 @@ impl InLanes<'_, Job<'_>> {
         simd: S,
         given: Span,
         standing: &Standing<S>,
-        room: &mut Room<S>,
+        contacts: &Contacts<S>,
+        equations: &mut Equations<S>,
     ) -> (Row<S>, Mask<S>) {
-        let (contacts, equations) = (&room.contacts, &mut room.equations);
         let zero = all(simd, 0.0);
         let (speed, yaw_rate) = match self.job.wanted {
             [[speed, yaw_rate]] => (all(simd, *speed), all(simd, *yaw_rate)),
@@ -290,13 +299,27 @@ impl InLanes<'_, Job<'_>> {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
                     known[column] = Known::Everywhere(rate);
                 }
-                let follow =
-                    Follow::new::<1>(simd, self.plan, standing, &known, contacts, equations);
+                let follow = Follow::new::<1>(
+                    simd,
+                    self.plan,
+                    self.square,
+                    standing,
+                    &known,
+                    contacts,
+                    equations,
+                );
                 (follow.offset, follow.sure)
             }
             View::Plan => {
-                let follow =
-                    Follow::new::<3>(simd, self.plan, standing, &known, contacts, equations);
+                let follow = Follow::new::<3>(
+                    simd,
+                    self.plan,
+                    self.square,
+                    standing,
+                    &known,
+                    contacts,
+                    equations,
+                );
                 let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
                 (follow.rates(plan), follow.sure & sure)
             }

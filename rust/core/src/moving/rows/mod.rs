@@ -9,6 +9,7 @@ mod columns;
 mod follow;
 mod footings;
 mod forward;
+mod instant;
 mod inverse;
 mod run;
 mod slip;
@@ -21,6 +22,8 @@ pub use inverse::{Commands, inverse_rows};
 pub use slip::{Slips, slip_rows};
 pub use traction::{Drives, Driving, Turns, traction_rows};
 
+use self::instant::Instant;
+use self::solve::Square;
 use super::rest_offset;
 use crate::suspension::Chain;
 use crate::suspension::lanes::Plan;
@@ -30,6 +33,8 @@ use crate::suspension::lanes::Plan;
 pub struct Prepared {
     /// None for chains that are not for lanes.
     plan: Option<Plan>,
+    square: Option<Square>,
+    instant: Option<Instant>,
     /// [`rest_offset`] [m].
     pub offset: f64,
 }
@@ -37,8 +42,11 @@ pub struct Prepared {
 impl Prepared {
     /// Of this chain.
     pub fn new(chain: &Chain) -> Self {
+        let plan = Plan::new(chain);
         Self {
-            plan: Plan::new(chain),
+            square: plan.as_ref().and_then(Square::new),
+            instant: plan.as_ref().and_then(|plan| Instant::new(chain, plan)),
+            plan,
             offset: rest_offset(chain),
         }
     }

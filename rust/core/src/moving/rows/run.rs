@@ -2,6 +2,7 @@
 
 use super::Prepared;
 use super::columns::{Span, truths};
+use super::solve::Square;
 use crate::batch::Level;
 use crate::batch::machine::lanes::Mask;
 use crate::batch::machine::level::Kernel;
@@ -36,6 +37,7 @@ pub(super) trait Rows: Sized {
 /// Rows, and what is known beforehand of the chain that they are about.
 pub(super) struct InLanes<'a, R> {
     pub plan: &'a Plan,
+    pub square: Option<&'a Square>,
     pub job: R,
 }
 
@@ -68,7 +70,8 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 pub(super) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
     match &prepared.plan {
         Some(plan) if level != Level::Plain => {
-            let done = level.run(InLanes { plan, job });
+            let square = prepared.square.as_ref();
+            let done = level.run(InLanes { plan, square, job });
             done.unwrap_or(Ok(()))
         }
         _ => (0..job.count()).try_for_each(|row| job.one(row)),

@@ -1,16 +1,18 @@
-//! Small systems of equations in lanes: what `least_squares` does for one.
+//! Small systems of equations in lanes: what `least_squares` does for one, and elimination where there are no more of them
+//! than unknowns.
 
+use super::footings::Standing;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::moving::motion::FOLLOWING;
 use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::all;
+use crate::suspension::lanes::{Plan, all};
 
 /// Most unknowns: rates that follow the ground.
 pub(super) const UNKNOWNS: usize = FOLLOWING.len();
 
 /// Most right-hand sides: one motion in plan each, and what is known.
-pub(super) const RIGHTS: usize = 4;
+const RIGHTS: usize = 4;
 
 /// Most equations: of every wheel, and of every rate that some lanes know.
 const EQUATIONS: usize = MAX_WHEELS + UNKNOWNS;
@@ -24,6 +26,54 @@ const INDEPENDENT: f64 = 1e-8;
 
 /// Square of the shortest column over that of the longest one, likewise.
 const SHORT: f64 = 1e-10;
+
+/// Share of a pivot's equation that is taken from another one, from which on it is large.
+const GROWN: f64 = 64.0;
+
+/// How the rates that follow the ground are found where there are as many as wheels and all of those touch: each by the
+/// equation of the wheel in which it has the largest part on level ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Square {
+    /// The wheels, in the order of the rates: see [`Plan::rise`].
+    pub wheels: [usize; UNKNOWNS],
+    /// Bits of the equations after one's own that have a rate, when those before it are gone.
+    others: [u32; UNKNOWNS],
+}
+
+impl Square {
+    /// None where there are not as many.
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let mut rows: [_; UNKNOWNS] = std::array::from_fn(|wheel| (wheel, [0.0; UNKNOWNS]));
+        if [plan.joints() + 3, plan.wheels()] != [UNKNOWNS; 2] {
+            return None;
+        }
+        for (wheel, row) in &mut rows {
+            *row = plan.rise(*wheel);
+        }
+        let mut others = [0; UNKNOWNS];
+        for j in 0..UNKNOWNS {
+            let size = |k: &usize| rows[*k].1[j].abs();
+            let pivot = (j..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+            rows.swap(j, pivot);
+            let (_, from) = rows[j];
+            for (_, row) in &mut rows[j + 1..] {
+                let share = row[j] / from[j];
+                (j..UNKNOWNS).for_each(|k| row[k] -= share * from[k]);
+            }
+        }
+        let wheels = rows.map(|(wheel, _)| wheel);
+        let mut bits = wheels.map(|wheel| plan.parts_in(wheel));
+        for j in 0..UNKNOWNS {
+            for k in j + 1..UNKNOWNS {
+                if bits[k] >> j & 1 == 1 {
+                    others[j] |= 1 << k;
+                    bits[k] |= bits[j];
+                }
+            }
+        }
+        Some(Self { wheels, others })
+    }
+}
 
 /// Equations in least squares, most of them of a few of the unknowns only.
 pub(super) struct Equations<S: Vector> {
@@ -58,6 +108,84 @@ impl<S: Vector> Equations<S> {
         &mut self.rows[place]
     }
 
+    /// Nothing is said by wheels in the air; of these equations so many numbers.
+    #[inline(always)]
+    pub fn limit(&mut self, standing: &Standing<S>, wheels: usize, width: usize) {
+        if standing.all_touch {
+            return;
+        }
+        for (row, touching) in self.rows.iter_mut().zip(standing.touching).take(wheels) {
+            for cell in &mut row[..width] {
+                *cell = *cell * touching;
+            }
+        }
+    }
+
+    /// Nothing is missing of an unknown where this is 1.
+    #[inline(always)]
+    pub fn know(&mut self, simd: S, unknown: usize, here: Lanes<S>) {
+        let zero = all(simd, 0.0);
+        for row in &mut self.rows[..self.count.min(EQUATIONS)] {
+            row[unknown] = row[unknown] * (all(simd, 1.0) - here);
+        }
+        let row = self.add(1 << unknown);
+        *row = [zero; UNKNOWNS + RIGHTS];
+        row[unknown] = here;
+    }
+
+    /// Solves for all unknowns by elimination, of the equations of these wheels in their order. Says where no share of an
+    /// equation that is taken from another one is large, and the test of [`Self::solve`] holds.
+    #[inline(always)]
+    pub fn eliminate<const RIGHT: usize>(
+        &mut self,
+        simd: S,
+        square: &Square,
+    ) -> ([[Lanes<S>; RIGHT]; UNKNOWNS], Mask<S>) {
+        let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
+        let rows = &mut self.rows;
+        let (mut product, mut shortest, mut longest) = (one, all(simd, f64::MAX), zero);
+        for k in 0..UNKNOWNS {
+            let mut length = rows[0][k] * rows[0][k];
+            for row in &rows[1..UNKNOWNS] {
+                length = row[k].mul_add(row[k], length);
+            }
+            product = product * length;
+            (shortest, longest) = (shortest.min(length), longest.max(length));
+        }
+        let mut inverses = [zero; UNKNOWNS];
+        let (mut pivoted, mut largest) = (one, zero);
+        for j in 0..UNKNOWNS {
+            let (from, after) = rows.split_at_mut(j + 1);
+            let from = &from[j];
+            pivoted = pivoted * from[j];
+            inverses[j] = one.quotient(from[j]);
+            for k in j + 1..UNKNOWNS {
+                if square.others[j] >> k & 1 == 0 {
+                    continue;
+                }
+                let row = &mut after[k - j - 1];
+                let share = -(row[j] * inverses[j]);
+                largest = largest.max(share.abs());
+                for i in j + 1..UNKNOWNS + RIGHT {
+                    row[i] = share.mul_add(from[i], row[i]);
+                }
+            }
+        }
+        let mut solution = [[zero; RIGHT]; UNKNOWNS];
+        for j in (0..UNKNOWNS).rev() {
+            for k in 0..RIGHT {
+                let mut rest = rows[j][UNKNOWNS + k];
+                for i in j + 1..UNKNOWNS {
+                    rest = (-rows[j][i]).mul_add(solution[i][k], rest);
+                }
+                solution[j][k] = rest * inverses[j];
+            }
+        }
+        let apart = (all(simd, INDEPENDENT) * product).below(pivoted * pivoted);
+        let sure = apart & (all(simd, SHORT) * longest).below(shortest);
+        (solution, sure & largest.below(all(simd, GROWN)))
+    }
+
     /// Solves for the first `used` unknowns, by Householder reflections of the equations that have one, and says where the
     /// plain way does not find that they depend on each other.
     ///
@@ -72,7 +200,6 @@ impl<S: Vector> Equations<S> {
     ) -> ([[Lanes<S>; RIGHT]; UNKNOWNS], Mask<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let used = used.min(UNKNOWNS);
-        let mut solution = [[zero; RIGHT]; UNKNOWNS];
         let (mut inverses, mut above) = ([zero; UNKNOWNS], [zero; UNKNOWNS]);
         let mut pivots = [0; UNKNOWNS];
         let (mut pivoted, mut lengths) = (one, one);
@@ -90,7 +217,7 @@ impl<S: Vector> Equations<S> {
             }
             let Some((&pivot, others)) = of[..count].split_first() else {
                 // Nothing is said of it.
-                return (solution, zero.below(zero));
+                return ([[zero; RIGHT]; UNKNOWNS], zero.below(zero));
             };
             left &= !(1 << pivot);
             pivots[j] = pivot;
@@ -133,6 +260,7 @@ impl<S: Vector> Equations<S> {
             (pivoted, lengths) = (pivoted * square, lengths * length);
             (shortest, longest) = (shortest.min(length), longest.max(length));
         }
+        let mut solution = [[zero; RIGHT]; UNKNOWNS];
         for j in (0..used).rev() {
             let cells = &self.rows[pivots[j]];
             let bits = self.bits[pivots[j]];

@@ -2,6 +2,7 @@
 
 use super::Prepared;
 use super::columns::{Span, Way, angle_of, finite, way, within};
+use super::instant::OneRow;
 use super::run::{InLanes, Rows, through};
 use crate::batch::Workers;
 use crate::batch::machine::lanes::{Lanes, Mask};
@@ -9,7 +10,7 @@ use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
 use crate::error::Error;
 use crate::moving::traction::{Closure, DAMPING, FOUND, Lift, Rates, STEPS, traction};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, WheelAt, all, dot};
+use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, all, from_turned};
 use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What turning is commanded, one number or one per row.
@@ -62,12 +63,24 @@ pub fn traction_rows(
     chain: &Chain,
     prepared: &Prepared,
     driving: &Driving<'_>,
-    drives: Drives<'_>,
+    mut drives: Drives<'_>,
     workers: Workers,
 ) -> Result<(), Error> {
     let workers = workers.here();
-    let steepest = driving.lift.angle.tan();
+    let steepest = driving.lift.slope();
     let rows = drives.vertical.len();
+    if let (1, Some(instant)) = (rows, &prepared.instant) {
+        let row = OneRow {
+            instant,
+            offset: prepared.offset,
+            steepest,
+            driving,
+            drives: &mut drives,
+        };
+        if workers.level.run(row) == Some(true) {
+            return Ok(());
+        }
+    }
     let share = workers.share(rows);
     let (wheels, steered) = (chain.wheels().len(), chain.steering().len());
     let mut steering = drives.steering.chunks_mut((share * steered).max(1));
@@ -231,13 +244,7 @@ impl InLanes<'_, Job<'_>> {
         let wanted = self.wanted(simd, given);
         placing.place(simd, &joints);
         let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
-        for wheel in 0..wheels {
-            if let Some(joint) = plan.steering(wheel) {
-                placing.wheels[wheel] = placing.steered(simd, wheel, turned[joint % MAX_WHEELS]);
-            }
-        }
         placing.moves(wanted.body, &wanted.rates);
-        let placing = &*placing;
         let none = Centre {
             along: zero,
             across: zero,
@@ -247,16 +254,25 @@ impl InLanes<'_, Job<'_>> {
         };
         let mut centres = [none; MAX_WHEELS];
         for (wheel, centre) in centres.iter_mut().enumerate().take(wheels) {
-            let tread = &placing.wheels[wheel];
-            let [velocity, turn] = placing.carried(wheel, tread.centre);
+            let mut to = (zero, one);
+            if let Some(joint) = plan.steering(wheel) {
+                to = turned[joint % MAX_WHEELS];
+                placing.steer(simd, wheel, to);
+            }
+            let limb = placing.limb(wheel);
+            let [velocity, turn] = placing.carried(wheel, placing.centres[wheel]);
+            let [along, _, across] = from_turned(to, limb.own(velocity));
+            let [_, turn, _] = from_turned(to, limb.own(turn));
+            let [ahead, _, up] = from_turned(to, limb.own([zero, zero, one]));
             *centre = Centre {
-                along: dot(velocity, tread.forward),
-                across: dot(velocity, tread.up),
-                vertical: [tread.forward[2], tread.up[2]],
-                turn: dot(turn, tread.axle),
+                along,
+                across,
+                vertical: [ahead, up],
+                turn,
                 radius: plan.radius(wheel),
             };
         }
+        let placing = &*placing;
         let centres = &centres[..wheels];
         let mut vertical = along_the_links(simd, centres);
         if let Some(measured) = driving.wheel_speeds {
@@ -275,7 +291,7 @@ impl InLanes<'_, Job<'_>> {
             speeds[wheel] = rolled - centre.turn;
             contacts[wheel] = angle_of(simd, to.turned);
             checked = checked + speeds[wheel];
-            let [x, y] = wanted.in_plan(placing.wheels[wheel].centre);
+            let [x, y] = wanted.in_plan(placing.centres[wheel]);
             // Squares: a root takes as long as the rest of it.
             let slope = steepest * x.mul_add(x, y * y);
             let across = velocity[1];
@@ -324,18 +340,10 @@ impl InLanes<'_, Job<'_>> {
             let Some(joint) = self.plan.steering(wheel) else {
                 continue;
             };
-            let WheelAt {
-                centre,
-                forward,
-                axle,
-                ..
-            } = placing.wheels[wheel];
-            let [x, y] = wanted.in_plan(centre);
+            let [x, y] = wanted.in_plan(placing.centres[wheel]);
+            let [ahead, aside, _] = placing.limb(wheel).own([x, y, zero]);
             let way = &mut ways[joint % MAX_WHEELS];
-            *way = [
-                x.mul_add(forward[0], y.mul_add(forward[1], way[0])),
-                x.mul_add(axle[0], y.mul_add(axle[1], way[1])),
-            ];
+            *way = [way[0] + ahead, way[1] + aside];
         }
         let (mut angles, mut turned) = ([zero; MAX_WHEELS], [(zero, one); MAX_WHEELS]);
         let ranges = self.job.chain.steering();
