@@ -2,12 +2,13 @@
 
 mod motion;
 mod quick;
+mod results;
 mod slip;
 mod stand;
 mod traction;
 
-pub use motion::{GroundCommand, GroundMotion};
 pub use quick::install;
+pub use results::{GroundCommand, GroundMotion};
 pub use slip::{BodySlip, WheelSlip, body_slip};
 pub use traction::Traction;
 

@@ -7,7 +7,7 @@ use six_wheel_core::moving::{
 };
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::motion::{self, GroundCommand, GroundMotion, OneMotion};
+use super::results::{CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{One, Traction};
 use crate::batch::any_workers;
 use crate::fast::{self, Method, Numbers, Object, Quick, float, three};
@@ -145,7 +145,7 @@ impl Quick<2> for OneCommand {
             return None;
         }
         let chain = &suspension.chain;
-        let mut one = motion::One {
+        let mut one = CommandRow {
             wheels: chain.wheels().len(),
             joints: chain.joints().len(),
             steered: chain.steering().len(),
@@ -217,7 +217,7 @@ impl Quick<3> for OneReading {
         if infinite || !steering.iter().all(|angle| angle.is_finite()) {
             return None;
         }
-        let mut one = OneMotion {
+        let mut one = MotionRow {
             wheels,
             joints: chain.joints().len(),
             twist: [[0.0; 6]],
