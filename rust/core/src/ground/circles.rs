@@ -71,15 +71,7 @@ pub(super) fn cells<S: Vector>(
         zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
     let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
     let [h00, h10, h01, h11] = match ground.heights() {
-        Heights::Double(heights) => {
-            let (here, next) = (&heights[..], &heights[columns..]);
-            [
-                place.gather(here),
-                place.gather(&here[1..]),
-                place.gather(next),
-                place.gather(&next[1..]),
-            ]
-        }
+        Heights::Double(heights) => place.square(heights, columns),
         Heights::Single(_) => singles(simd, ground, place),
     };
     let (along, across) = (h10 - h00, h01 - h00);

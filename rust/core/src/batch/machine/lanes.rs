@@ -226,6 +226,13 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.gather(table, self.values))
     }
 
+    /// [`Vector::square`] at these places.
+    #[inline(always)]
+    pub fn square(self, table: &[f64], columns: usize) -> [Self; 4] {
+        let [a, b, c, d] = self.simd.square(table, columns, self.values);
+        [self.with(a), self.with(b), self.with(c), self.with(d)]
+    }
+
     /// [`Vector::pairs`] at these places.
     ///
     /// # Safety
