@@ -6,7 +6,6 @@ use super::search::{Found, Stretch, search};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::bounds::pyramid::{Boxes, nothing};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 
@@ -222,14 +221,12 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
         & low[0].at_most(high[0])
         & low[1].at_most(high[1]);
     if let Some(pyramid) = ground.known_pyramid() {
-        let boxes = Boxes {
-            first: [on_map.select(low[0], zero), on_map.select(low[1], zero)],
-            last: [on_map.select(high[0], zero), on_map.select(high[1], zero)],
-            on_map,
-        };
+        let low = [on_map.select(low[0], zero), on_map.select(low[1], zero)];
+        let high = [on_map.select(high[0], zero), on_map.select(high[1], zero)];
         // SAFETY: they are whole, in order and on the map, or the first cell.
-        let [_, minus_highest] = unsafe { pyramid.spans(&boxes, nothing(simd)) }.unpair();
-        return on_map.select(-minus_highest, far);
+        let (extremes, fits) = unsafe { pyramid.around([low, high]) };
+        let [_, minus_highest] = extremes.unpair();
+        return (on_map & fits).select(-minus_highest, far);
     }
     let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
     let (x0, y0, x1, y1) = (

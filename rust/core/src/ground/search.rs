@@ -204,8 +204,14 @@ pub(super) fn search<S: Vector>(
         let least = left.curvature.min(right.curvature) - slack;
         let most = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most.max(zero) * eighth;
-        let low = real & zero.below(most) & bound.at_most(best + stretch.margin);
         let convex = zero.at_most(least);
+        // Where the gap rises or falls all along there is nothing inside.
+        let bent = length * least;
+        let steady = zero.below(left.rise + bent) | (right.rise - bent).below(zero);
+        let low = real
+            & zero.below(most)
+            & bound.at_most(best + stretch.margin)
+            & (convex | !steady);
         doubt = (low & !convex).select(doubt.min(bound), doubt);
         let dips = left.rise.below(zero) & zero.below(right.rise);
         let slot = Slot {
