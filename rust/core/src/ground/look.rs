@@ -12,6 +12,9 @@ use crate::terrain::Terrain;
 /// Lanes of the widest level.
 pub(super) const MOST: usize = 8;
 
+/// [`Look::clear`] where the upper halves were left out and may matter.
+pub(super) const UPPER: f64 = -1.0;
+
 /// How far above the gap anything else along the rim is of interest [m].
 pub(super) const MARGIN: f64 = 1e-4;
 
@@ -35,8 +38,10 @@ pub(super) struct Here<S: Vector> {
 
 /// How much of the rims to look at.
 pub(super) enum Extent<S: Vector> {
-    /// All that may touch.
+    /// All of the lower halves that may touch.
     Whole,
+    /// The same, and the upper halves.
+    Both,
     /// So far to either side of the last contacts [rad].
     Near(Lanes<S>),
 }
@@ -77,7 +82,7 @@ impl<S: Vector> Here<S> {
             touches: zero.below(unit),
         };
         let near = match extent {
-            Extent::Whole => None,
+            Extent::Whole | Extent::Both => None,
             Extent::Near(reach) => Some(direction(simd, *reach)),
         };
         for wheel in 0..plan.wheels() {
@@ -98,11 +103,27 @@ impl<S: Vector> Here<S> {
                 rims.up[k] = rims.up[k] * scale;
             }
             let last = self.contacts[wheel];
-            let (stretch, covers) = match near {
+            let (mut stretch, mut covers) = match near {
                 None => whole_rims(simd, ground, &rims, last),
                 Some(turned) => (short_look(simd, last, turned), unit.below(zero)),
             };
-            let found = search(simd, ground, &rims, &stretch);
+            let mut found = nothing;
+            let both = matches!(extent, Extent::Both);
+            for half in 0..1 + usize::from(both) {
+                let part = search(simd, ground, &rims, &stretch);
+                if half == 0 {
+                    found = part;
+                } else {
+                    found.others = found.others.min(part.gap).min(part.others);
+                    covers = zero.below(unit);
+                }
+                // Turned over, its upper half is the lower one.
+                for k in 0..3 {
+                    rims.forward[k] = -rims.forward[k];
+                    rims.up[k] = -rims.up[k];
+                }
+                stretch = Stretch::lower(simd);
+            }
             let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
             let mut spoke: Vectors<S> = [zero; 3];
             for (k, spoke) in spoke.iter_mut().enumerate() {
@@ -111,7 +132,7 @@ impl<S: Vector> Here<S> {
             let point = placing.rim(wheel, spoke);
             look.rows[wheel] = (placing.slopes(simd, wheel, point, gradient), -found.gap);
             look.worst = look.worst.max(found.gap.abs());
-            let clear = covers.select(found.others - found.gap, -unit);
+            let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
             look.clear = look.clear.min(clear);
             look.touches = look.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
             look.found[wheel] = found;
