@@ -122,12 +122,13 @@ pub(super) struct Point<S: Vector> {
     pub tangent: [Lanes<S>; 3],
 }
 
-/// Gap, its first two derivatives along the rim, and the slope of the ground.
+/// Gap, its first three derivatives along the rim, and the slope of the ground.
 #[derive(Clone, Copy)]
 pub(super) struct Jet<S: Vector> {
     pub gap: Lanes<S>,
     pub rise: Lanes<S>,
     pub curvature: Lanes<S>,
+    pub third: Lanes<S>,
     pub slope: [Lanes<S>; 2],
 }
 
@@ -159,7 +160,9 @@ impl<S: Vector> Rims<S> {
         let turning = cell.twist * x * y;
         let curvature =
             (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
+        let bending = cell.twist * (at.spoke[0] * y + at.spoke[1] * x);
         Jet {
+            third: (bending + bending + bending) - rise,
             gap: (self.centre[2] + at.spoke[2]) - height,
             rise,
             curvature,
