@@ -45,6 +45,8 @@ const LOOK: [f64; 2] = [0.02, 0.3];
 /// What is known of a pose while it settles.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phase {
+    /// It is not near: its next look is about the lowest of some points.
+    Far,
     /// Its next look goes along whole rims, as far as they may touch.
     Whole,
     /// It is there, and what the upper halves do is not known.
@@ -54,6 +56,9 @@ enum Phase {
     /// Its next look is a short one.
     Short,
 }
+
+/// What looks there are.
+const LOOKS: [Phase; 4] = [Phase::Far, Phase::Whole, Phase::Short, Phase::Both];
 
 /// Numbers of the poses, column by column.
 mod column {
@@ -135,7 +140,7 @@ impl Kernel for Job<'_, '_> {
             let count = CHUNK.min(self.poses.len() - first);
             self.begin(&mut chunk, first, count);
             // By what their next look is.
-            let [mut next, mut now]: [[Vec<u16>; 3]; 2] =
+            let [mut next, mut now]: [[Vec<u16>; 4]; 2] =
                 std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(count)));
             next[0].extend(0..count as u16);
             for rows in next[0].chunks(S::F64_LANES) {
@@ -143,7 +148,7 @@ impl Kernel for Job<'_, '_> {
             }
             while next.iter().any(|rows| !rows.is_empty()) {
                 std::mem::swap(&mut next, &mut now);
-                for (list, phase) in [Phase::Whole, Phase::Short, Phase::Both].iter().enumerate() {
+                for (list, phase) in LOOKS.iter().enumerate() {
                     next[list].clear();
                     for rows in now[list].chunks(S::F64_LANES) {
                         self.round(simd, &mut chunk, first, rows, *phase);
@@ -151,9 +156,10 @@ impl Kernel for Job<'_, '_> {
                 }
                 for &row in now.iter().flatten() {
                     let list = match chunk.phases[row as usize] {
-                        Phase::Whole => 0,
-                        Phase::Sure | Phase::Short => 1,
-                        Phase::Both => 2,
+                        Phase::Far => 0,
+                        Phase::Whole => 1,
+                        Phase::Sure | Phase::Short => 2,
+                        Phase::Both => 3,
                     };
                     if chunk.rounds[row as usize] < ROUNDS {
                         next[list].push(row);
@@ -227,7 +233,7 @@ impl Job<'_, '_> {
             chunk.columns[column::CONTACT + 2 * wheel + 1].fill(1.0);
         }
         chunk.rounds.fill(0);
-        chunk.phases.fill(Phase::Whole);
+        chunk.phases.fill(Phase::Far);
     }
 
     #[inline(always)]
@@ -323,13 +329,14 @@ impl Job<'_, '_> {
     ) {
         let here = self.here(simd, chunk, rows);
         let extent = match phase {
+            Phase::Far => Extent::Sampled,
             Phase::Whole => Extent::Whole,
             Phase::Both => Extent::Both,
             Phase::Sure | Phase::Short => {
                 Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows))
             }
         };
-        let whole = !matches!(extent, Extent::Near(_));
+        let whole = matches!(extent, Extent::Whole | Extent::Both);
         let mut look = here.look(simd, self.plan, self.settler.ground, &extent);
         let step = solve(simd, self.plan, &mut look.rows);
         let zero = Lanes::splat(simd, 0.0);
@@ -397,7 +404,9 @@ impl Job<'_, '_> {
             let becomes = whole && clear[lane] > MARGIN && near[lane] != 0.0;
             chunk.phases[row] = if stays || becomes {
                 Phase::Sure
-            } else if turn[lane] > FAR_AWAY || !whole && worst[lane] < NEARLY {
+            } else if turn[lane] > FAR_AWAY {
+                Phase::Far
+            } else if !whole && worst[lane] < NEARLY {
                 Phase::Whole
             } else {
                 Phase::Short

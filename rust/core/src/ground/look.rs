@@ -18,6 +18,25 @@ pub(super) const UPPER: f64 = -1.0;
 /// How far above the gap anything else along the rim is of interest [m].
 pub(super) const MARGIN: f64 = 1e-4;
 
+/// Between points of [`SAMPLES`] [rad].
+const BETWEEN: f64 = 0.2;
+
+/// Sines and cosines of so many times [`BETWEEN`], up to 7 to either side.
+const SAMPLES: [[f64; 2]; 15] = {
+    let (step, mut samples) = ([0.198_669_330_795_061_2, 0.980_066_577_841_241_6], [[0.0, 1.0]; 15]);
+    let mut k = 8;
+    while k < 15 {
+        let [sin, cos] = samples[k - 1];
+        samples[k] = [
+            sin * step[1] + cos * step[0],
+            cos * step[1] - sin * step[0],
+        ];
+        samples[14 - k] = [-samples[k][0], samples[k][1]];
+        k += 1;
+    }
+    samples
+};
+
 /// The numbers of the lanes.
 #[inline(always)]
 pub(super) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
@@ -44,6 +63,8 @@ pub(super) enum Extent<S: Vector> {
     Both,
     /// So far to either side of the last contacts [rad].
     Near(Lanes<S>),
+    /// About the lowest gaps of some points of the rims.
+    Sampled,
 }
 
 /// What a look at the rims has found.
@@ -84,6 +105,7 @@ impl<S: Vector> Here<S> {
         let near = match extent {
             Extent::Whole | Extent::Both => None,
             Extent::Near(reach) => Some(direction(simd, *reach)),
+            Extent::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
         };
         for wheel in 0..plan.wheels() {
             let at = &placing.wheels[wheel];
@@ -102,7 +124,10 @@ impl<S: Vector> Here<S> {
                 rims.forward[k] = rims.forward[k] * scale;
                 rims.up[k] = rims.up[k] * scale;
             }
-            let last = self.contacts[wheel];
+            let last = match extent {
+                Extent::Sampled => sampled(simd, ground, &rims),
+                _ => self.contacts[wheel],
+            };
             let (mut stretch, mut covers) = match near {
                 None => whole_rims(simd, ground, &rims, last),
                 Some(turned) => (short_look(simd, last, turned), unit.below(zero)),
@@ -141,6 +166,38 @@ impl<S: Vector> Here<S> {
     }
 }
 
+/// The point with the lowest gap of some of every rim.
+#[inline(always)]
+fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
+    let (mut best, mut at) = (Lanes::splat(simd, FAR), [Lanes::splat(simd, 0.0); 2]);
+    for point in &SAMPLES {
+        let [sin, cos] = [Lanes::splat(simd, point[0]), Lanes::splat(simd, point[1])];
+        let gap = gap(simd, ground, rims, [sin, cos]);
+        let better = gap.below(best);
+        best = better.select(gap, best);
+        at = [better.select(sin, at[0]), better.select(cos, at[1])];
+    }
+    at
+}
+
+/// The gap at a point of every rim.
+#[inline(always)]
+fn gap<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &Rims<S>,
+    [sin, cos]: [Lanes<S>; 2],
+) -> Lanes<S> {
+    let mut at = rims.centre;
+    for k in 0..3 {
+        at[k] = at[k] + (rims.forward[k] * sin - rims.up[k] * cos);
+    }
+    let (column, row) = (floor(simd, at[0]), floor(simd, at[1]));
+    let cell = cells(simd, ground, column, row);
+    let (a, b) = (at[0] - column, at[1] - row);
+    at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
+}
+
 /// What is near the last contact.
 #[inline(always)]
 fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Stretch<S> {
@@ -168,16 +225,7 @@ fn whole_rims<S: Vector>(
 ) -> (Stretch<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
-    let contact = rims.point(last[0], last[1]);
-    let (u, v) = (
-        rims.centre[0] + contact.spoke[0],
-        rims.centre[1] + contact.spoke[1],
-    );
-    let (column, row) = (floor(simd, u), floor(simd, v));
-    let cell = cells(simd, ground, column, row);
-    let (a, b) = (u - column, v - row);
-    let height = cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b;
-    let gap = (rims.centre[2] + contact.spoke[2]) - height;
+    let gap = gap(simd, ground, rims, last);
     // Over ground that is not known it says nothing.
     let far = Lanes::splat(simd, FAR);
     let gap = gap.at_most(far).select(gap, far) + margin + margin;

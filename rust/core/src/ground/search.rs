@@ -215,7 +215,13 @@ pub(super) fn search<S: Vector>(
             & zero.below(most)
             & bound.at_most(best + stretch.margin)
             & (convex | !steady);
-        doubt = (low & !convex).select(doubt.min(bound), doubt);
+        // Parabolas from its ends say how low another one may be.
+        let bent = bent * Lanes::splat(simd, 0.5);
+        let other = (left.rise + bent)
+            .mul_add(length, left.gap)
+            .max((bent - right.rise).mul_add(length, right.gap))
+            .max(bound);
+        doubt = (low & !convex).select(doubt.min(other), doubt);
         let dips = left.rise.below(zero) & zero.below(right.rise);
         // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
         let (bend, turn) = (
