@@ -19,19 +19,19 @@ pub(super) const UPPER: f64 = -1.0;
 pub(super) const MARGIN: f64 = 1e-4;
 
 /// Between points of [`SAMPLES`] [rad].
-const BETWEEN: f64 = 0.2;
+const BETWEEN: f64 = 0.22;
 
-/// Sines and cosines of so many times [`BETWEEN`], up to 7 to either side.
-const SAMPLES: [[f64; 2]; 15] = {
-    let (step, mut samples) = ([0.198_669_330_795_061_2, 0.980_066_577_841_241_6], [[0.0, 1.0]; 15]);
-    let mut k = 8;
-    while k < 15 {
+/// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
+const SAMPLES: [[f64; 2]; 11] = {
+    let (step, mut samples) = ([0.218_229_623_080_869_32, 0.975_897_449_330_605_5], [[0.0, 1.0]; 11]);
+    let mut k = 6;
+    while k < 11 {
         let [sin, cos] = samples[k - 1];
         samples[k] = [
             sin * step[1] + cos * step[0],
             cos * step[1] - sin * step[0],
         ];
-        samples[14 - k] = [-samples[k][0], samples[k][1]];
+        samples[10 - k] = [-samples[k][0], samples[k][1]];
         k += 1;
     }
     samples
