@@ -163,7 +163,7 @@ impl Kernel for Job<'_, '_> {
                     };
                     if chunk.rounds[row as usize] < ROUNDS {
                         next[list].push(row);
-                    } else if chunk.rounds[row as usize] == ROUNDS {
+                    } else if chunk.rounds[row as usize] < LEFT {
                         self.left.push((first + row as usize, None));
                     }
                 }
@@ -227,7 +227,9 @@ impl Job<'_, '_> {
                 }
             }
         }
-        chunk.columns[column::STATE..column::CONTACT].as_flattened_mut().fill(0.0);
+        chunk.columns[column::STATE..column::CONTACT]
+            .as_flattened_mut()
+            .fill(0.0);
         for wheel in 0..MAX_WHEELS {
             chunk.columns[column::CONTACT + 2 * wheel].fill(0.0);
             chunk.columns[column::CONTACT + 2 * wheel + 1].fill(1.0);

@@ -23,14 +23,14 @@ const BETWEEN: f64 = 0.22;
 
 /// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
 const SAMPLES: [[f64; 2]; 11] = {
-    let (step, mut samples) = ([0.218_229_623_080_869_32, 0.975_897_449_330_605_5], [[0.0, 1.0]; 11]);
+    let (step, mut samples) = (
+        [0.218_229_623_080_869_32, 0.975_897_449_330_605_5],
+        [[0.0, 1.0]; 11],
+    );
     let mut k = 6;
     while k < 11 {
         let [sin, cos] = samples[k - 1];
-        samples[k] = [
-            sin * step[1] + cos * step[0],
-            cos * step[1] - sin * step[0],
-        ];
+        samples[k] = [sin * step[1] + cos * step[0], cos * step[1] - sin * step[0]];
         samples[10 - k] = [-samples[k][0], samples[k][1]];
         k += 1;
     }
@@ -396,6 +396,9 @@ mod tests {
                 z - cell.height(x.fract(), y.fract())
             };
             let last = gap(case.last);
+            if last > 0.0 {
+                ground.pyramid()?;
+            }
             for level in Level::available() {
                 let ([start, end], covers) = level.run_any(Look(&ground, case));
                 for k in -628..=628 {

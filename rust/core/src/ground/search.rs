@@ -211,10 +211,8 @@ pub(super) fn search<S: Vector>(
         // Where the gap rises or falls all along there is nothing inside.
         let bent = length * least;
         let steady = zero.below(left.rise + bent) | (right.rise - bent).below(zero);
-        let low = real
-            & zero.below(most)
-            & bound.at_most(best + stretch.margin)
-            & (convex | !steady);
+        let low =
+            real & zero.below(most) & bound.at_most(best + stretch.margin) & (convex | !steady);
         // Parabolas from its ends say how low another one may be.
         let bent = bent * Lanes::splat(simd, 0.5);
         let other = (left.rise + bent)

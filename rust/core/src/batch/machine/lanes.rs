@@ -220,12 +220,6 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.inverse_root(self.values))
     }
 
-    /// [`Vector::gather`] at these places.
-    #[inline(always)]
-    pub fn gather(self, table: &[f64]) -> Self {
-        self.with(self.simd.gather(table, self.values))
-    }
-
     /// [`Vector::square`] at these places.
     #[inline(always)]
     pub fn square(self, table: &[f64], columns: usize) -> [Self; 4] {
