@@ -418,8 +418,8 @@ impl Job<'_, '_> {
             self.settled(simd, chunk, first, rows, &here, &look);
         }
         let goes_on = zero.below(Lanes::load(simd, S::as_simd_f64s(&goes_on).0, 0));
-        for k in 0..MAX_STATE {
-            let number = goes_on.select(state[k], here.state[k]);
+        for (k, number) in state.into_iter().enumerate() {
+            let number = goes_on.select(number, here.state[k]);
             scatter(&mut chunk.columns[column::STATE + k], rows, number);
         }
         for wheel in 0..self.plan.wheels() {

@@ -189,8 +189,8 @@ fn gap<S: Vector>(
     [sin, cos]: [Lanes<S>; 2],
 ) -> Lanes<S> {
     let mut at = rims.centre;
-    for k in 0..3 {
-        at[k] = at[k] + (rims.forward[k] * sin - rims.up[k] * cos);
+    for (k, at) in at.iter_mut().enumerate() {
+        *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
     }
     let (column, row) = (floor(simd, at[0]), floor(simd, at[1]));
     let cell = cells(simd, ground, column, row);
