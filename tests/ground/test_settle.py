@@ -359,6 +359,8 @@ def test_every_pose_has_its_status():
     names = ["settled", "settled", "off_map", "off_map", "settled"]
     assert [str(status) for status in stand.status] == names
     assert str(stand.status) == f"[{' '.join(names)}]"
+    # As many as are settled in lanes.
+    assert [str(status) for status in rover.settle(ground, 2 * poses).status] == 2 * names
     # A front wheel over the hole in the map; then the hole between the wheels.
     under_front = rover.settle(ground, (6.0 + 1.185, 6.0 - 1.0625, math.pi))
     assert under_front.status == "unknown_cells"
@@ -384,6 +386,8 @@ def test_where_nothing_can_stand_nothing_does(heights, status):
     stand = ROVERS["perseverance"].settle(ground, [(*middle, yaw) for yaw in (0, 0.7, 2.0)])
     assert (stand.status == status).all()
     assert np.isnan(numbers_of(stand)).all()
+    many = ROVERS["perseverance"].settle(ground, [(*middle, yaw) for yaw in range(20)])
+    assert (many.status == status).all()
 
 
 @pytest.mark.parametrize("step", [0.2, 0.6, 3.0, 30.0])

@@ -111,6 +111,44 @@ impl Pyramid {
         self.turn
     }
 
+    /// Extremes over boxes of cells, or over some more beside the long sides of those that are longer than wide: four windows, each
+    /// at least half as long as the box. False for boxes that are longer than two windows.
+    ///
+    /// # Safety
+    ///
+    /// Ends are whole numbers, in order, of cells of the map.
+    #[inline(always)]
+    pub(crate) unsafe fn around<S: Vector>(
+        &self,
+        [[x, y], [x_last, y_last]]: [[Lanes<S>; 2]; 2],
+    ) -> (Lanes<S>, Mask<S>) {
+        let simd = x.simd();
+        let one = all(simd, 1.0);
+        let long = (x_last - x).max(y_last - y);
+        // The smallest power of two that is half of one more.
+        let most = all(simd, f64::from(1 << (LEVELS - 1)));
+        let size = long.max(one).power().min(most);
+        let fits = long.below(size + size);
+        let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
+        let level = size.exponent().mul_add(count, all(simd, ZEROTH));
+        let columns = all(simd, self.cells[0] as f64);
+        let end = [
+            ((x_last + one) - size).max(x),
+            ((y_last + one) - size).max(y),
+        ];
+        let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
+        // SAFETY: the windows begin at cells between the ends of the box.
+        let (a, b, c, d) = unsafe {
+            (
+                (first + x).pairs(&self.windows),
+                (first + end[0]).pairs(&self.windows),
+                (last + x).pairs(&self.windows),
+                (last + end[0]).pairs(&self.windows),
+            )
+        };
+        (a.least_pairs(b).least_pairs(c.least_pairs(d)), fits)
+    }
+
     /// Extremes over boxes of cells, and of what is in `span`: in pairs as [`Vector::least_pairs`] has them.
     ///
     /// Whichever windows cover a box and nothing else, its extremes are the same to the bit.

@@ -6,7 +6,7 @@
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
 use super::circles::{FAR, cells, floor};
-use super::look::{Extent, Here, Look, MARGIN, MOST, spread};
+use super::look::{Extent, Here, Look, MARGIN, MOST, UPPER, spread};
 use super::plan::{Placing, Plan, Rows, solve};
 use super::search::TIE;
 use super::settle::{Settler, Status};
@@ -45,13 +45,20 @@ const LOOK: [f64; 2] = [0.02, 0.3];
 /// What is known of a pose while it settles.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// Its next look goes along whole rims.
+    /// It is not near: its next look is about the lowest of some points.
+    Far,
+    /// Its next look goes along whole rims, as far as they may touch.
     Whole,
+    /// It is there, and what the upper halves do is not known.
+    Both,
     /// It is nearly there, and nothing else is near.
     Sure,
     /// Its next look is a short one.
     Short,
 }
+
+/// What looks there are.
+const LOOKS: [Phase; 4] = [Phase::Far, Phase::Whole, Phase::Short, Phase::Both];
 
 /// Numbers of the poses, column by column.
 mod column {
@@ -132,30 +139,31 @@ impl Kernel for Job<'_, '_> {
         for first in (0..self.poses.len()).step_by(CHUNK) {
             let count = CHUNK.min(self.poses.len() - first);
             self.begin(&mut chunk, first, count);
-            let mut whole: Vec<u16> = (0..count as u16).collect();
-            for rows in whole.chunks(S::F64_LANES) {
+            // By what their next look is.
+            let [mut next, mut now]: [[Vec<u16>; 4]; 2] =
+                std::array::from_fn(|_| std::array::from_fn(|_| Vec::with_capacity(count)));
+            next[0].extend(0..count as u16);
+            for rows in next[0].chunks(S::F64_LANES) {
                 self.guess(simd, &mut chunk, rows);
             }
-            let mut short: Vec<u16> = Vec::with_capacity(count);
-            let (mut now, mut next) = (Vec::with_capacity(count), Vec::with_capacity(count));
-            while !(whole.is_empty() && short.is_empty()) {
-                std::mem::swap(&mut whole, &mut now);
-                std::mem::swap(&mut short, &mut next);
-                whole.clear();
-                short.clear();
-                for rows in now.chunks(S::F64_LANES) {
-                    self.round(simd, &mut chunk, first, rows, true);
+            while next.iter().any(|rows| !rows.is_empty()) {
+                std::mem::swap(&mut next, &mut now);
+                for (list, phase) in LOOKS.iter().enumerate() {
+                    next[list].clear();
+                    for rows in now[list].chunks(S::F64_LANES) {
+                        self.round(simd, &mut chunk, first, rows, *phase);
+                    }
                 }
-                for rows in next.chunks(S::F64_LANES) {
-                    self.round(simd, &mut chunk, first, rows, false);
-                }
-                for &row in now.iter().chain(&next) {
+                for &row in now.iter().flatten() {
+                    let list = match chunk.phases[row as usize] {
+                        Phase::Far => 0,
+                        Phase::Whole => 1,
+                        Phase::Sure | Phase::Short => 2,
+                        Phase::Both => 3,
+                    };
                     if chunk.rounds[row as usize] < ROUNDS {
-                        match chunk.phases[row as usize] {
-                            Phase::Whole => whole.push(row),
-                            Phase::Sure | Phase::Short => short.push(row),
-                        }
-                    } else if chunk.rounds[row as usize] == ROUNDS {
+                        next[list].push(row);
+                    } else if chunk.rounds[row as usize] < LEFT {
                         self.left.push((first + row as usize, None));
                     }
                 }
@@ -183,20 +191,12 @@ fn truths<S: Vector>(simd: S, mask: Mask<S>) -> [f64; MOST] {
     spread(mask.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0)))
 }
 
-/// Writes the lanes of rows that go on.
+/// Writes a number of so many rows.
 #[inline(always)]
-fn put<S: Vector>(
-    chunk: &mut Chunk,
-    column: usize,
-    rows: &[u16],
-    goes_on: &[bool; MOST],
-    lanes: Lanes<S>,
-) {
-    let (values, column) = (spread(lanes), &mut chunk.columns[column]);
-    for (lane, &row) in rows.iter().enumerate() {
-        if goes_on[lane] {
-            column[row as usize % CHUNK] = values[lane];
-        }
+fn scatter<S: Vector>(column: &mut [f64; CHUNK], rows: &[u16], lanes: Lanes<S>) {
+    let values = spread(lanes);
+    for (&row, value) in rows.iter().zip(values) {
+        column[row as usize % CHUNK] = value;
     }
 }
 
@@ -226,16 +226,16 @@ impl Job<'_, '_> {
                     chunk.columns[column::STEERING + 2 * joint + 1][row] = cos;
                 }
             }
-            for wheel in 0..MAX_WHEELS {
-                chunk.columns[column::CONTACT + 2 * wheel][row] = 0.0;
-                chunk.columns[column::CONTACT + 2 * wheel + 1][row] = 1.0;
-            }
-            for column in &mut chunk.columns[column::STATE..][..MAX_STATE] {
-                column[row] = 0.0;
-            }
-            chunk.rounds[row] = 0;
-            chunk.phases[row] = Phase::Whole;
         }
+        chunk.columns[column::STATE..column::CONTACT]
+            .as_flattened_mut()
+            .fill(0.0);
+        for wheel in 0..MAX_WHEELS {
+            chunk.columns[column::CONTACT + 2 * wheel].fill(0.0);
+            chunk.columns[column::CONTACT + 2 * wheel + 1].fill(1.0);
+        }
+        chunk.rounds.fill(0);
+        chunk.phases.fill(Phase::Far);
     }
 
     #[inline(always)]
@@ -282,10 +282,9 @@ impl Job<'_, '_> {
         let zero = Lanes::splat(simd, 0.0);
         let mut here = self.here(simd, chunk, rows);
         let spacing = ground.spacing();
-        for round in 0..3 {
+        for _ in 0..2 {
             let placing = Placing::new(simd, plan, here.yaw, &here.state, &here.steering);
             let mut system: Rows<S> = [([zero; MAX_STATE], zero); MAX_WHEELS];
-            let mut mean = zero;
             for (wheel, row) in system.iter_mut().enumerate().take(plan.wheels()) {
                 let centre = placing.wheels[wheel].centre;
                 let u = (here.origin[0] + centre[0]) * Lanes::splat(simd, 1.0 / spacing[0]);
@@ -298,16 +297,7 @@ impl Job<'_, '_> {
                     + (cell.across + cell.twist * a) * b
                     + Lanes::splat(simd, plan.radius(wheel));
                 let missing = height - (here.state[0] + centre[2]);
-                mean = mean + missing;
-                if round > 0 {
-                    *row = (placing.slopes(simd, wheel, centre, [zero; 2]), missing);
-                }
-            }
-            if round == 0 {
-                // The height first.
-                let share = Lanes::splat(simd, 1.0 / plan.wheels() as f64);
-                here.state[0] = mean.mul_add(share, here.state[0]);
-                continue;
+                *row = (placing.slopes(simd, wheel, centre, [zero; 2]), missing);
             }
             let step = solve(simd, plan, &mut system);
             here.state[0] = here.state[0] + step[0];
@@ -337,14 +327,18 @@ impl Job<'_, '_> {
         chunk: &mut Chunk,
         first: usize,
         rows: &[u16],
-        whole: bool,
+        phase: Phase,
     ) {
         let here = self.here(simd, chunk, rows);
-        let extent = if whole {
-            Extent::Whole
-        } else {
-            Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows))
+        let extent = match phase {
+            Phase::Far => Extent::Sampled,
+            Phase::Whole => Extent::Whole,
+            Phase::Both => Extent::Both,
+            Phase::Sure | Phase::Short => {
+                Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows))
+            }
         };
+        let whole = matches!(extent, Extent::Whole | Extent::Both);
         let mut look = here.look(simd, self.plan, self.settler.ground, &extent);
         let step = solve(simd, self.plan, &mut look.rows);
         let zero = Lanes::splat(simd, 0.0);
@@ -380,7 +374,7 @@ impl Job<'_, '_> {
         let moves = truths(simd, zero.at_most(way) & way.below(Lanes::splat(simd, FAR)));
         let near = truths(simd, way.below(Lanes::splat(simd, SHORT * MARGIN)));
         let (worst, turn, share) = (spread(look.worst), spread(turn), spread(share));
-        let (mut goes_on, mut settles) = ([false; MOST], false);
+        let (mut goes_on, mut settles) = ([0.0; MOST], false);
         for (lane, &row) in rows.iter().enumerate() {
             let row = row as usize;
             chunk.rounds[row] += 1;
@@ -392,7 +386,9 @@ impl Job<'_, '_> {
                 continue;
             }
             if closed[lane] != 0.0 {
-                if whole && clear[lane] <= TIE {
+                if phase == Phase::Whole && clear[lane] == UPPER {
+                    chunk.phases[row] = Phase::Both;
+                } else if whole && clear[lane] <= TIE {
                     chunk.rounds[row] = LEFT;
                 } else if whole || chunk.phases[row] == Phase::Sure {
                     chunk.rounds[row] = DONE;
@@ -402,7 +398,7 @@ impl Job<'_, '_> {
                 settles |= chunk.rounds[row] >= LEFT;
                 continue;
             }
-            goes_on[lane] = true;
+            goes_on[lane] = 1.0;
             chunk.columns[column::WORST][row] = worst[lane];
             chunk.columns[column::SHARE][row] = share[lane];
             chunk.columns[column::LOOK][row] = (LOOK[0] + 2.0 * turn[lane]).min(LOOK[1]);
@@ -410,7 +406,9 @@ impl Job<'_, '_> {
             let becomes = whole && clear[lane] > MARGIN && near[lane] != 0.0;
             chunk.phases[row] = if stays || becomes {
                 Phase::Sure
-            } else if turn[lane] > FAR_AWAY || !whole && worst[lane] < NEARLY {
+            } else if turn[lane] > FAR_AWAY {
+                Phase::Far
+            } else if !whole && worst[lane] < NEARLY {
                 Phase::Whole
             } else {
                 Phase::Short
@@ -419,18 +417,16 @@ impl Job<'_, '_> {
         if settles {
             self.settled(simd, chunk, first, rows, &here, &look);
         }
+        let goes_on = zero.below(Lanes::load(simd, S::as_simd_f64s(&goes_on).0, 0));
         for (k, number) in state.into_iter().enumerate() {
-            put(chunk, column::STATE + k, rows, &goes_on, number);
+            let number = goes_on.select(number, here.state[k]);
+            scatter(&mut chunk.columns[column::STATE + k], rows, number);
         }
-        for (wheel, found) in look.found.iter().enumerate().take(self.plan.wheels()) {
-            for (k, number) in found.at.into_iter().enumerate() {
-                put(
-                    chunk,
-                    column::CONTACT + 2 * wheel + k,
-                    rows,
-                    &goes_on,
-                    number,
-                );
+        for wheel in 0..self.plan.wheels() {
+            for k in 0..2 {
+                let number = goes_on.select(look.found[wheel].at[k], here.contacts[wheel][k]);
+                let column = column::CONTACT + 2 * wheel + k;
+                scatter(&mut chunk.columns[column], rows, number);
             }
         }
     }

@@ -71,15 +71,7 @@ pub(super) fn cells<S: Vector>(
         zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
     let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
     let [h00, h10, h01, h11] = match ground.heights() {
-        Heights::Double(heights) => {
-            let (here, next) = (&heights[..], &heights[columns..]);
-            [
-                place.gather(here),
-                place.gather(&here[1..]),
-                place.gather(next),
-                place.gather(&next[1..]),
-            ]
-        }
+        Heights::Double(heights) => place.square(heights, columns),
         Heights::Single(_) => singles(simd, ground, place),
     };
     let (along, across) = (h10 - h00, h01 - h00);
@@ -130,12 +122,13 @@ pub(super) struct Point<S: Vector> {
     pub tangent: [Lanes<S>; 3],
 }
 
-/// Gap, its first two derivatives along the rim, and the slope of the ground.
+/// Gap, its first three derivatives along the rim, and the slope of the ground.
 #[derive(Clone, Copy)]
 pub(super) struct Jet<S: Vector> {
     pub gap: Lanes<S>,
     pub rise: Lanes<S>,
     pub curvature: Lanes<S>,
+    pub third: Lanes<S>,
     pub slope: [Lanes<S>; 2],
 }
 
@@ -167,7 +160,9 @@ impl<S: Vector> Rims<S> {
         let turning = cell.twist * x * y;
         let curvature =
             (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
+        let bending = cell.twist * (at.spoke[0] * y + at.spoke[1] * x);
         Jet {
+            third: (bending + bending + bending) - rise,
             gap: (self.centre[2] + at.spoke[2]) - height,
             rise,
             curvature,

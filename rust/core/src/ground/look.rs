@@ -6,15 +6,36 @@ use super::search::{Found, Stretch, search};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
-use crate::bounds::pyramid::{Boxes, nothing};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
 
 /// Lanes of the widest level.
 pub(super) const MOST: usize = 8;
 
+/// [`Look::clear`] where the upper halves were left out and may matter.
+pub(super) const UPPER: f64 = -1.0;
+
 /// How far above the gap anything else along the rim is of interest [m].
 pub(super) const MARGIN: f64 = 1e-4;
+
+/// Between points of [`SAMPLES`] [rad].
+const BETWEEN: f64 = 0.22;
+
+/// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
+const SAMPLES: [[f64; 2]; 11] = {
+    let (step, mut samples) = (
+        [0.218_229_623_080_869_32, 0.975_897_449_330_605_5],
+        [[0.0, 1.0]; 11],
+    );
+    let mut k = 6;
+    while k < 11 {
+        let [sin, cos] = samples[k - 1];
+        samples[k] = [sin * step[1] + cos * step[0], cos * step[1] - sin * step[0]];
+        samples[10 - k] = [-samples[k][0], samples[k][1]];
+        k += 1;
+    }
+    samples
+};
 
 /// The numbers of the lanes.
 #[inline(always)]
@@ -36,10 +57,14 @@ pub(super) struct Here<S: Vector> {
 
 /// How much of the rims to look at.
 pub(super) enum Extent<S: Vector> {
-    /// All that may touch.
+    /// All of the lower halves that may touch.
     Whole,
+    /// The same, and the upper halves.
+    Both,
     /// So far to either side of the last contacts [rad].
     Near(Lanes<S>),
+    /// About the lowest gaps of some points of the rims.
+    Sampled,
 }
 
 /// What a look at the rims has found.
@@ -78,8 +103,9 @@ impl<S: Vector> Here<S> {
             touches: zero.below(unit),
         };
         let near = match extent {
-            Extent::Whole => None,
+            Extent::Whole | Extent::Both => None,
             Extent::Near(reach) => Some(direction(simd, *reach)),
+            Extent::Sampled => Some(direction(simd, Lanes::splat(simd, BETWEEN))),
         };
         for wheel in 0..plan.wheels() {
             let at = &placing.wheels[wheel];
@@ -98,12 +124,31 @@ impl<S: Vector> Here<S> {
                 rims.forward[k] = rims.forward[k] * scale;
                 rims.up[k] = rims.up[k] * scale;
             }
-            let last = self.contacts[wheel];
-            let (stretch, covers) = match near {
+            let last = match extent {
+                Extent::Sampled => sampled(simd, ground, &rims),
+                _ => self.contacts[wheel],
+            };
+            let (mut stretch, mut covers) = match near {
                 None => whole_rims(simd, ground, &rims, last),
                 Some(turned) => (short_look(simd, last, turned), unit.below(zero)),
             };
-            let found = search(simd, ground, &rims, &stretch);
+            let mut found = nothing;
+            let both = matches!(extent, Extent::Both);
+            for half in 0..1 + usize::from(both) {
+                let part = search(simd, ground, &rims, &stretch);
+                if half == 0 {
+                    found = part;
+                } else {
+                    found.others = found.others.min(part.gap).min(part.others);
+                    covers = zero.below(unit);
+                }
+                // Turned over, its upper half is the lower one.
+                for k in 0..3 {
+                    rims.forward[k] = -rims.forward[k];
+                    rims.up[k] = -rims.up[k];
+                }
+                stretch = Stretch::lower(simd);
+            }
             let gradient = [found.slope[0] * per_metre[0], found.slope[1] * per_metre[1]];
             let mut spoke: Vectors<S> = [zero; 3];
             for (k, spoke) in spoke.iter_mut().enumerate() {
@@ -112,13 +157,45 @@ impl<S: Vector> Here<S> {
             let point = placing.rim(wheel, spoke);
             look.rows[wheel] = (placing.slopes(simd, wheel, point, gradient), -found.gap);
             look.worst = look.worst.max(found.gap.abs());
-            let clear = covers.select(found.others - found.gap, -unit);
+            let clear = covers.select(found.others - found.gap, Lanes::splat(simd, UPPER));
             look.clear = look.clear.min(clear);
             look.touches = look.touches & found.gap.abs().below(Lanes::splat(simd, 0.5 * FAR));
             look.found[wheel] = found;
         }
         look
     }
+}
+
+/// The point with the lowest gap of some of every rim.
+#[inline(always)]
+fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2] {
+    let (mut best, mut at) = (Lanes::splat(simd, FAR), [Lanes::splat(simd, 0.0); 2]);
+    for point in &SAMPLES {
+        let [sin, cos] = [Lanes::splat(simd, point[0]), Lanes::splat(simd, point[1])];
+        let gap = gap(simd, ground, rims, [sin, cos]);
+        let better = gap.below(best);
+        best = better.select(gap, best);
+        at = [better.select(sin, at[0]), better.select(cos, at[1])];
+    }
+    at
+}
+
+/// The gap at a point of every rim.
+#[inline(always)]
+fn gap<S: Vector>(
+    simd: S,
+    ground: &Terrain,
+    rims: &Rims<S>,
+    [sin, cos]: [Lanes<S>; 2],
+) -> Lanes<S> {
+    let mut at = rims.centre;
+    for (k, at) in at.iter_mut().enumerate() {
+        *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
+    }
+    let (column, row) = (floor(simd, at[0]), floor(simd, at[1]));
+    let cell = cells(simd, ground, column, row);
+    let (a, b) = (at[0] - column, at[1] - row);
+    at[2] - (cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b)
 }
 
 /// What is near the last contact.
@@ -148,16 +225,7 @@ fn whole_rims<S: Vector>(
 ) -> (Stretch<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
-    let contact = rims.point(last[0], last[1]);
-    let (u, v) = (
-        rims.centre[0] + contact.spoke[0],
-        rims.centre[1] + contact.spoke[1],
-    );
-    let (column, row) = (floor(simd, u), floor(simd, v));
-    let cell = cells(simd, ground, column, row);
-    let (a, b) = (u - column, v - row);
-    let height = cell.h00 + cell.along * a + (cell.across + cell.twist * a) * b;
-    let gap = (rims.centre[2] + contact.spoke[2]) - height;
+    let gap = gap(simd, ground, rims, last);
     // Over ground that is not known it says nothing.
     let far = Lanes::splat(simd, FAR);
     let gap = gap.at_most(far).select(gap, far) + margin + margin;
@@ -222,14 +290,12 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
         & low[0].at_most(high[0])
         & low[1].at_most(high[1]);
     if let Some(pyramid) = ground.known_pyramid() {
-        let boxes = Boxes {
-            first: [on_map.select(low[0], zero), on_map.select(low[1], zero)],
-            last: [on_map.select(high[0], zero), on_map.select(high[1], zero)],
-            on_map,
-        };
+        let low = [on_map.select(low[0], zero), on_map.select(low[1], zero)];
+        let high = [on_map.select(high[0], zero), on_map.select(high[1], zero)];
         // SAFETY: they are whole, in order and on the map, or the first cell.
-        let [_, minus_highest] = unsafe { pyramid.spans(&boxes, nothing(simd)) }.unpair();
-        return on_map.select(-minus_highest, far);
+        let (extremes, fits) = unsafe { pyramid.around([low, high]) };
+        let [_, minus_highest] = extremes.unpair();
+        return (on_map & fits).select(-minus_highest, far);
     }
     let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
     let (x0, y0, x1, y1) = (
@@ -330,6 +396,9 @@ mod tests {
                 z - cell.height(x.fract(), y.fract())
             };
             let last = gap(case.last);
+            if last > 0.0 {
+                ground.pyramid()?;
+            }
             for level in Level::available() {
                 let ([start, end], covers) = level.run_any(Look(&ground, case));
                 for k in -628..=628 {

@@ -11,6 +11,9 @@ pub(super) const TIE: f64 = 2e-7;
 /// Arcs shorter than this are points [rad].
 const POINT: f64 = 1e-14;
 
+/// Steps below this leave less than 1e-11 [rad]: they are of third order.
+const CLOSE: f64 = 1e-4;
+
 /// Steps of a walk at most: more cells lie under no wheel that this is worth it for.
 const STEPS: usize = 96;
 
@@ -204,22 +207,41 @@ pub(super) fn search<S: Vector>(
         let least = left.curvature.min(right.curvature) - slack;
         let most = left.curvature.max(right.curvature) + slack;
         let bound = left.gap.min(right.gap) - most.max(zero) * eighth;
-        let low = real & zero.below(most) & bound.at_most(best + stretch.margin);
         let convex = zero.at_most(least);
-        doubt = (low & !convex).select(doubt.min(bound), doubt);
+        // Where the gap rises or falls all along there is nothing inside.
+        let bent = length * least;
+        let steady = zero.below(left.rise + bent) | (right.rise - bent).below(zero);
+        let low =
+            real & zero.below(most) & bound.at_most(best + stretch.margin) & (convex | !steady);
+        // Parabolas from its ends say how low another one may be.
+        let bent = bent * Lanes::splat(simd, 0.5);
+        let other = (left.rise + bent)
+            .mul_add(length, left.gap)
+            .max((bent - right.rise).mul_add(length, right.gap))
+            .max(bound);
+        doubt = (low & !convex).select(doubt.min(other), doubt);
         let dips = left.rise.below(zero) & zero.below(right.rise);
+        // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
+        let (bend, turn) = (
+            least.max(Lanes::splat(simd, 1e-12)),
+            dips.select(left.rise - right.rise, -unit),
+        );
+        let inverse = unit.quotient(bend * turn);
+        let depth = turn * inverse * Lanes::splat(simd, -0.5);
+        let bound = (left.rise * left.rise)
+            .mul_add(depth, left.gap)
+            .max((right.rise * right.rise).mul_add(depth, right.gap))
+            .max(bound);
         let slot = Slot {
             bound,
             sin: start.sin,
             cos: start.cos,
             length,
-            share: left
-                .rise
-                .quotient(dips.select(left.rise - right.rise, -unit)),
+            share: left.rise * bend * inverse,
             column: cell_at[0],
             row: cell_at[1],
         };
-        let inner = low & convex & dips;
+        let inner = low & convex & dips & bound.at_most(best + stretch.margin);
         // The two lowest are kept, of the others only how low they may be.
         let first_slot = inner & bound.below(slots[0].bound);
         let second_slot = inner & !first_slot & bound.below(slots[1].bound);
@@ -311,7 +333,8 @@ fn series<S: Vector, const N: usize>(simd: S, square: Lanes<S>, divisors: [f64; 
     sum
 }
 
-/// The minimum inside a convex arc, by Newton's method inside its bracket, and whether it was found.
+/// The minimum inside a convex arc, by Chebyshev's method (Newton's, of third order) inside its bracket, and whether it
+/// was found.
 #[inline(always)]
 fn bottom<S: Vector>(
     simd: S,
@@ -319,39 +342,51 @@ fn bottom<S: Vector>(
     rims: &Rims<S>,
     slot: &Slot<S>,
 ) -> (Point<S>, Jet<S>, Mask<S>) {
-    let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let (zero, unit, half) = (
+        Lanes::splat(simd, 0.0),
+        Lanes::splat(simd, 1.0),
+        Lanes::splat(simd, 0.5),
+    );
     let cell = cells(simd, ground, slot.column, slot.row);
     let from = [rims.centre[0] - slot.column, rims.centre[1] - slot.row];
     let (mut low, mut high) = (zero, slot.length);
     let mut angle = slot.length * slot.share;
-    let mut at = rims.point(slot.sin, slot.cos);
-    let mut jet = rims.jet(&cell, from, &at);
-    let mut sure = unit.below(zero);
+    let (mut at, mut step) = ([slot.sin, slot.cos], zero);
+    let (mut near, mut sure) = (unit.below(zero), unit.below(zero));
     for _ in 0..12 {
         let square = angle * angle;
         let sin = angle * series(simd, square, [6.0, 20.0, 42.0]);
         let cos = series(simd, square, [2.0, 12.0, 30.0, 56.0]);
-        let (s, c) = (
-            slot.sin * cos + slot.cos * sin,
-            slot.cos * cos - slot.sin * sin,
-        );
-        let scale = unit.quotient((s * s + c * c).sqrt());
-        at = rims.point(s * scale, c * scale);
-        jet = rims.jet(&cell, from, &at);
+        at = turned(simd, [slot.sin, slot.cos], [sin, cos]);
+        let jet = rims.jet(&cell, from, &rims.point(at[0], at[1]));
         let falls = jet.rise.at_most(zero);
         low = falls.select(angle, low);
         high = falls.select(high, angle);
-        let step = jet.rise.quotient(jet.curvature);
-        // The error of the gap is half the rise times the step.
-        sure = (jet.rise * step).abs().below(Lanes::splat(simd, 1e-20))
-            | (high - low).below(Lanes::splat(simd, 1e-14));
+        let inverse = unit.quotient(jet.curvature);
+        step = jet.rise * inverse;
+        step = step * (step * inverse).mul_add(jet.third * half, unit);
+        near = step.abs().below(Lanes::splat(simd, CLOSE));
+        sure = near | (high - low).below(Lanes::splat(simd, 1e-14));
         if !(!sure).any() {
             break;
         }
         let next = angle - step;
         let inside = low.at_most(next) & next.at_most(high);
-        let next = inside.select(next, (low + high) * Lanes::splat(simd, 0.5));
+        let next = inside.select(next, (low + high) * half);
         angle = sure.select(angle, next);
     }
-    (at, jet, sure)
+    let step = near.select(-step, zero);
+    let square = step * step;
+    let sin = step * series(simd, square, [6.0]);
+    let at = turned(simd, at, [sin, series(simd, square, [2.0])]);
+    let at = rims.point(at[0], at[1]);
+    (at, rims.jet(&cell, from, &at), sure)
+}
+
+/// Sine and cosine of an angle and one that is turned on by, put back on the circle: they are off by 1e-8 at most.
+#[inline(always)]
+fn turned<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], [sin, cos]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+    let [s, c] = [s * cos + c * sin, c * cos - s * sin];
+    let scale = Lanes::splat(simd, 1.5) - (s * s + c * c) * Lanes::splat(simd, 0.5);
+    [s * scale, c * scale]
 }

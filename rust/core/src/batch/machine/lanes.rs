@@ -230,10 +230,11 @@ impl<S: Vector> Lanes<S> {
         self.with(self.simd.inverse_root(self.values))
     }
 
-    /// [`Vector::gather`] at these places.
+    /// [`Vector::square`] at these places.
     #[inline(always)]
-    pub fn gather(self, table: &[f64]) -> Self {
-        self.with(self.simd.gather(table, self.values))
+    pub fn square(self, table: &[f64], columns: usize) -> [Self; 4] {
+        let [a, b, c, d] = self.simd.square(table, columns, self.values);
+        [self.with(a), self.with(b), self.with(c), self.with(d)]
     }
 
     /// [`Vector::pairs`] at these places.

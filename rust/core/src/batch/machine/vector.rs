@@ -60,6 +60,19 @@ pub(crate) trait Vector: Simd {
     /// Numbers of a table at whole places; at its nearest end where there is none, NaN from an empty one.
     fn gather(self, table: &[f64], places: Self::f64s) -> Self::f64s;
 
+    /// Of a table in rows of so many columns the numbers at whole places, those a column and a row on, and on both; at
+    /// its nearest end where there are none. It has at least two of both.
+    #[inline(always)]
+    fn square(self, table: &[f64], columns: usize, places: Self::f64s) -> [Self::f64s; 4] {
+        let next = &table[columns..];
+        [
+            self.gather(&table[..table.len() - columns - 1], places),
+            self.gather(&table[1..table.len() - columns], places),
+            self.gather(&next[..next.len() - 1], places),
+            self.gather(&next[1..], places),
+        ]
+    }
+
     /// One over the square root of positive numbers that are neither tiny nor huge, to some last places.
     #[inline(always)]
     fn inverse_root(self, numbers: Self::f64s) -> Self::f64s {

@@ -43,6 +43,15 @@ fn square(simd: V3, [a, b, c, d]: [f64x4; 4]) -> [f64x4; 4] {
     ]
 }
 
+/// Pairs of numbers at every other place. A closure would not get the instructions of the level.
+macro_rules! every_other {
+    ($table: ident, $places: ident, $first: literal) => {{
+        let a = _mm_loadu_pd($table.add($places[$first]));
+        let b = _mm_loadu_pd($table.add($places[$first + 2]));
+        _mm256_set_m128d(b, a)
+    }};
+}
+
 impl Vector for V3 {
     #[inline(always)]
     fn zip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
@@ -147,6 +156,30 @@ impl Vector for V3 {
         let places = self.avx2._mm256_xor_si256(cast(whole), cast(offset));
         // SAFETY: every place is one of the table's, by the two comparisons.
         cast(unsafe { self.avx2._mm256_i64gather_pd::<8>(table.as_ptr(), places) })
+    }
+
+    /// As with registers of eight.
+    #[inline(always)]
+    fn square(self, table: &[f64], columns: usize, places: f64x4) -> [f64x4; 4] {
+        assert!(columns >= 2 && table.len() >= 2 * columns);
+        let (simd, offset) = (self.avx, self.splat_f64x4(ZEROTH));
+        let last = self.splat_f64x4((table.len() - columns - 2) as f64);
+        // The second operand where the first is NaN.
+        let low = simd._mm256_max_pd(cast(places), cast(self.splat_f64x4(0.0)));
+        let whole = simd._mm256_add_pd(simd._mm256_min_pd(low, cast(last)), cast(offset));
+        let at: [usize; 4] = cast(self.avx2._mm256_xor_si256(cast(whole), cast(offset)));
+        let (here, next) = (table.as_ptr(), table[columns..].as_ptr());
+        // SAFETY: as there.
+        unsafe {
+            let (even, odd) = (every_other!(here, at, 0), every_other!(here, at, 1));
+            let (even_next, odd_next) = (every_other!(next, at, 0), every_other!(next, at, 1));
+            [
+                cast(_mm256_unpacklo_pd(even, odd)),
+                cast(_mm256_unpackhi_pd(even, odd)),
+                cast(_mm256_unpacklo_pd(even_next, odd_next)),
+                cast(_mm256_unpackhi_pd(even_next, odd_next)),
+            ]
+        }
     }
 
     #[inline(always)]

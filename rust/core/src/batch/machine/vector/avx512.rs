@@ -17,6 +17,18 @@ fn pick(simd: V4, [a, b]: [f64x8; 2], lanes: [i64; 8]) -> f64x8 {
     )
 }
 
+/// Pairs of numbers at every other place. A closure would not get the instructions of the level.
+macro_rules! every_other {
+    ($table: ident, $places: ident, $first: literal) => {{
+        let a = _mm_loadu_pd($table.add($places[$first]));
+        let b = _mm_loadu_pd($table.add($places[$first + 2]));
+        let c = _mm_loadu_pd($table.add($places[$first + 4]));
+        let d = _mm_loadu_pd($table.add($places[$first + 6]));
+        let low = _mm512_castpd256_pd512(_mm256_set_m128d(b, a));
+        _mm512_insertf64x4::<1>(low, _mm256_set_m128d(d, c))
+    }};
+}
+
 impl Vector for V4 {
     #[inline(always)]
     fn zip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
@@ -133,6 +145,31 @@ impl Vector for V4 {
         let places = simd._mm512_xor_si512(cast(whole), cast(offset));
         // SAFETY: every place is one of the table's, by the two comparisons.
         cast(unsafe { simd._mm512_i64gather_pd::<8>(places, table.as_ptr()) })
+    }
+
+    /// Pairs of neighbours: gathers would take twice the time.
+    #[inline(always)]
+    fn square(self, table: &[f64], columns: usize, places: f64x8) -> [f64x8; 4] {
+        assert!(columns >= 2 && table.len() >= 2 * columns);
+        let (simd, offset) = (self.avx512f, self.splat_f64x8(ZEROTH));
+        let last = self.splat_f64x8((table.len() - columns - 2) as f64);
+        // The second operand where the first is NaN.
+        let low = simd._mm512_max_pd(cast(places), cast(self.splat_f64x8(0.0)));
+        let whole = simd._mm512_add_pd(simd._mm512_min_pd(low, cast(last)), cast(offset));
+        let at: [usize; 8] = cast(simd._mm512_xor_si512(cast(whole), cast(offset)));
+        let (here, next) = (table.as_ptr(), table[columns..].as_ptr());
+        // SAFETY: the token is that of the level, and every place and the next one are in the table, in their row and a
+        // row on, by the two comparisons.
+        unsafe {
+            let (even, odd) = (every_other!(here, at, 0), every_other!(here, at, 1));
+            let (even_next, odd_next) = (every_other!(next, at, 0), every_other!(next, at, 1));
+            [
+                cast(_mm512_unpacklo_pd(even, odd)),
+                cast(_mm512_unpackhi_pd(even, odd)),
+                cast(_mm512_unpacklo_pd(even_next, odd_next)),
+                cast(_mm512_unpackhi_pd(even_next, odd_next)),
+            ]
+        }
     }
 
     /// By an estimate of 14 bits, and two steps of Newton's method: a root and a quotient hold up all others.
