@@ -76,8 +76,9 @@ impl Kernel for Extremes<'_> {
         for (lanes, end) in lanes.iter_mut().zip(ends) {
             end.store(S::as_mut_simd_f64s(lanes).0, 0);
         }
-        for k in 0..S::F64_LANES.min(LANES) {
-            extremes = widened(extremes, lanes[0][k], lanes[1][k]);
+        let [least, most] = lanes;
+        for (low, high) in least.into_iter().zip(most).take(S::F64_LANES) {
+            extremes = widened(extremes, low, high);
         }
         for value in rest {
             extremes = widened(extremes, *value, *value);
