@@ -22,10 +22,14 @@ impl Kernel for SumOfSizes<'_> {
     fn run<S: Vector>(self, simd: S) -> f64 {
         let (registers, rest) = S::as_simd_f64s(self.0);
         let mut sums = [Lanes::splat(simd, 0.0); ABREAST];
-        for registers in registers.chunks(ABREAST) {
-            for (j, sum) in sums.iter_mut().enumerate().take(registers.len()) {
+        let (whole, left) = registers.as_chunks::<ABREAST>();
+        for registers in whole {
+            for (j, sum) in sums.iter_mut().enumerate() {
                 *sum = *sum + Lanes::load(simd, registers, j).abs();
             }
+        }
+        for k in 0..left.len() {
+            sums[0] = sums[0] + Lanes::load(simd, left, k).abs();
         }
         let sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
         sum.total() + rest.iter().map(|value| value.abs()).sum::<f64>()
@@ -55,13 +59,20 @@ impl Kernel for Extremes<'_> {
         let (zero, endless) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
         let mut finite = [zero.below(endless); ABREAST];
         let (mut least, mut most) = ([endless; ABREAST], [zero; ABREAST]);
-        for registers in registers.chunks(ABREAST) {
-            for j in 0..registers.len() {
+        let (whole, left) = registers.as_chunks::<ABREAST>();
+        for registers in whole {
+            for j in 0..ABREAST {
                 let values = Lanes::load(simd, registers, j);
                 finite[j] = finite[j] & values.abs().below(endless);
                 least[j] = least[j].min(values);
                 most[j] = most[j].max(values);
             }
+        }
+        for k in 0..left.len() {
+            let values = Lanes::load(simd, left, k);
+            finite[0] = finite[0] & values.abs().below(endless);
+            least[0] = least[0].min(values);
+            most[0] = most[0].max(values);
         }
         let [a, b, c, d] = finite;
         if (!(a & b & c & d)).any() || !rest.iter().all(|value| value.is_finite()) {
