@@ -71,13 +71,24 @@ pub(crate) fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
+/// Whole turns in two parts: so many times the first, of up to [`MANY`], have no rounding.
+const TURN: [f64; 2] = {
+    let high = f64::from_bits(TAU.to_bits() >> 21 << 21);
+    [high, TAU - high]
+};
+
+/// Angles from which on turns are taken out bit by bit [rad].
+const MANY: f64 = 1e6;
+
 /// The angle brought into [-pi, pi] by whole turns; unchanged if it is there already.
 pub fn wrap_angle(angle: f64) -> f64 {
-    let rest = if angle.abs() < TAU {
-        angle
+    // Exact: what is left has no more digits than a turn.
+    let rest = if angle.abs() < MANY {
+        let turns = f64::from((angle / TAU) as i32);
+        (angle - turns * TURN[0]) - turns * TURN[1]
     } else {
         angle % TAU
-    }; // exact
+    };
     if rest > PI {
         rest - TAU
     } else if rest < -PI {
@@ -395,5 +406,18 @@ mod tests {
         assert_eq!(wrap_angle(0.5), 0.5);
         assert!((wrap_angle(7.0) - (7.0 - TAU)).abs() < 1e-15);
         assert!((wrap_angle(-1e6) + 1e6 - TAU * (1e6 / TAU).round()).abs() < 1e-9);
+        // To the bit what the remainder is, at whole and half turns and their neighbours too.
+        let bitwise = |angle: f64| match angle % TAU {
+            rest if rest > PI => rest - TAU,
+            rest if rest < -PI => rest + TAU,
+            rest => rest,
+        };
+        for k in (0..400_000).step_by(7) {
+            for angle in [0.1 * f64::from(k), f64::from(k) * PI] {
+                for angle in [angle.next_down(), angle, angle.next_up(), -angle] {
+                    assert_eq!(wrap_angle(angle), bitwise(angle), "{angle}");
+                }
+            }
+        }
     }
 }
