@@ -372,6 +372,20 @@ def test_every_pose_has_its_status():
     assert stand.stands.tolist() == [True, True, False, False, True]
 
 
+@pytest.mark.parametrize("name", ROVERS)
+def test_a_batch_has_the_statuses_of_its_poses_one_by_one(name):
+    """Batches once settled poses of which the upper half of a rim lay over unknown cells or off the map."""
+    random = np.random.default_rng(12)
+    heights = np.array(sw.Terrain.yard((9.0, 9.0), spacing=0.1, cover=0.05, seed=3).heights)
+    heights[random.integers(0, 90, 25), random.integers(0, 90, 25)] = np.nan
+    ground, rover = sw.Terrain(heights, 0.1), ROVERS[name]
+    poses = random.uniform((-0.5, -0.5, -4.0), (9.5, 9.5, 4.0), (2500, 3))
+    together = rover.settle(ground, poses).status
+    alone = [rover.settle(ground, pose).status for pose in poses]
+    assert {str(status) for status in alone} >= {"settled", "off_map", "unknown_cells"}
+    assert [str(status) for status in together] == [str(status) for status in alone]
+
+
 @pytest.mark.parametrize(
     ("heights", "status"),
     [

@@ -140,6 +140,8 @@ pub(super) fn search<S: Vector>(
     let mut best_slope = [zero; 2];
     // What may be lower than the best and is not known exactly; what is known and not the best.
     let (mut doubt, mut second) = (far, far);
+    // Over ground that is not known, where doubt is no number.
+    let mut blind = unit.below(zero);
     let mut before: (Mask<S>, Lanes<S>, [Lanes<S>; 2]) = (unit.below(zero), zero, [zero; 2]);
     let nothing = Slot {
         bound: far,
@@ -190,7 +192,7 @@ pub(super) fn search<S: Vector>(
             let place = from[k] + end.spoke[k];
             Lanes::splat(simd, 0.5 + 1e-9).below((place - Lanes::splat(simd, 0.5)).abs())
         });
-        doubt = (active & (!known | strays[0] | strays[1])).select(-far, doubt);
+        blind = blind | (active & (!known | strays[0] | strays[1]));
         let turn = sin * start.cos - cos * start.sin;
         let real = active & Lanes::splat(simd, POINT).below(turn);
         let length = turn * turn.mul_add(turn * Lanes::splat(simd, 0.19), unit);
@@ -297,7 +299,7 @@ pub(super) fn search<S: Vector>(
         sign[1] = (here_y & y.2).select(-sign[1], sign[1]);
         start = end;
     }
-    doubt = active.select(-far, doubt);
+    doubt = (active | blind).select(-far, doubt);
     for slot in &slots {
         // Where there is no candidate there is no arc either, however far the best is.
         let wanted = slot.bound.below(far) & slot.bound.at_most(best + stretch.margin);
