@@ -8,9 +8,7 @@ use six_wheel_core::batch::{self, Workers};
 use six_wheel_core::{Keep, Twist};
 
 use crate::batch::any_workers;
-use crate::convert::{
-    AnyArray, Output, Rows, compute, joined, memory, name, one_twist, raise, scalar_or_array,
-};
+use crate::convert::{AnyArray, Output, Rows, compute, joined, memory, name, one_twist, raise, scalar_or_array};
 use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
 use crate::given;
 use crate::rover::Rover;
@@ -32,10 +30,7 @@ impl Quick<1> for Admissible {
     }
 
     #[inline(always)]
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Rover>,
-        [twist]: [Option<Object<'_, 'py>>; 1],
-    ) -> Option<Bound<'py, PyAny>> {
+    fn call<'py>(this: Borrowed<'_, 'py, Rover>, [twist]: [Option<Object<'_, 'py>>; 1]) -> Option<Bound<'py, PyAny>> {
         let twist = Twist::from(three(twist?)?);
         let answer = batch::admissible_one(&this.get().core, twist).ok()?;
         Some(truth(this.py(), answer))
@@ -112,10 +107,8 @@ impl Rover {
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
         let mut answers = memory::filled(false, rows.len())?;
-        compute(py, rows.len(), || {
-            batch::admissible(&self.core, rows, &mut answers, workers)
-        })
-        .map_err(|error| raise(error, &twists.leading))?;
+        compute(py, rows.len(), || batch::admissible(&self.core, rows, &mut answers, workers))
+            .map_err(|error| raise(error, &twists.leading))?;
         scalar_or_array(py, answers, &twists.leading)
     }
 
@@ -168,15 +161,10 @@ impl Rover {
         let keep = keep.map_err(|error| raise(error, &[]))?;
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
-        let workers = Workers {
-            fresh: projected.is_unseen(),
-            ..any_workers(threads, None)?
-        };
+        let workers = Workers { fresh: projected.is_unseen(), ..any_workers(threads, None)? };
         let (rows, target) = (twists.triples(), projected.triples());
-        compute(py, rows.len(), || {
-            batch::project(&self.core, rows, keep, target, workers)
-        })
-        .map_err(|error| raise(error, &twists.leading))?;
+        compute(py, rows.len(), || batch::project(&self.core, rows, keep, target, workers))
+            .map_err(|error| raise(error, &twists.leading))?;
         projected.finish_any()
     }
 
@@ -222,10 +210,8 @@ impl Rover {
         twists.check_finite("twist")?;
         let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
         let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
-        compute(py, rows.len(), || {
-            batch::fill(target, workers, |k| Twist::from(rows[k]).icr())
-        })
-        .map_err(|error| raise(error, &twists.leading))?;
+        compute(py, rows.len(), || batch::fill(target, workers, |k| Twist::from(rows[k]).icr()))
+            .map_err(|error| raise(error, &twists.leading))?;
         centres.finish_any()
     }
 }

@@ -17,10 +17,7 @@ static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
     let workers = any_workers(threads, kernel)?;
     Ok(match kernel {
-        None if rows < BATCH => Workers {
-            level: Level::Plain,
-            ..workers
-        },
+        None if rows < BATCH => Workers { level: Level::Plain, ..workers },
         _ => workers,
     })
 }
@@ -32,11 +29,7 @@ pub fn any_workers(threads: Option<i64>, kernel: Option<&str>) -> PyResult<Worke
         Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
         None => Level::best(),
     };
-    Ok(Workers {
-        level,
-        threads,
-        fresh: false,
-    })
+    Ok(Workers { level, threads, fresh: false })
 }
 
 fn count(threads: i64) -> PyResult<usize> {

@@ -59,48 +59,28 @@ impl Costmap {
         let array = numpy.call_method1("asarray", (values,))?;
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
-            let message = format!(
-                "values must be real numbers, got dtype {}",
-                array.getattr("dtype")?
-            );
+            let message = format!("values must be real numbers, got dtype {}", array.getattr("dtype")?);
             return Err(ArgumentTypeError::new_err(message));
         }
         let array = numpy.call_method1("ascontiguousarray", (array, "f4"))?;
         let array = array.cast_into::<PyArrayDyn<f32>>()?;
         let shape = array.shape().to_vec();
         let [rows, columns] = shape[..] else {
-            return Err(refuse(
-                "values",
-                "have shape (rows, columns)",
-                &format!("shape {}", shape_text(&shape)),
-            ));
+            return Err(refuse("values", "have shape (rows, columns)", &format!("shape {}", shape_text(&shape))));
         };
         let pair = |argument: &str, value: &Bound<'_, PyAny>| {
-            value
-                .extract::<[f64; 2]>()
-                .map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
+            value.extract::<[f64; 2]>().map_err(|_| refuse(argument, "be two numbers", &value.to_string()))
         };
         let spacing = match number("spacing", spacing) {
             Ok(one) => [one; 2],
             Err(_) => pair("spacing", spacing)?,
         };
         let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
-        let given = |argument: &str, value: Option<&Bound<'_, PyAny>>| {
-            value.map(|value| number(argument, value)).transpose()
-        };
+        let given =
+            |argument: &str, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
         let (lethal, outside) = (given("lethal", lethal)?, given("outside", outside)?);
-        let core = Core::new(
-            array.to_vec()?,
-            [rows, columns],
-            spacing,
-            origin,
-            lethal,
-            outside,
-        );
-        Ok(Self {
-            core: core.map_err(|error| raise(error, &[]))?,
-            frame,
-        })
+        let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
+        Ok(Self { core: core.map_err(|error| raise(error, &[]))?, frame })
     }
 
     /// Costs, shape (rows, columns), float32; a copy.
@@ -137,12 +117,7 @@ impl Costmap {
     fn __repr__(&self) -> String {
         let [rows, columns] = self.core.shape();
         let ([dx, dy], [x, y]) = (self.core.spacing(), self.core.origin());
-        let frame = self
-            .frame
-            .as_ref()
-            .map_or_else(String::new, |frame| format!(", frame={frame:?}"));
-        format!(
-            "Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){frame})"
-        )
+        let frame = self.frame.as_ref().map_or_else(String::new, |frame| format!(", frame={frame:?}"));
+        format!("Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){frame})")
     }
 }

@@ -54,17 +54,11 @@ impl Fit {
     #[getter]
     fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let rover = self.rover.get();
-        let residual = self
-            .residual
-            .bind(py)
-            .cast::<PyArrayDyn<f64>>()?
-            .try_readonly()?;
+        let residual = self.residual.bind(py).cast::<PyArrayDyn<f64>>()?.try_readonly()?;
         let wheels = residual.as_slice()?.chunks_exact(rover.count());
         rover.names_of(
             py,
-            memory::gathered(
-                wheels.map(|slid| worst_wheel(slid).map_or(-1, |wheel| wheel as i64)),
-            )?,
+            memory::gathered(wheels.map(|slid| worst_wheel(slid).map_or(-1, |wheel| wheel as i64)))?,
             &self.leading,
         )
     }
@@ -73,11 +67,7 @@ impl Fit {
 impl Rover {
     /// Names of wheels, None for -1, in nested lists of this shape.
     fn names_of(&self, py: Python<'_>, wheels: Vec<i64>, shape: &[usize]) -> PyResult<Py<PyAny>> {
-        let names = self
-            .core
-            .wheels()
-            .iter()
-            .map(|wheel| Some(wheel.name.as_str()));
+        let names = self.core.wheels().iter().map(|wheel| Some(wheel.name.as_str()));
         let names: Vec<Option<&str>> = names.chain([None]).collect();
         if let ([], &[wheel]) = (shape, wheels.as_slice()) {
             let name = usize::try_from(wheel).ok().and_then(|wheel| names[wheel]);
@@ -152,10 +142,8 @@ impl Rover {
             residual: residual.flat(),
             weights: weights.flat(),
         };
-        compute(py, count, || {
-            batch::fit(&this.core, log, method, unseen, fits, workers)
-        })
-        .map_err(|error| raise(error, leading))?;
+        compute(py, count, || batch::fit(&this.core, log, method, unseen, fits, workers))
+            .map_err(|error| raise(error, leading))?;
         Ok(Fit {
             rover: slf.clone().unbind(),
             leading: leading.to_vec(),

@@ -118,19 +118,7 @@ impl FourAxle {
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
-        self.rover.get().inverse(
-            py,
-            twist,
-            &PyTuple::empty(py),
-            previous,
-            None,
-            None,
-            None,
-            out,
-            dtype,
-            threads,
-            None,
-        )
+        self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
     }
 
     /// What body and free pivots do at these wheel speeds, by least squares over both rows of every wheel.
@@ -168,14 +156,8 @@ impl FourAxle {
         #[pyo3(from_py_with = given::front)] front: &str,
         #[pyo3(from_py_with = given::rear)] rear: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let set = Brakes {
-            front: brake("front", front)?,
-            rear: brake("rear", rear)?,
-        };
-        let motion = self
-            .core
-            .forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?)
-            .map_err(raised)?;
+        let set = Brakes { front: brake("front", front)?, rear: brake("rear", rear)? };
+        let motion = self.core.forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?).map_err(raised)?;
         let twist: [f64; 3] = motion.twist.into();
         value(py, "FourAxleMotion")?.call1((
             vector(py, twist.to_vec()),
@@ -202,20 +184,9 @@ impl FourAxle {
     /// ------
     /// ValueError
     ///     If an angle is not finite or out of range, or the angles of a rigid axle differ.
-    fn mobility<'py>(
-        &self,
-        py: Python<'py>,
-        angles: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let mobility = self
-            .core
-            .mobility(&axles("angles", angles)?)
-            .map_err(raised)?;
-        let free: Vec<[f64; 3]> = mobility
-            .free()
-            .iter()
-            .map(|twist| (*twist).into())
-            .collect();
+    fn mobility<'py>(&self, py: Python<'py>, angles: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mobility = self.core.mobility(&axles("angles", angles)?).map_err(raised)?;
+        let free: Vec<[f64; 3]> = mobility.free().iter().map(|twist| (*twist).into()).collect();
         value(py, "FourAxleMobility")?.call1((
             mobility.rank,
             mobility.degree(),
@@ -318,12 +289,7 @@ impl FourAxle {
 
     fn __repr__(&self) -> String {
         let core = &self.core;
-        let mut text = format!(
-            "FourAxle({:?}, {:?}, {:?}",
-            self.hinges(),
-            core.axle_length(),
-            core.wheel_radius()
-        );
+        let mut text = format!("FourAxle({:?}, {:?}, {:?}", self.hinges(), core.axle_length(), core.wheel_radius());
         if core.steering() != SteeringRange::default() {
             text += &format!(", steering_limit={}", steering_limit(core.steering()));
         }
@@ -334,22 +300,14 @@ impl FourAxle {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().core == self.core)
+        other.cast::<Self>().is_ok_and(|other| other.get().core == self.core)
     }
 
     fn __hash__(&self) -> u64 {
         let mut state = DefaultHasher::new();
         let core = &self.core;
         let [x, y] = core.hinges();
-        for value in [
-            x,
-            y,
-            core.axle_length(),
-            core.wheel_radius(),
-            core.tolerance(),
-        ] {
+        for value in [x, y, core.axle_length(), core.wheel_radius(), core.tolerance()] {
             (value + 0.0).to_bits().hash(&mut state);
         }
         state.finish()

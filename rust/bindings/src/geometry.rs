@@ -11,8 +11,8 @@ use six_wheel_core::planner::{self, Present};
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;
 use crate::convert::{
-    AnyArray, Asked, Blocks, Output, Precision, Rows, Scalars, compute, memory, named, number,
-    raise, refuse, shape_text, together,
+    AnyArray, Asked, Blocks, Output, Precision, Rows, Scalars, compute, memory, named, number, raise, refuse,
+    shape_text, together,
 };
 use crate::given;
 use crate::rover::Rover;
@@ -168,9 +168,7 @@ pub fn rollout<'py>(
     let (core, starts, count) = (&rover.get().core, course.starts(), course.count);
     let (controls, target) = (flat.as_chunks().0, poses.triples());
     compute(py, controls.len(), || {
-        planner::rollout(
-            core, limits, controls, count, dt, starts, present, target, workers,
-        )
+        planner::rollout(core, limits, controls, count, dt, starts, present, target, workers)
     })
     .map_err(|error| raise(error, &[]))?;
     poses.finish_any()
@@ -186,16 +184,11 @@ fn poses_along<'py>(
     let precision = Precision::read(py, dtype, out)?;
     let mut poses = course.poses(py, "out", out, precision)?;
     let rows = course.twists.count();
-    let workers = Workers {
-        fresh: poses.is_unseen(),
-        ..workers(rows, threads, kernel)?
-    };
+    let workers = Workers { fresh: poses.is_unseen(), ..workers(rows, threads, kernel)? };
     let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());
     let (count, target) = (course.count, poses.triples());
-    compute(py, rows, || {
-        batch::integrate(twists, count, steps, starts, target, workers)
-    })
-    .map_err(|error| course.raise(error))?;
+    compute(py, rows, || batch::integrate(twists, count, steps, starts, target, workers))
+        .map_err(|error| course.raise(error))?;
     poses.finish_any()
 }
 
@@ -246,10 +239,8 @@ pub fn differentiate<'py>(
     dt.fit("dt", steps)?;
     let mut twists = Output::asked(py, (out, dtype), &[steps, 3])?;
     let (rows, steps, target) = (poses.triples(), dt.steps(), twists.triples());
-    compute(py, count, || {
-        batch::differentiate(rows, steps, target, workers)
-    })
-    .map_err(|error| raise(error, &[count]))?;
+    compute(py, count, || batch::differentiate(rows, steps, target, workers))
+        .map_err(|error| raise(error, &[count]))?;
     twists.finish_any()
 }
 
@@ -285,14 +276,7 @@ pub fn exp<'py>(
     dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<AnyArray<'py>> {
-    over_time(
-        py,
-        ("twist", twist),
-        dt,
-        (out, dtype),
-        threads,
-        batch::Map::Exp,
-    )
+    over_time(py, ("twist", twist), dt, (out, dtype), threads, batch::Map::Exp)
 }
 
 /// The twist that reaches a pose along one arc, turning the short way: the logarithm of SE(2).
@@ -327,14 +311,7 @@ pub fn log<'py>(
     dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
 ) -> PyResult<AnyArray<'py>> {
-    over_time(
-        py,
-        ("pose", pose),
-        dt,
-        (out, dtype),
-        threads,
-        batch::Map::Log,
-    )
+    over_time(py, ("pose", pose), dt, (out, dtype), threads, batch::Map::Log)
 }
 
 /// Applies a map of three numbers and a duration to every row.
@@ -359,10 +336,8 @@ fn over_time<'py>(
     rows.check_finite(argument)?;
     let mut result = Output::asked(py, asked, &rows.shape())?;
     let (triples, steps, target) = (rows.triples(), dt.steps(), result.triples());
-    compute(py, triples.len(), || {
-        batch::map(map, triples, &[], steps, target, workers)
-    })
-    .map_err(|error| raise(error, &rows.leading))?;
+    compute(py, triples.len(), || batch::map(map, triples, &[], steps, target, workers))
+        .map_err(|error| raise(error, &rows.leading))?;
     result.finish_any()
 }
 
@@ -401,17 +376,8 @@ pub fn compose<'py>(
     together([named("first", &mut first), named("second", &mut second)])?;
     let mut result = Output::asked(py, (out, dtype), &first.shape())?;
     let (from, then, target) = (first.triples(), second.triples(), result.triples());
-    compute(py, from.len(), || {
-        batch::map(
-            batch::Map::Compose,
-            from,
-            then,
-            Steps::Constant(1.0),
-            target,
-            workers,
-        )
-    })
-    .map_err(|error| raise(error, &first.leading))?;
+    compute(py, from.len(), || batch::map(batch::Map::Compose, from, then, Steps::Constant(1.0), target, workers))
+        .map_err(|error| raise(error, &first.leading))?;
     result.finish_any()
 }
 
@@ -450,9 +416,7 @@ pub fn wrap_angle<'py>(
     }
     let mut result = Output::asked(py, (out, dtype), &angles.shape)?;
     let (rows, targets) = (angles.flat(), result.flat().as_chunks_mut().0);
-    compute(py, rows.len(), || {
-        batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])])
-    })
-    .map_err(|error| raise(error, &angles.shape))?;
+    compute(py, rows.len(), || batch::fill(targets, workers, |k| [core::wrap_angle(rows[k])]))
+        .map_err(|error| raise(error, &angles.shape))?;
     result.finish_number(out)
 }

@@ -68,11 +68,7 @@ fn shown(value: &Bound<'_, PyAny>) -> String {
     let class = value.get_type().name();
     let class = class.map_or_else(|_| "object".into(), |name| name.to_string());
     let vowel = class.starts_with(['a', 'e', 'i', 'o', 'u', 'A', 'E', 'I', 'O', 'U']);
-    let article = if vowel || class == "ndarray" {
-        "an"
-    } else {
-        "a"
-    };
+    let article = if vowel || class == "ndarray" { "an" } else { "a" };
     format!("{article} {class}")
 }
 
@@ -96,12 +92,10 @@ fn native<'a, 'py, T: FromPyObject<'a, 'py, Error = PyErr>>(
     value: &'a Bound<'py, PyAny>,
 ) -> PyResult<T> {
     let py = value.py();
-    value
-        .extract()
-        .map_err(|error| match is_of_another_kind(py, &error) {
-            true => other_kind(argument, kind, value, ""),
-            false => error,
-        })
+    value.extract().map_err(|error| match is_of_another_kind(py, &error) {
+        true => other_kind(argument, kind, value, ""),
+        false => error,
+    })
 }
 
 impl<'a, 'py> Wanted<'a, 'py> for f64 {
@@ -142,8 +136,7 @@ whole! { usize, "a whole number from 0 on" }
 impl<'a, 'py> Wanted<'a, 'py> for &'a str {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         let text = value.cast::<PyString>();
-        text.map_err(|_| other_kind(argument, "a str", value, ""))?
-            .to_str()
+        text.map_err(|_| other_kind(argument, "a str", value, ""))?.to_str()
     }
 }
 
@@ -182,9 +175,7 @@ pub trait Kind: PyClass {
 impl<'a, 'py, T: Kind> Wanted<'a, 'py> for Bound<'py, T> {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
         let found = value.cast::<T>();
-        found
-            .cloned()
-            .map_err(|_| other_kind(argument, T::KIND, value, &T::remedy(value)))
+        found.cloned().map_err(|_| other_kind(argument, T::KIND, value, &T::remedy(value)))
     }
 }
 
@@ -219,9 +210,7 @@ impl Kind for Rover {
             Some(name) if PRESETS.iter().any(|preset| preset.name == name) => {
                 format!("sw.Rover.preset({name:?})")
             }
-            Some(_) => {
-                "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into()
-            }
+            Some(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
             None => "one that sw.Rover makes, or sw.load(...) of a file".into(),
         }
     }

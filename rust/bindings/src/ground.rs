@@ -16,11 +16,7 @@ pub use quick::install;
 pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.
-pub fn read_steering(
-    value: Option<&Bound<'_, PyAny>>,
-    joints: usize,
-    leading: &[usize],
-) -> PyResult<Vec<f64>> {
+pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &[usize]) -> PyResult<Vec<f64>> {
     let Some(value) = value else {
         return Ok(Vec::new());
     };
@@ -101,13 +97,12 @@ impl Suspension {
         let rows = poses.triples();
         let nothing = ground::Stand::nothing(Status::NotConverged);
         let mut stands = memory::filled(nothing, rows.len())?;
-        compute(py, rows.len(), || {
-            ground::settle(&settler, rows, &steering, workers.threads, &mut stands)
-        })
-        .map_err(|error| {
-            let one = error.argument == "steering" && error.row.is_none();
-            raise(error, if one { &[] } else { &poses.leading })
-        })?;
+        compute(py, rows.len(), || ground::settle(&settler, rows, &steering, workers.threads, &mut stands)).map_err(
+            |error| {
+                let one = error.argument == "steering" && error.row.is_none();
+                raise(error, if one { &[] } else { &poses.leading })
+            },
+        )?;
         Ok(Stand {
             suspension: slf.clone().unbind(),
             ground: ground.get().0.clone(),

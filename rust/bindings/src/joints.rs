@@ -35,11 +35,7 @@ pub const STEERING: &str = "steering_joint";
 pub fn default_joints(core: &Core, wheels: &[usize], suffix: &str) -> Joints {
     wheels
         .iter()
-        .map(|&wheel| Joint {
-            name: format!("{}_{suffix}", core.wheels()[wheel].name),
-            wheel,
-            reversed: false,
-        })
+        .map(|&wheel| Joint { name: format!("{}_{suffix}", core.wheels()[wheel].name), wheel, reversed: false })
         .collect()
 }
 
@@ -48,9 +44,7 @@ pub fn reverse(reversed: &[String], traction: &mut Joints, steering: &mut Joints
     for name in reversed {
         let mut joints = traction.iter_mut().chain(steering.iter_mut());
         let Some(joint) = joints.find(|joint| joint.name == *name) else {
-            let names: Vec<_> = (traction.iter().chain(steering.iter()))
-                .map(|joint| joint.name.as_str())
-                .collect();
+            let names: Vec<_> = (traction.iter().chain(steering.iter())).map(|joint| joint.name.as_str()).collect();
             let rule = format!("be some of the joints {}", names.join(", "));
             return Err(refuse("reversed_joints", &rule, &format!("{name:?}")));
         };
@@ -76,39 +70,22 @@ pub fn read_joints(
     let mut joints = Joints::new();
     for item in given.items()?.iter() {
         let (joint, wheel) = item.extract::<(String, String)>()?;
-        let found = wheels
-            .iter()
-            .copied()
-            .find(|&i| core.wheels()[i].name == wheel);
+        let found = wheels.iter().copied().find(|&i| core.wheels()[i].name == wheel);
         let Some(index) = found else {
-            let names: Vec<_> = wheels
-                .iter()
-                .map(|&i| core.wheels()[i].name.as_str())
-                .collect();
+            let names: Vec<_> = wheels.iter().map(|&i| core.wheels()[i].name.as_str()).collect();
             let rule = format!("map joints to the wheels {}", names.join(", "));
             return Err(refuse(argument, &rule, &format!("{wheel:?} for {joint:?}")));
         };
         if joints.iter().any(|other| other.wheel == index) {
-            return Err(refuse(
-                argument,
-                "name every wheel once",
-                &format!("{wheel:?} twice"),
-            ));
+            return Err(refuse(argument, "name every wheel once", &format!("{wheel:?} twice")));
         }
         if joints.iter().any(|other| other.name == joint) {
             let got = format!("{joint:?} twice");
             return Err(refuse(argument, "name every joint once", &got));
         }
-        joints.push(Joint {
-            name: joint,
-            wheel: index,
-            reversed: false,
-        });
+        joints.push(Joint { name: joint, wheel: index, reversed: false });
     }
-    if let Some(&missing) = wheels
-        .iter()
-        .find(|&&i| joints.iter().all(|other| other.wheel != i))
-    {
+    if let Some(&missing) = wheels.iter().find(|&&i| joints.iter().all(|other| other.wheel != i)) {
         let got = format!("no joint for {:?}", core.wheels()[missing].name);
         return Err(refuse(argument, "name every wheel once", &got));
     }
@@ -133,27 +110,13 @@ impl Rover {
         let commands = PyDict::new(py);
         let steered = self.core.steered();
         let place = |wheel: usize| steered.iter().position(|&i| i == wheel).unwrap_or_default();
-        let angles = self
-            .steering
-            .iter()
-            .map(|joint| (joint, steering, place(joint.wheel)));
-        let rotations = self
-            .traction
-            .iter()
-            .map(|joint| (joint, speeds, joint.wheel));
+        let angles = self.steering.iter().map(|joint| (joint, steering, place(joint.wheel)));
+        let rotations = self.traction.iter().map(|joint| (joint, speeds, joint.wheel));
         for (joint, array, column) in angles.chain(rotations) {
             let values = array.get_item((PyEllipsis::get(py), column))?;
             let single = values.getattr("ndim")?.extract::<usize>()? == 0;
-            let values = if single {
-                values.call_method0("item")?
-            } else {
-                values
-            };
-            let values = if joint.reversed {
-                values.neg()?
-            } else {
-                values
-            };
+            let values = if single { values.call_method0("item")? } else { values };
+            let values = if joint.reversed { values.neg()? } else { values };
             commands.set_item(&joint.name, values)?;
         }
         Ok(commands)
@@ -199,9 +162,8 @@ impl Rover {
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         one_twist("Rover.commands((vx, vy, omega))", 1, more)?;
-        let (steering, speeds) = self.inverse(
-            py, twist, more, previous, None, None, None, None, dtype, threads, None,
-        )?;
+        let (steering, speeds) =
+            self.inverse(py, twist, more, previous, None, None, None, None, dtype, threads, None)?;
         self.named_values(py, steering.as_any(), speeds.as_any())
     }
 
@@ -230,16 +192,13 @@ impl Rover {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let numpy = py.import(intern!(py, "numpy"))?;
         let missing = |name: &str| {
-            let listed: Vec<String> = (joints.keys().ok())
-                .map(|keys| keys.iter().map(|key| key.to_string()).collect())
-                .unwrap_or_default();
+            let listed: Vec<String> =
+                (joints.keys().ok()).map(|keys| keys.iter().map(|key| key.to_string()).collect()).unwrap_or_default();
             let rule = format!("hold every joint of the rover, {name:?} too");
             refuse("joints", &rule, &listed.join(", "))
         };
         let value = |joint: &Joint| -> PyResult<Bound<'py, PyAny>> {
-            let value = joints
-                .get_item(&joint.name)
-                .map_err(|_| missing(&joint.name))?;
+            let value = joints.get_item(&joint.name).map_err(|_| missing(&joint.name))?;
             numpy.call_method1(intern!(py, "multiply"), (value, joint.sign()))
         };
         let columns = |list: &[Joint], wheels: &[usize]| -> PyResult<Bound<'py, PyAny>> {
@@ -252,16 +211,12 @@ impl Rover {
             if values.is_empty() {
                 return numpy.call_method1(intern!(py, "zeros"), (0,));
             }
-            let values =
-                numpy.call_method1(intern!(py, "broadcast_arrays"), PyTuple::new(py, values)?)?;
+            let values = numpy.call_method1(intern!(py, "broadcast_arrays"), PyTuple::new(py, values)?)?;
             let stacked = PyDict::new(py);
             stacked.set_item(intern!(py, "axis"), -1)?;
             numpy.call_method(intern!(py, "stack"), (values,), Some(&stacked))
         };
         let every: Vec<usize> = (0..self.count()).collect();
-        Ok((
-            columns(&self.steering, self.core.steered())?,
-            columns(&self.traction, &every)?,
-        ))
+        Ok((columns(&self.steering, self.core.steered())?, columns(&self.traction, &every)?))
     }
 }

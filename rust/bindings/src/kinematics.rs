@@ -9,8 +9,7 @@ use six_wheel_core::{Twist, Unseen, units};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    AnyArray, Blocks, Output, Precision, Rows, ask, compute, given, joined, named, one_twist,
-    raise, refuse, together,
+    AnyArray, Blocks, Output, Precision, Rows, ask, compute, given, joined, named, one_twist, raise, refuse, together,
 };
 use crate::given;
 use crate::rover::Rover;
@@ -31,8 +30,7 @@ impl Source for About<'_> {
             Table::Read(source) => source.read(first, target),
         }
         let twists = target.as_chunks_mut::<3>().0;
-        let about =
-            |twist: &mut [f64; 3], centre| *twist = Twist::from(*twist).about(centre).into();
+        let about = |twist: &mut [f64; 3], centre| *twist = Twist::from(*twist).about(centre).into();
         match self.centres {
             [centre] => twists.iter_mut().for_each(|twist| about(twist, *centre)),
             centres => {
@@ -56,10 +54,7 @@ impl<'py> Tables<'py> {
     /// All of it, for the batches.
     fn tables(&self) -> batch::Readings<'_> {
         batch::Readings {
-            steering: self
-                .steering
-                .as_ref()
-                .map_or(Table::Flat(&[]), Blocks::table),
+            steering: self.steering.as_ref().map_or(Table::Flat(&[]), Blocks::table),
             speeds: self.speeds.table(),
             steering_rates: self.rates.as_ref().map(Blocks::table),
         }
@@ -67,9 +62,7 @@ impl<'py> Tables<'py> {
 
     /// The same, row after row.
     pub fn flat(self) -> PyResult<Readings<'py>> {
-        let flat = |argument, blocks: Option<Blocks<'py>>| {
-            blocks.map(|blocks| blocks.flat(argument)).transpose()
-        };
+        let flat = |argument, blocks: Option<Blocks<'py>>| blocks.map(|blocks| blocks.flat(argument)).transpose();
         Ok(Readings {
             steering: flat("steering", self.steering)?,
             speeds: self.speeds.flat("speeds")?,
@@ -98,11 +91,7 @@ impl Readings<'_> {
 
 /// What the option says about motions that no reading sees.
 pub fn unseen(allow_underdetermined: bool) -> Unseen {
-    if allow_underdetermined {
-        Unseen::Zero
-    } else {
-        Unseen::Refuse
-    }
+    if allow_underdetermined { Unseen::Zero } else { Unseen::Refuse }
 }
 
 impl Rover {
@@ -116,35 +105,21 @@ impl Rover {
         let py = speeds.py();
         let mut speeds = Blocks::read("speeds", speeds, self.count())?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>| {
-            value
-                .map(|value| Blocks::read(argument, value, self.joints()))
-                .transpose()
+            value.map(|value| Blocks::read(argument, value, self.joints())).transpose()
         };
         let mut angles = optional("steering", (!steering.is_none()).then_some(steering))?;
         if angles.is_none() && self.joints() > 0 {
-            return Err(refuse(
-                "steering",
-                "hold the angles of the steered wheels",
-                "None",
-            ));
+            return Err(refuse("steering", "hold the angles of the steered wheels", "None"));
         }
         let mut rates = optional("steering_rates", steering_rates)?;
-        let all = [
-            Some(named("speeds", &mut speeds)),
-            given("steering", &mut angles),
-            given("steering_rates", &mut rates),
-        ];
+        let all =
+            [Some(named("speeds", &mut speeds)), given("steering", &mut angles), given("steering_rates", &mut rates)];
         let leading = together(all.into_iter().flatten())?;
         if let Some(angles) = &angles {
             let asked = units::angles(&self.core, angles.table(), angles.count());
             ask(py, asked)?;
         }
-        Ok(Tables {
-            steering: angles,
-            speeds,
-            rates,
-            leading,
-        })
+        Ok(Tables { steering: angles, speeds, rates, leading })
     }
 }
 
@@ -218,13 +193,9 @@ impl Rover {
         let precision = Precision::read(py, dtype, out)?;
         let mut twists = Blocks::read("twist", twist, 3)?;
         let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
-            value
-                .map(|value| Blocks::read(argument, value, width))
-                .transpose()
+            value.map(|value| Blocks::read(argument, value, width)).transpose()
         };
-        let mut centres = centre
-            .map(|centre| Rows::read("centre", centre, 2))
-            .transpose()?;
+        let mut centres = centre.map(|centre| Rows::read("centre", centre, 2)).transpose()?;
         let mut previous = optional("previous", previous, self.joints())?;
         let mut rates = optional("steering_rates", steering_rates, self.joints())?;
         let mut rolling = optional("previous_speeds", previous_speeds, self.count())?;
@@ -240,10 +211,7 @@ impl Rover {
         if let Some(centres) = &centres {
             centres.check_finite("centre")?;
         }
-        let about = centres.as_ref().map(|centres| About {
-            twists: twists.table(),
-            centres: centres.pairs(),
-        });
+        let about = centres.as_ref().map(|centres| About { twists: twists.table(), centres: centres.pairs() });
         let outputs = pair(out)?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {
@@ -252,13 +220,7 @@ impl Rover {
         }
         let [out_steering, out_speeds] = &outputs;
         let output = |argument, out: &Option<Bound<'py, PyAny>>, width| {
-            Output::of(
-                py,
-                argument,
-                out.as_ref(),
-                precision,
-                &joined(&leading, width),
-            )
+            Output::of(py, argument, out.as_ref(), precision, &joined(&leading, width))
         };
         let mut steering = output("out[0]", out_steering, self.joints())?;
         let mut speeds = output("out[1]", out_speeds, self.count())?;
@@ -272,15 +234,10 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Blocks::table),
             steering_rates: rates.as_ref().map(Blocks::table),
         };
-        let workers = Workers {
-            fresh: steering.is_unseen() && speeds.is_unseen(),
-            ..any_workers(threads, kernel)?
-        };
+        let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, kernel)? };
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, count, || {
-            batch::inverse(&self.core, rows, beside, angles, rotations, workers)
-        })
-        .map_err(|error| raise(error, &leading))?;
+        compute(py, count, || batch::inverse(&self.core, rows, beside, angles, rotations, workers))
+            .map_err(|error| raise(error, &leading))?;
         Ok((steering.finish_any()?, speeds.finish_any()?))
     }
 
@@ -337,14 +294,9 @@ impl Rover {
         let fresh = twists.is_unseen();
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = Workers {
-            fresh,
-            ..any_workers(threads, kernel)?
-        };
-        compute(py, target.len(), || {
-            batch::forward(&self.core, tables, unseen, target, workers)
-        })
-        .map_err(|error| raise(error, leading))?;
+        let workers = Workers { fresh, ..any_workers(threads, kernel)? };
+        compute(py, target.len(), || batch::forward(&self.core, tables, unseen, target, workers))
+            .map_err(|error| raise(error, leading))?;
         twists.finish_any()
     }
 }
@@ -357,11 +309,7 @@ fn pair<'py>(out: Option<&Bound<'py, PyAny>>) -> PyResult<[Option<Bound<'py, PyA
     let tuple = out.cast::<PyTuple>().ok().filter(|tuple| tuple.len() == 2);
     let Some(tuple) = tuple else {
         let got = out.get_type().name()?.to_string();
-        return Err(refuse(
-            "out",
-            "be a pair of arrays (steering, speeds)",
-            &got,
-        ));
+        return Err(refuse("out", "be a pair of arrays (steering, speeds)", &got));
     };
     Ok([Some(tuple.get_item(0)?), Some(tuple.get_item(1)?)])
 }

@@ -15,10 +15,7 @@ use crate::wheel::steering_range;
 /// One radius for both sides, or one for each.
 fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
     match value.extract::<[Bound<'_, PyAny>; 2]>() {
-        Ok([left, right]) => Ok([
-            number("wheel_radius[0]", &left)?,
-            number("wheel_radius[1]", &right)?,
-        ]),
+        Ok([left, right]) => Ok([number("wheel_radius[0]", &left)?, number("wheel_radius[1]", &right)?]),
         Err(_) => Ok([number("wheel_radius", value)?; 2]),
     }
 }
@@ -95,12 +92,7 @@ impl Rover {
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let dimensions = [
-            number("d1", d1)?,
-            number("d2", d2)?,
-            number("d3", d3)?,
-            number("d4", d4)?,
-        ];
+        let dimensions = [number("d1", d1)?, number("d2", d2)?, number("d3", d3)?, number("d4", d4)?];
         let radius = number("wheel_radius", wheel_radius)?;
         let range = steering_range(steering_limit)?.unwrap_or_default();
         Self::named(py, Core::six_wheel(dimensions, radius, range))
@@ -136,10 +128,7 @@ impl Rover {
         names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let positions = self::positions(positions)?;
-        let (radius, range) = (
-            number("wheel_radius", wheel_radius)?,
-            limit(steering_limit)?,
-        );
+        let (radius, range) = (number("wheel_radius", wheel_radius)?, limit(steering_limit)?);
         Self::named(py, Core::swerve(&positions, names, radius, range))
     }
 
@@ -240,16 +229,7 @@ impl Rover {
         icr_right: Option<&Bound<'_, PyAny>>,
         icr_forward: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        Self::differential(
-            py,
-            track_width,
-            wheel_radius,
-            1,
-            None,
-            icr_left,
-            icr_right,
-            icr_forward,
-        )
+        Self::differential(py, track_width, wheel_radius, 1, None, icr_left, icr_right, icr_forward)
     }
 
     /// A car with Ackermann steering: steered front wheels, fixed rear wheels, origin between the rear ones.
@@ -347,10 +327,7 @@ impl Rover {
         #[pyo3(from_py_with = given::driven)] driven: &str,
     ) -> PyResult<Self> {
         let base = number("wheelbase", wheelbase)?;
-        let (radius, range) = (
-            number("wheel_radius", wheel_radius)?,
-            limit(steering_limit)?,
-        );
+        let (radius, range) = (number("wheel_radius", wheel_radius)?, limit(steering_limit)?);
         Self::named(py, Core::bicycle(base, radius, range, drive(driven)?))
     }
 
@@ -385,10 +362,7 @@ impl Rover {
         roller_angle: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let half_base = number("half_wheelbase", half_wheelbase)?;
-        let (half_track, radius) = (
-            number("half_track", half_track)?,
-            number("wheel_radius", wheel_radius)?,
-        );
+        let (half_track, radius) = (number("half_track", half_track)?, number("wheel_radius", wheel_radius)?);
         let angle = optional("roller_angle", roller_angle)?.unwrap_or(std::f64::consts::FRAC_PI_4);
         Self::named(py, Core::mecanum(half_base, half_track, radius, angle))
     }
@@ -429,14 +403,8 @@ impl Rover {
         let headings = Scalars::read("headings", headings)?;
         headings.check_finite("headings")?;
         headings.fit_exactly("headings", &[positions.len()])?;
-        let (radius, angle) = (
-            number("wheel_radius", wheel_radius)?,
-            optional("roller_angle", roller_angle)?,
-        );
-        Self::named(
-            py,
-            Core::omni(&positions, headings.flat(), names, radius, angle),
-        )
+        let (radius, angle) = (number("wheel_radius", wheel_radius)?, optional("roller_angle", roller_angle)?);
+        Self::named(py, Core::omni(&positions, headings.flat(), names, radius, angle))
     }
 
     /// A published rover by name; `Rover.presets` lists them.

@@ -113,7 +113,5 @@ fn check_lock(py: Python<'_>) -> PyResult<()> {
     if has_lock {
         return Ok(());
     }
-    Err(PyImportError::new_err(
-        "six_wheel needs the interpreter's lock: leave out PYTHON_GIL=0 and -X gil=0",
-    ))
+    Err(PyImportError::new_err("six_wheel needs the interpreter's lock: leave out PYTHON_GIL=0 and -X gil=0"))
 }

@@ -55,12 +55,7 @@ impl Mobility {
     /// The free motions, unit twists ``[vx, vy, omega]``, shape (degree_of_mobility, 3).
     #[getter]
     fn motion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows: Vec<f64> = self
-            .0
-            .motions
-            .iter()
-            .flat_map(|twist| <[f64; 3]>::from(*twist))
-            .collect();
+        let rows: Vec<f64> = self.0.motions.iter().flat_map(|twist| <[f64; 3]>::from(*twist)).collect();
         use numpy::PyArrayMethods;
         PyArray1::from_vec(py, rows).reshape([self.0.motions.len(), 3])
     }

@@ -13,16 +13,12 @@ use std::str::FromStr;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::odometry::{
-    Odometry as Core, Readings, Recording, Sample, Settings, TrackRows,
-};
+use six_wheel_core::odometry::{Odometry as Core, Readings, Recording, Sample, Settings, TrackRows};
 use six_wheel_core::{Error, Method};
 
 pub use quick::install;
 
-use crate::convert::{
-    Array, Output, Rows, Scalars, compute, memory, number, numbers, one_twist_first, raise, refuse,
-};
+use crate::convert::{Array, Output, Rows, Scalars, compute, memory, number, numbers, one_twist_first, raise, refuse};
 use crate::given;
 use crate::rover::Rover;
 use crate::shared::Shared;
@@ -121,11 +117,7 @@ impl Odometry {
     }
 
     /// Changes the core, and answers with the state after that.
-    fn change(
-        &self,
-        py: Python<'_>,
-        change: impl FnOnce(&mut Core) -> Result<(), Error>,
-    ) -> PyResult<OdometryState> {
+    fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Core) -> Result<(), Error>) -> PyResult<OdometryState> {
         let mut work = self.work.lock(py)?;
         change(&mut work.core).map_err(|error| raise(error, &[]))?;
         Ok(self.state_of(&work.core, py))
@@ -160,11 +152,7 @@ impl Odometry {
         dimensions: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
-        let wheels: Vec<&str> = core
-            .wheels()
-            .iter()
-            .map(|wheel| wheel.name.as_str())
-            .collect();
+        let wheels: Vec<&str> = core.wheels().iter().map(|wheel| wheel.name.as_str()).collect();
         let steered: Vec<&str> = core.steered().iter().map(|&i| wheels[i]).collect();
         let readings = readings_named(readings)?;
         let settings = Settings {
@@ -186,13 +174,7 @@ impl Odometry {
             history,
         };
         let core = Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?;
-        Ok(Self {
-            work: Shared::new(Work {
-                core,
-                spares: Spares::default(),
-            }),
-            rover: rover.clone().unbind(),
-        })
+        Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: rover.clone().unbind() })
     }
 
     /// Takes in one sample.
@@ -319,9 +301,7 @@ impl Odometry {
         compute(py, rows, || core.run(recording, log.is_strict, track))
             .map_err(|error| raise(error, &log.wheels.leading))?;
         drop(work);
-        let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> {
-            out.map(Output::finish).transpose()
-        };
+        let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
         let keywords = PyDict::new(py);
         keywords.set_item("rover", &self.rover)?;
         keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
@@ -401,12 +381,7 @@ impl Odometry {
     /// covariance : array_like, shape (3,) or (3, 3), optional
     ///     Variances of x, y and yaw, or their covariance, in world axes; default 0.
     #[pyo3(signature = (pose, covariance=None))]
-    fn set_pose(
-        &self,
-        py: Python<'_>,
-        pose: &Bound<'_, PyAny>,
-        covariance: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
+    fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let (pose, matrix) = (numbers("pose", pose)?, input::covariance(covariance)?);
         self.change(py, |core| core.set_pose(pose.into(), matrix))?;
         Ok(())

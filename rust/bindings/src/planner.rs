@@ -118,19 +118,11 @@ impl Mppi {
             noise.check_finite("noise")?;
         }
         let footprint = match footprint {
-            Some(points) => Rows::read_table("footprint", points, 2)?
-                .flat()
-                .as_chunks()
-                .0
-                .to_vec(),
+            Some(points) => Rows::read_table("footprint", points, 2)?.flat().as_chunks().0.to_vec(),
             None => usual.footprint.clone(),
         };
         if footprint.len() > FOOTPRINT {
-            return Err(refuse(
-                "footprint",
-                &format!("hold {FOOTPRINT} points at most"),
-                &footprint.len().to_string(),
-            ));
+            return Err(refuse("footprint", &format!("hold {FOOTPRINT} points at most"), &footprint.len().to_string()));
         }
         let options = Options {
             horizon: size(count("horizon", horizon, usual.horizon as u64)?),
@@ -147,14 +139,8 @@ impl Mppi {
             footprint,
         };
         let limits = limits.unwrap_or(Limits(Default::default()));
-        let core = Core::new(&rover.get().core, limits.0, options.clone())
-            .map_err(|error| raise(error, &[]))?;
-        Ok(Self {
-            core: Shared::new(core),
-            rover: rover.unbind(),
-            limits,
-            options,
-        })
+        let core = Core::new(&rover.get().core, limits.0, options.clone()).map_err(|error| raise(error, &[]))?;
+        Ok(Self { core: Shared::new(core), rover: rover.unbind(), limits, options })
     }
 
     /// One cycle: the plan from here on.
@@ -226,12 +212,7 @@ impl Mppi {
         pose.check_leading("state.pose", &[])?;
         let twist = Rows::read_beside("state.twist", twist.or(seen.twist.as_ref()), 3, &[])?;
         let joints = self.rover.get().joints();
-        let steering = Rows::read_beside(
-            "state.steering",
-            steering.or(seen.steering.as_ref()),
-            joints,
-            &[],
-        )?;
+        let steering = Rows::read_beside("state.steering", steering.or(seen.steering.as_ref()), joints, &[])?;
         let path = path.map(|path| points("path", path)).transpose()?;
         let goal = goal.map(|goal| place("goal", goal)).transpose()?;
         let map = costmap.as_ref().map(|map| &map.get().core);
@@ -250,8 +231,7 @@ impl Mppi {
         let rollouts = self.options.samples * self.options.horizon;
         let mut core = self.core.lock(py)?;
         let planner = &mut *core;
-        compute(py, rollouts, || planner.roll(situation, workers))
-            .map_err(|error| raise(error, &[]))?;
+        compute(py, rollouts, || planner.roll(situation, workers)).map_err(|error| raise(error, &[]))?;
         let mut extra = None;
         if let Some(function) = extra_cost {
             let rolls = core.rolls();
@@ -262,11 +242,7 @@ impl Mppi {
             extra = Some(Rows::read("extra_cost", &costs, self.options.samples)?);
             core = self.core.lock(py)?;
             if core.rolls() != rolls {
-                return Err(refuse(
-                    "extra_cost",
-                    "not step the planner it judges for",
-                    "another cycle",
-                ));
+                return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
             }
         }
         let costs = extra.as_ref().map(|rows| {
@@ -281,12 +257,7 @@ impl Mppi {
         steering.flat().copy_from_slice(&outcome.steering);
         speeds.flat().copy_from_slice(&outcome.speeds);
         let [steering, speeds] = outputs;
-        MppiPlan::of(
-            py,
-            &outcome,
-            core.state(),
-            [steering.finish()?, speeds.finish()?],
-        )
+        MppiPlan::of(py, &outcome, core.state(), [steering.finish()?, speeds.finish()?])
     }
 
     /// Back to where it was when it was made.
@@ -330,15 +301,11 @@ impl Mppi {
         let cycle = whole("cycle", &item("cycle")?)?;
         let state = State {
             controls: controls.triples().to_vec(),
-            cycle: u32::try_from(cycle)
-                .map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
+            cycle: u32::try_from(cycle).map_err(|_| refuse("cycle", "be 0 to 2^32 - 1", &cycle.to_string()))?,
             steering: steering.flat().to_vec(),
             progress: number("progress", &item("progress")?)?,
         };
-        self.core
-            .lock(py)?
-            .set_state(state)
-            .map_err(|error| raise(error, &[]))
+        self.core.lock(py)?.set_state(state).map_err(|error| raise(error, &[]))
     }
 
     /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
@@ -407,10 +374,7 @@ impl Mppi {
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        for (name, value) in Weights::NAMES
-            .into_iter()
-            .zip(self.options.weights.values())
-        {
+        for (name, value) in Weights::NAMES.into_iter().zip(self.options.weights.values()) {
             dict.set_item(name, value)?;
         }
         Ok(dict)
@@ -418,33 +382,16 @@ impl Mppi {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let rover = self.rover.bind(py).repr()?;
-        let Options {
-            horizon,
-            dt,
-            samples,
-            seed,
-            precision,
-            ..
-        } = &self.options;
-        let dtype = if *precision == Precision::Single {
-            ", dtype='float32'"
-        } else {
-            ""
-        };
+        let Options { horizon, dt, samples, seed, precision, .. } = &self.options;
+        let dtype = if *precision == Precision::Single { ", dtype='float32'" } else { "" };
         let limits = self.limits.text();
-        Ok(format!(
-            "Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"
-        ))
+        Ok(format!("Mppi({rover}, {limits}, horizon={horizon}, dt={dt:?}, samples={samples}, seed={seed}{dtype})"))
     }
 }
 
 impl Mppi {
     /// Where steering angles and wheel speeds go.
-    fn outputs<'py>(
-        &self,
-        py: Python<'py>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<[Output<'py>; 2]> {
+    fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
         let outs = match out {
             None => [None, None],
@@ -452,11 +399,7 @@ impl Mppi {
                 let pair = out.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
                 let Some(pair) = pair else {
                     let got = out.get_type().name()?.to_string();
-                    return Err(refuse(
-                        "out",
-                        "be a tuple of two arrays, steering and speeds",
-                        &got,
-                    ));
+                    return Err(refuse("out", "be a tuple of two arrays, steering and speeds", &got));
                 };
                 [Some(pair.get_item(0)?), Some(pair.get_item(1)?)]
             }
@@ -469,17 +412,12 @@ impl Mppi {
 
     /// Poses and motions of all rollouts.
     fn recorded<'py>(&self, py: Python<'py>, core: &mut Core) -> PyResult<[Array<'py>; 2]> {
-        let Options {
-            horizon, samples, ..
-        } = self.options;
+        let Options { horizon, samples, .. } = self.options;
         let mut poses = Output::fresh(py, &[samples, horizon + 1, 3])?;
         let mut twists = Output::fresh(py, &[samples, horizon, 3])?;
         let (mut way, mut motions) = (Vec::new(), Vec::new());
         let rows = poses.triples().chunks_exact_mut(horizon + 1);
-        for (k, (poses, twists)) in rows
-            .zip(twists.triples().chunks_exact_mut(horizon))
-            .enumerate()
-        {
+        for (k, (poses, twists)) in rows.zip(twists.triples().chunks_exact_mut(horizon)).enumerate() {
             core.recorded(k, &mut way, &mut motions);
             poses.copy_from_slice(&way);
             twists.copy_from_slice(&motions);

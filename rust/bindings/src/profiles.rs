@@ -44,25 +44,13 @@ impl Values {
             }),
             shape => {
                 let rule = "be one number or have shape (axes,)";
-                Err(refuse(
-                    argument,
-                    rule,
-                    &format!("shape {}", shape_text(shape)),
-                ))
+                Err(refuse(argument, rule, &format!("shape {}", shape_text(shape))))
             }
         }
     }
 
     fn or(argument: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<Self> {
-        value.map_or_else(
-            || {
-                Ok(Self {
-                    numbers: vec![default],
-                    is_vector: false,
-                })
-            },
-            |value| Self::read(argument, value),
-        )
+        value.map_or_else(|| Ok(Self { numbers: vec![default], is_vector: false }), |value| Self::read(argument, value))
     }
 
     fn of_axis(&self, axis: usize) -> f64 {
@@ -106,11 +94,7 @@ impl Profile {
         Ok(Self {
             core: core.map_err(|error| raise(error, &[]))?,
             is_vector,
-            made: Made {
-                maker,
-                arguments: PyTuple::new(py, arguments)?.unbind(),
-                keywords: keywords.unbind(),
-            },
+            made: Made { maker, arguments: PyTuple::new(py, arguments)?.unbind(), keywords: keywords.unbind() },
         })
     }
 
@@ -133,14 +117,7 @@ impl Profile {
         if let Some(ramp) = ramp {
             keywords.set_item("ramp", ramp)?;
         }
-        Self::build(
-            py,
-            maker,
-            core,
-            is_vector,
-            &[&start, &end, &duration],
-            keywords,
-        )
+        Self::build(py, maker, core, is_vector, &[&start, &end, &duration], keywords)
     }
 
     /// One value per axis as an array, or the only one as a float.
@@ -200,15 +177,9 @@ impl Profile {
         ramp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let ramp = ramp.map(|ramp| number("ramp", ramp)).transpose()?;
-        Self::shaped(
-            py,
-            "trapezoid",
-            [start, end, duration],
-            ramp,
-            |start, end, duration| {
-                core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
-            },
-        )
+        Self::shaped(py, "trapezoid", [start, end, duration], ramp, |start, end, duration| {
+            core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
+        })
     }
 
     /// A double S: the acceleration rises and falls at constant jerk. `peaks` states what it takes.
@@ -238,15 +209,9 @@ impl Profile {
         ramp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let ramp = ramp.map(|ramp| number("ramp", ramp)).transpose()?;
-        Self::shaped(
-            py,
-            "s_curve",
-            [start, end, duration],
-            ramp,
-            |start, end, duration| {
-                core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
-            },
-        )
+        Self::shaped(py, "s_curve", [start, end, duration], ramp, |start, end, duration| {
+            core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
+        })
     }
 
     /// The fastest course within limits of velocity, acceleration and jerk, from any motion to any other.
@@ -319,9 +284,7 @@ impl Profile {
         ];
         // NaN stands for the mirror image of the other limit, so it may not come from outside.
         let mirrored = |argument, value: Option<&Bound<'_, PyAny>>| {
-            let values = value
-                .map(|value| Values::read(argument, value))
-                .transpose()?;
+            let values = value.map(|value| Values::read(argument, value)).transpose()?;
             match values {
                 Some(values) if values.numbers.iter().any(|number| number.is_nan()) => {
                     Err(refuse(argument, "be negative", "nan"))
@@ -353,10 +316,7 @@ impl Profile {
         ];
         let mut all = vec![("start", &ends[0]), ("end", &ends[1])];
         all.extend(names.into_iter().zip(&given));
-        all.extend([
-            ("minimum_velocity", &slowest),
-            ("minimum_acceleration", &weakest),
-        ]);
+        all.extend([("minimum_velocity", &slowest), ("minimum_acceleration", &weakest)]);
         let (count, is_vector) = axes(&all)?;
         let moving = |value: &Values, velocity: &Values, acceleration: &Values| {
             let of_axis = |i| Moving {
@@ -384,14 +344,7 @@ impl Profile {
             duration,
         );
         let [start, end] = [ends[0].to_python(py)?, ends[1].to_python(py)?];
-        Self::build(
-            py,
-            "time_optimal",
-            core,
-            is_vector,
-            &[&start, &end],
-            keywords,
-        )
+        Self::build(py, "time_optimal", core, is_vector, &[&start, &end], keywords)
     }
 
     /// How long it takes until the last axis arrives [s].

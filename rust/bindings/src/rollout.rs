@@ -93,18 +93,12 @@ impl Rover {
             scrub: scrub.flat(),
         };
         let rows = course.twists.count();
-        let workers = Workers {
-            fresh: out.is_none(),
-            ..workers(rows, threads, kernel)?
-        };
-        let (controls, steps, starts) =
-            (course.twists.table(), course.durations(), course.starts());
+        let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, kernel)? };
+        let (controls, steps, starts) = (course.twists.table(), course.durations(), course.starts());
         let (count, target) = (course.count, poses.triples());
         let previous = previous.as_ref().map(Rows::flat);
         compute(py, rows, || {
-            batch::rollout_cost(
-                &self.core, controls, count, steps, starts, previous, target, targets, workers,
-            )
+            batch::rollout_cost(&self.core, controls, count, steps, starts, previous, target, targets, workers)
         })
         .map_err(|error| course.raise(error))?;
         let mut arrays = vec![poses.finish_any()?.into_any()];

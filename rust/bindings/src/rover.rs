@@ -63,9 +63,7 @@ pub struct Fittings<'a, 'py> {
 
 /// Indices of the wheels with a motor.
 fn driven(core: &Core) -> Vec<usize> {
-    (0..core.wheels().len())
-        .filter(|&i| core.wheels()[i].driven)
-        .collect()
+    (0..core.wheels().len()).filter(|&i| core.wheels()[i].driven).collect()
 }
 
 impl Rover {
@@ -92,33 +90,22 @@ impl Rover {
         let motors = driven(&core);
         let (traction, steering) = (fittings.traction, fittings.steering);
         let mut traction = read_joints(&core, &motors, "traction_joints", traction, TRACTION)?;
-        let mut steering =
-            read_joints(&core, core.steered(), "steering_joints", steering, STEERING)?;
-        if let Some(joint) = steering
-            .iter()
-            .find(|joint| traction.iter().any(|other| other.name == joint.name))
-        {
+        let mut steering = read_joints(&core, core.steered(), "steering_joints", steering, STEERING)?;
+        if let Some(joint) = steering.iter().find(|joint| traction.iter().any(|other| other.name == joint.name)) {
             let rule = "differ from traction_joints";
             let got = format!("{:?} in both", joint.name);
             return Err(refuse("steering_joints", rule, &got));
         }
         reverse(&fittings.reversed, &mut traction, &mut steering)?;
         let stands = |name: &&str| core.wheels().iter().any(|wheel| wheel.name == **name);
-        if fittings.suspension.is_some() && !(WHEELS.iter().all(stands) && core.wheels().len() == 6)
-        {
+        if fittings.suspension.is_some() && !(WHEELS.iter().all(stands) && core.wheels().len() == 6) {
             let rule = format!("be left out unless the wheels are {}", WHEELS.join(", "));
             let got = format!("{} wheels", core.wheels().len());
             return Err(refuse("suspension", &rule, &got));
         }
         let wheels: Vec<Wheel> = core.wheels().iter().cloned().map(Wheel).collect();
         let wheels = PyTuple::new(py, wheels)?.unbind();
-        Ok(Self {
-            core,
-            wheels,
-            traction,
-            steering,
-            suspension: fittings.suspension,
-        })
+        Ok(Self { core, wheels, traction, steering, suspension: fittings.suspension })
     }
 
     fn joint_dict<'py>(&self, py: Python<'py>, joints: &Joints) -> PyResult<Bound<'py, PyDict>> {
@@ -132,10 +119,7 @@ impl Rover {
     /// Names of the joints that count the other way, those of the wheels first.
     fn reversed(&self) -> Vec<&str> {
         let joints = self.traction.iter().chain(&self.steering);
-        joints
-            .filter(|joint| joint.reversed)
-            .map(|joint| joint.name.as_str())
-            .collect()
+        joints.filter(|joint| joint.reversed).map(|joint| joint.name.as_str()).collect()
     }
 
     /// The arguments beside the wheels that are not the default ones.
@@ -166,9 +150,7 @@ impl Rover {
 fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
     let refused = |place: &str, value: &Bound<'_, PyAny>| {
         let got = short_repr(value);
-        ArgumentTypeError::new_err(format!(
-            "wheels must be a sequence of Wheel, got {got}{place}"
-        ))
+        ArgumentTypeError::new_err(format!("wheels must be a sequence of Wheel, got {got}{place}"))
     };
     if wheels.try_iter().is_err() || wheels.is_instance_of::<PyDict>() {
         return Err(refused("", wheels));
@@ -185,9 +167,7 @@ fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
 #[pyfunction]
 pub fn unit_questions(rover: &Rover) -> Vec<(&'static str, String, String)> {
     let questions = units::dimensions(&rover.core).into_iter();
-    questions
-        .map(|question| (question.about, question.says, question.likely))
-        .collect()
+    questions.map(|question| (question.about, question.says, question.likely)).collect()
 }
 
 #[pymethods]
@@ -226,20 +206,13 @@ impl Rover {
     /// Names of the wheels, in the order of every array.
     #[getter]
     fn wheel_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(
-            py,
-            self.core.wheels().iter().map(|wheel| wheel.name.as_str()),
-        )
+        PyTuple::new(py, self.core.wheels().iter().map(|wheel| wheel.name.as_str()))
     }
 
     /// Names of the steered wheels, in the order of steering arrays.
     #[getter]
     fn steered_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let names = self
-            .core
-            .steered()
-            .iter()
-            .map(|&i| self.core.wheels()[i].name.as_str());
+        let names = self.core.steered().iter().map(|&i| self.core.wheels()[i].name.as_str());
         PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
@@ -321,9 +294,8 @@ impl Rover {
         if keywords.is_empty()
             && let Some(([d1, d2, d3, d4], radius, range)) = self.core.as_six_wheel()
         {
-            let mut text = format!(
-                "Rover.six_wheel(d1={d1:?}, d2={d2:?}, d3={d3:?}, d4={d4:?}, wheel_radius={radius:?}"
-            );
+            let mut text =
+                format!("Rover.six_wheel(d1={d1:?}, d2={d2:?}, d3={d3:?}, d4={d4:?}, wheel_radius={radius:?}");
             if range != SteeringRange::default() {
                 text += &format!(", steering_limit={}", steering_limit(range));
             }
@@ -344,8 +316,7 @@ impl Rover {
                 let arm = rover.suspension.as_ref();
                 arm.map(|arm| arm.get().0.clone())
             };
-            (&self.core, &self.traction, &self.steering)
-                == (&other.core, &other.traction, &other.steering)
+            (&self.core, &self.traction, &self.steering) == (&other.core, &other.traction, &other.steering)
                 && suspension(self) == suspension(other)
         })
     }

@@ -141,10 +141,7 @@ fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, 
         return Err(refuse("quantities", "be a sequence of names", "one name"));
     }
     let names = items("quantities", quantities, MOST_NAMES)?;
-    let names: Vec<String> = names
-        .iter()
-        .map(|item| item.extract())
-        .collect::<PyResult<_>>()?;
+    let names: Vec<String> = names.iter().map(|item| item.extract()).collect::<PyResult<_>>()?;
     let known = |name: &String| {
         let found = NAMES.iter().find(|(known, _)| known == name).copied();
         found.ok_or_else(|| {
@@ -212,24 +209,16 @@ impl Rover {
             let shape = joined(&joined(leading, 3), width);
             columns.push(Output::fresh(py, &shape)?);
         }
-        let mut targets: Vec<_> = wanted
-            .iter()
-            .zip(&mut columns)
-            .map(|((_, quantity), column)| (*quantity, column.flat()))
-            .collect();
+        let mut targets: Vec<_> =
+            wanted.iter().zip(&mut columns).map(|((_, quantity), column)| (*quantity, column.flat())).collect();
         let (log, rows) = (readings.log(), twists.triples());
-        compute(py, rows.len(), || {
-            batch::sensitivity(&self.core, log, rows, &mut targets, workers)
-        })
-        .map_err(|error| raise(error, leading))?;
+        compute(py, rows.len(), || batch::sensitivity(&self.core, log, rows, &mut targets, workers))
+            .map_err(|error| raise(error, leading))?;
         let columns = wanted
             .iter()
             .zip(columns)
             .map(|((name, _), column)| Ok((*name, column.finish()?.into_any().unbind())))
             .collect::<PyResult<_>>()?;
-        Ok(Sensitivity {
-            twist: Some(twists.finish()?.into_any().unbind()),
-            columns,
-        })
+        Ok(Sensitivity { twist: Some(twists.finish()?.into_any().unbind()), columns })
     }
 }

@@ -81,10 +81,7 @@ impl<T: Send> Shared<T> {
     #[inline(always)]
     fn turn<'a>(&'a self, gate: Option<MutexGuard<'a, ()>>) -> Turn<'a, T> {
         self.at_work.store(true, Ordering::Relaxed);
-        Turn {
-            shared: self,
-            _gate: gate,
-        }
+        Turn { shared: self, _gate: gate }
     }
 
     /// The state, as soon as nobody else works with it. Fails where that would be never: the thread that does has

@@ -133,10 +133,7 @@ pub struct Link {
 #[pymethods]
 impl Link {
     fn __repr__(&self) -> String {
-        let joint = self
-            .joint
-            .as_ref()
-            .map_or_else(|| "None".into(), |joint| format!("{joint:?}"));
+        let joint = self.joint.as_ref().map_or_else(|| "None".into(), |joint| format!("{joint:?}"));
         format!(
             "Link(frame={:?}, parent={:?}, joint={joint}, sign={:?}, gamma={:?}, d={:?}, a={:?}, alpha={:?})",
             self.frame, self.parent, self.sign, self.gamma, self.d, self.a, self.alpha
@@ -145,19 +142,12 @@ impl Link {
 }
 
 /// An argument that may only be left out where another takes its place.
-fn given<'a, 'py>(
-    argument: &str,
-    value: Option<&'a Bound<'py, PyAny>>,
-) -> PyResult<&'a Bound<'py, PyAny>> {
-    value
-        .ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
+fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyResult<&'a Bound<'py, PyAny>> {
+    value.ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
 }
 
 /// Stops of a joint: one angle for both sides, a pair, or none.
-pub fn joint_range(
-    argument: &'static str,
-    limit: Option<&Bound<'_, PyAny>>,
-) -> PyResult<JointRange> {
+pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
     let Some(limit) = limit else {
         return Ok(JointRange::default());
     };
@@ -168,10 +158,7 @@ pub fn joint_range(
         },
         Err(_) => {
             let limit = number(argument, limit)?;
-            JointRange {
-                lower: -limit,
-                upper: limit,
-            }
+            JointRange { lower: -limit, upper: limit }
         }
     };
     range.check(argument).map_err(|error| raise(error, &[]))?;
@@ -208,27 +195,11 @@ impl RockerBogie {
             _ => Bogie::InFront,
         };
         let (values, unused) = match bogie {
-            Bogie::Behind => (
-                [
-                    rocker_to_front,
-                    rocker_to_bogie,
-                    bogie_to_middle,
-                    bogie_to_rear,
-                ],
-                [None, None],
-            ),
+            Bogie::Behind => ([rocker_to_front, rocker_to_bogie, bogie_to_middle, bogie_to_rear], [None, None]),
             Bogie::InFront => (
-                [
-                    rocker_to_rear,
-                    rocker_to_bogie,
-                    bogie_to_front,
-                    bogie_to_middle,
-                ],
-                [
-                    ("rocker_to_front", rocker_to_front),
-                    ("bogie_to_rear", bogie_to_rear),
-                ]
-                .map(|(argument, value)| value.map(|_| argument)),
+                [rocker_to_rear, rocker_to_bogie, bogie_to_front, bogie_to_middle],
+                [("rocker_to_front", rocker_to_front), ("bogie_to_rear", bogie_to_rear)]
+                    .map(|(argument, value)| value.map(|_| argument)),
             ),
         };
         if let Some(argument) = unused.into_iter().flatten().next() {
@@ -254,11 +225,7 @@ impl RockerBogie {
                 None => Differential::Gear,
                 Some(bar) => {
                     let [half_length, lever, rod] = numbers("differential_bar", bar)?;
-                    Differential::Bar {
-                        half_length,
-                        lever,
-                        rod,
-                    }
+                    Differential::Bar { half_length, lever, rod }
                 }
             },
         }))
@@ -348,11 +315,7 @@ impl RockerBogie {
         arguments.set_item("bogie_limit", limit(of.bogie_limit))?;
         let bar = match of.differential {
             Differential::Gear => None,
-            Differential::Bar {
-                half_length,
-                lever,
-                rod,
-            } => Some((half_length, lever, rod)),
+            Differential::Bar { half_length, lever, rod } => Some((half_length, lever, rod)),
         };
         arguments.set_item("differential_bar", bar)?;
         Ok(arguments)
@@ -372,9 +335,7 @@ impl RockerBogie {
     #[pyo3(signature = (name="rover"))]
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
         let module = slf.py().import("six_wheel.urdf")?;
-        module
-            .call_method1("suspension_urdf", (slf, name))?
-            .extract()
+        module.call_method1("suspension_urdf", (slf, name))?.extract()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -386,9 +347,7 @@ impl RockerBogie {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
@@ -398,10 +357,6 @@ impl RockerBogie {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let py = slf.py();
-        reduce(
-            slf.as_any(),
-            &PyTuple::empty(py),
-            &slf.get().dimensions(py)?,
-        )
+        reduce(slf.as_any(), &PyTuple::empty(py), &slf.get().dimensions(py)?)
     }
 }

@@ -10,8 +10,8 @@ use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
 use crate::batch::any_workers;
 use crate::convert::{
-    Asked, Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse,
-    scalar_or_array, shape_text, singles,
+    Asked, Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse, scalar_or_array,
+    shape_text, singles,
 };
 use crate::given;
 use crate::wheel::reduce;
@@ -58,11 +58,7 @@ fn columns(shape: &[usize]) -> PyResult<usize> {
         [rows, columns] if *rows >= 2 && *columns >= 2 => Ok(*columns),
         _ => {
             let rule = "have at least two rows and two columns";
-            Err(refuse(
-                "heights",
-                rule,
-                &format!("shape {}", shape_text(shape)),
-            ))
+            Err(refuse("heights", rule, &format!("shape {}", shape_text(shape))))
         }
     }
 }
@@ -147,8 +143,7 @@ impl Terrain {
         };
         let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
         let core = Core::new(heights, columns, spacing, origin, orientation);
-        core.map(|core| Self(Arc::new(core)))
-            .map_err(|error| raise(error, &[]))
+        core.map(|core| Self(Arc::new(core))).map_err(|error| raise(error, &[]))
     }
 
     /// The map of a file.
@@ -245,8 +240,7 @@ impl Terrain {
                 options.set_item(name, value)?;
             }
         }
-        py.import("six_wheel.terrain")?
-            .call_method("yard", (), Some(&options))
+        py.import("six_wheel.terrain")?.call_method("yard", (), Some(&options))
     }
 
     /// The heights [m], shape (rows, columns), as a fresh array.
@@ -313,17 +307,9 @@ impl Terrain {
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(
-            py,
-            xy,
-            method,
-            1,
-            (out, dtype),
-            threads,
-            |height, _, target| {
-                target[0] = height;
-            },
-        )
+        self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
+            target[0] = height;
+        })
     }
 
     /// Derivatives of the height by x and y.
@@ -355,17 +341,9 @@ impl Terrain {
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(
-            py,
-            xy,
-            method,
-            2,
-            (out, dtype),
-            threads,
-            |_, gradient, target| {
-                target.copy_from_slice(&gradient);
-            },
-        )
+        self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
+            target.copy_from_slice(&gradient);
+        })
     }
 
     /// Unit normals of the ground, upwards.
@@ -397,17 +375,9 @@ impl Terrain {
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(
-            py,
-            xy,
-            method,
-            3,
-            (out, dtype),
-            threads,
-            |_, gradient, target| {
-                target.copy_from_slice(normal(gradient).as_slice());
-            },
-        )
+        self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
+            target.copy_from_slice(normal(gradient).as_slice());
+        })
     }
 
     /// Whether points lie on the map, its rim included; heights there may still be unknown.
@@ -445,21 +415,16 @@ impl Terrain {
     }
 
     fn __repr__(&self) -> String {
-        let ([rows, columns], [dx, dy], [x, y]) =
-            (self.0.shape(), self.0.spacing(), self.0.origin());
+        let ([rows, columns], [dx, dy], [x, y]) = (self.0.shape(), self.0.spacing(), self.0.origin());
         let turned = match self.0.orientation() {
             0.0 => String::new(),
             orientation => format!(", orientation={orientation:?}"),
         };
-        format!(
-            "Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})"
-        )
+        format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

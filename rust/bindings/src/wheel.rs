@@ -54,10 +54,7 @@ pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Steer
     let Some(limit) = limit else { return Ok(None) };
     let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
         Ok([lower, upper]) => {
-            let (lower, upper) = (
-                number("steering_limit[0]", &lower)?,
-                number("steering_limit[1]", &upper)?,
-            );
+            let (lower, upper) = (number("steering_limit[0]", &lower)?, number("steering_limit[1]", &upper)?);
             let range = SteeringRange { lower, upper };
             range.check().map(|()| range)
         }
@@ -68,25 +65,14 @@ pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Steer
 
 /// The argument of [`steering_range`] that makes this range.
 pub fn steering_limit(range: SteeringRange) -> String {
-    if range.lower == -range.upper {
-        format!("{:?}", range.upper)
-    } else {
-        range.to_string()
-    }
+    if range.lower == -range.upper { format!("{:?}", range.upper) } else { range.to_string() }
 }
 
 /// Hashes a wheel so that equal wheels, zeros of either sign included, hash alike.
 pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
     wheel.name.hash(state);
     let range = wheel.steering().map(|range| [range.lower, range.upper]);
-    let numbers = [
-        wheel.x,
-        wheel.y,
-        wheel.radius,
-        wheel.heading,
-        wheel.scrub,
-        wheel.trail,
-    ];
+    let numbers = [wheel.x, wheel.y, wheel.radius, wheel.heading, wheel.scrub, wheel.trail];
     (wheel.driven, wheel.pivot == Pivot::Castor).hash(state);
     let optional = range.into_iter().flatten().chain(wheel.roller_angle);
     for value in numbers.into_iter().chain(optional) {
@@ -116,9 +102,8 @@ impl Wheel {
         #[pyo3(from_py_with = given::driven)] driven: Option<bool>,
         #[pyo3(from_py_with = given::castor)] castor: bool,
     ) -> PyResult<Self> {
-        let optional = |argument, value: Option<&Bound<'_, PyAny>>| {
-            value.map_or(Ok(0.0), |value| number(argument, value))
-        };
+        let optional =
+            |argument, value: Option<&Bound<'_, PyAny>>| value.map_or(Ok(0.0), |value| number(argument, value));
         let range = steering_range(steering_limit)?;
         if range.is_some() && !steered {
             let text = steering_limit.map_or_else(String::new, ToString::to_string);
@@ -143,9 +128,7 @@ impl Wheel {
             pivot,
             scrub: optional("scrub", scrub)?,
             trail: optional("trail", trail)?,
-            roller_angle: roller_angle
-                .map(|angle| number("roller_angle", angle))
-                .transpose()?,
+            roller_angle: roller_angle.map(|angle| number("roller_angle", angle)).transpose()?,
             driven: driven.unwrap_or(!castor),
         };
         wheel.check().map_err(|error| raise(error, &[]))?;
@@ -241,21 +224,14 @@ impl Wheel {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
         let name = PyString::new(py, &wheel.name).repr()?;
-        let mut text = format!(
-            "Wheel({name}, {:?}, {:?}, radius={:?}",
-            wheel.x, wheel.y, wheel.radius
-        );
+        let mut text = format!("Wheel({name}, {:?}, {:?}, radius={:?}", wheel.x, wheel.y, wheel.radius);
         if let Some(range) = wheel.steering() {
             text += ", steered=True";
             if range != SteeringRange::default() {
                 text += &format!(", steering_limit={}", steering_limit(range));
             }
         }
-        let rest = [
-            ("heading", wheel.heading),
-            ("scrub", wheel.scrub),
-            ("trail", wheel.trail),
-        ];
+        let rest = [("heading", wheel.heading), ("scrub", wheel.scrub), ("trail", wheel.trail)];
         for (argument, value) in rest.iter().filter(|(_, value)| *value != 0.0) {
             text += &format!(", {argument}={value:?}");
         }
@@ -271,9 +247,7 @@ impl Wheel {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {
@@ -288,10 +262,7 @@ impl Wheel {
         keywords.set_item("radius", wheel.radius)?;
         keywords.set_item("steered", wheel.steering().is_some())?;
         keywords.set_item("heading", wheel.heading)?;
-        keywords.set_item(
-            "steering_limit",
-            wheel.steering().map(|range| (range.lower, range.upper)),
-        )?;
+        keywords.set_item("steering_limit", wheel.steering().map(|range| (range.lower, range.upper)))?;
         keywords.set_item("scrub", wheel.scrub)?;
         keywords.set_item("trail", wheel.trail)?;
         keywords.set_item("roller_angle", wheel.roller_angle)?;
@@ -309,9 +280,7 @@ pub fn reduce<'py>(
     keywords: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let py = object.py();
-    let rebuild = py
-        .import("copyreg")?
-        .getattr(intern!(py, "__newobj_ex__"))?;
+    let rebuild = py.import("copyreg")?.getattr(intern!(py, "__newobj_ex__"))?;
     let call = (object.get_type(), arguments, keywords);
     (rebuild, call).into_pyobject(py)
 }

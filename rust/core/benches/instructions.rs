@@ -14,23 +14,14 @@ use six_wheel_core::odometry::{Sample, Settings};
 use six_wheel_core::suspension::PlanPose;
 use six_wheel_core::terrain::Heights;
 use six_wheel_core::{
-    Controller, Error, Inputs, Keep, Method, Odometry, RockerBogie, Rover, Terrain, Twist, Unseen,
-    presets,
+    Controller, Error, Inputs, Keep, Method, Odometry, RockerBogie, Rover, Terrain, Twist, Unseen, presets,
 };
 
 /// Of every job: `benches/instructions.py` divides by it.
 const RUNS: usize = 64;
 const ROWS: usize = 256;
-const TWIST: Twist = Twist {
-    vx: 0.5,
-    vy: 0.0,
-    omega: 0.3,
-};
-const WORKERS: Workers = Workers {
-    level: Level::Avx2,
-    threads: 1,
-    fresh: false,
-};
+const TWIST: Twist = Twist { vx: 0.5, vy: 0.0, omega: 0.3 };
+const WORKERS: Workers = Workers { level: Level::Avx2, threads: 1, fresh: false };
 
 /// A rover, and a log of it over all turning radii.
 struct Drive {
@@ -43,32 +34,14 @@ struct Drive {
 impl Drive {
     fn new(rover: Rover) -> Result<Self, Error> {
         let angles = (0..ROWS).map(|k| k as f64 * 0.02);
-        let twists: Vec<_> = angles
-            .map(|angle| [0.5 * angle.cos(), 0.0, 0.5 * angle.sin()])
-            .collect();
+        let twists: Vec<_> = angles.map(|angle| [0.5 * angle.cos(), 0.0, 0.5 * angle.sin()]).collect();
         let (mut steering, mut speeds) = (vec![0.0; 4 * ROWS], vec![0.0; 6 * ROWS]);
-        batch::inverse(
-            &rover,
-            &twists,
-            Inputs::default(),
-            &mut steering,
-            &mut speeds,
-            WORKERS,
-        )?;
-        Ok(Self {
-            rover,
-            twists,
-            steering,
-            speeds,
-        })
+        batch::inverse(&rover, &twists, Inputs::default(), &mut steering, &mut speeds, WORKERS)?;
+        Ok(Self { rover, twists, steering, speeds })
     }
 
     fn log(&self) -> Log<'_> {
-        Log {
-            steering: &self.steering,
-            speeds: &self.speeds,
-            steering_rates: None,
-        }
+        Log { steering: &self.steering, speeds: &self.speeds, steering_rates: None }
     }
 }
 
@@ -77,13 +50,7 @@ fn inverse_one(drive: &Drive) -> Result<(), Error> {
     let (mut steering, mut speeds) = ([0.0; 4], [0.0; 6]);
     for _ in 0..RUNS {
         let twist = black_box(TWIST);
-        batch::inverse_one(
-            &drive.rover,
-            twist,
-            Inputs::default(),
-            &mut steering,
-            &mut speeds,
-        )?;
+        batch::inverse_one(&drive.rover, twist, Inputs::default(), &mut steering, &mut speeds)?;
     }
     Ok(())
 }
@@ -91,11 +58,8 @@ fn inverse_one(drive: &Drive) -> Result<(), Error> {
 #[inline(never)]
 fn forward_one(drive: &Drive) -> Result<(), Error> {
     for _ in 0..RUNS {
-        let measured = Measured {
-            steering: black_box(&drive.steering[..4]),
-            speeds: &drive.speeds[..6],
-            steering_rates: None,
-        };
+        let measured =
+            Measured { steering: black_box(&drive.steering[..4]), speeds: &drive.speeds[..6], steering_rates: None };
         black_box(batch::forward_one(&drive.rover, measured, Unseen::Refuse)?);
     }
     Ok(())
@@ -111,16 +75,9 @@ fn admissible_one(drive: &Drive) -> Result<(), Error> {
 
 #[inline(never)]
 fn project_one(drive: &Drive) -> Result<(), Error> {
-    let beyond = Twist {
-        omega: 3.0,
-        ..TWIST
-    };
+    let beyond = Twist { omega: 3.0, ..TWIST };
     for _ in 0..RUNS {
-        black_box(batch::project_one(
-            &drive.rover,
-            black_box(beyond),
-            Keep::Nearest,
-        )?);
+        black_box(batch::project_one(&drive.rover, black_box(beyond), Keep::Nearest)?);
     }
     Ok(())
 }
@@ -157,14 +114,7 @@ fn controller_step(controller: &mut Controller) -> Result<(), Error> {
 fn inverse(drive: &Drive, steering: &mut [f64], speeds: &mut [f64]) -> Result<(), Error> {
     for _ in 0..RUNS {
         let inputs = Inputs::default();
-        batch::inverse(
-            &drive.rover,
-            black_box(&drive.twists),
-            inputs,
-            steering,
-            speeds,
-            WORKERS,
-        )?;
+        batch::inverse(&drive.rover, black_box(&drive.twists), inputs, steering, speeds, WORKERS)?;
     }
     Ok(())
 }
@@ -172,13 +122,7 @@ fn inverse(drive: &Drive, steering: &mut [f64], speeds: &mut [f64]) -> Result<()
 #[inline(never)]
 fn forward(drive: &Drive, twists: &mut [[f64; 3]]) -> Result<(), Error> {
     for _ in 0..RUNS {
-        batch::forward(
-            &drive.rover,
-            black_box(drive.log()),
-            Unseen::Refuse,
-            twists,
-            WORKERS,
-        )?;
+        batch::forward(&drive.rover, black_box(drive.log()), Unseen::Refuse, twists, WORKERS)?;
     }
     Ok(())
 }
@@ -187,14 +131,7 @@ fn forward(drive: &Drive, twists: &mut [[f64; 3]]) -> Result<(), Error> {
 fn integrate(drive: &Drive, poses: &mut [[f64; 3]]) -> Result<(), Error> {
     for _ in 0..RUNS {
         let steps = Steps::Constant(0.01);
-        batch::integrate(
-            black_box(&drive.twists),
-            ROWS,
-            steps,
-            &[[0.0; 3]],
-            poses,
-            WORKERS,
-        )?;
+        batch::integrate(black_box(&drive.twists), ROWS, steps, &[[0.0; 3]], poses, WORKERS)?;
     }
     Ok(())
 }
@@ -210,24 +147,13 @@ fn admissible(drive: &Drive, answers: &mut [bool]) -> Result<(), Error> {
 #[inline(never)]
 fn project(drive: &Drive, beyond: &[[f64; 3]], twists: &mut [[f64; 3]]) -> Result<(), Error> {
     for _ in 0..RUNS {
-        batch::project(
-            &drive.rover,
-            black_box(beyond),
-            Keep::Nearest,
-            twists,
-            WORKERS,
-        )?;
+        batch::project(&drive.rover, black_box(beyond), Keep::Nearest, twists, WORKERS)?;
     }
     Ok(())
 }
 
 #[inline(never)]
-fn fit(
-    drive: &Drive,
-    twists: &mut [[f64; 3]],
-    residual: &mut [f64],
-    weights: &mut [f64],
-) -> Result<(), Error> {
+fn fit(drive: &Drive, twists: &mut [[f64; 3]], residual: &mut [f64], weights: &mut [f64]) -> Result<(), Error> {
     let (mut ranks, mut sigmas) = ([0; ROWS], [0.0; ROWS]);
     for _ in 0..RUNS {
         let log = black_box(drive.log());
@@ -252,11 +178,7 @@ fn fit(
 #[inline(never)]
 fn settle(settler: &Settler<'_>) -> Result<(), Error> {
     for k in 0..RUNS {
-        let pose = PlanPose {
-            x: 4.0 + 0.05 * k as f64,
-            y: 5.0,
-            yaw: 0.1 * k as f64,
-        };
+        let pose = PlanPose { x: 4.0 + 0.05 * k as f64, y: 5.0, yaw: 0.1 * k as f64 };
         black_box(settler.settle(pose, &[0.0; 4])?);
     }
     Ok(())
@@ -266,46 +188,23 @@ fn main() -> Result<(), Error> {
     let drive = Drive::new(presets::preset("perseverance", None)?)?;
     let (mut steering, mut speeds) = (vec![0.0; 4 * ROWS], vec![0.0; 6 * ROWS]);
     let (mut twists, mut poses) = (vec![[0.0; 3]; ROWS], vec![[0.0; 3]; ROWS + 1]);
-    let beyond: Vec<_> = drive
-        .twists
-        .iter()
-        .map(|[vx, _, omega]| [*vx, 0.2, *omega])
-        .collect();
+    let beyond: Vec<_> = drive.twists.iter().map(|[vx, _, omega]| [*vx, 0.2, *omega]).collect();
     inverse_one(&drive)?;
     forward_one(&drive)?;
     admissible_one(&drive)?;
     drive.rover.project(TWIST, Keep::Nearest)?; // makes the faces
     project_one(&drive)?;
-    odometry_update(
-        &drive,
-        &mut Odometry::new(drive.rover.clone(), Settings::default())?,
-    )?;
-    let limits = Limits {
-        speed: 1.0,
-        acceleration: 0.5,
-        ..Limits::default()
-    };
-    controller_step(&mut Controller::new(
-        &drive.rover,
-        limits,
-        Options::default(),
-        None,
-    )?)?;
+    odometry_update(&drive, &mut Odometry::new(drive.rover.clone(), Settings::default())?)?;
+    let limits = Limits { speed: 1.0, acceleration: 0.5, ..Limits::default() };
+    controller_step(&mut Controller::new(&drive.rover, limits, Options::default(), None)?)?;
     inverse(&drive, &mut steering, &mut speeds)?;
     forward(&drive, &mut twists)?;
     integrate(&drive, &mut poses)?;
     admissible(&drive, &mut [false; ROWS])?;
     project(&drive, &beyond, &mut twists)?;
     fit(&drive, &mut twists, &mut speeds, &mut vec![0.0; 6 * ROWS])?;
-    let heights = (0..200 * 200)
-        .map(|k| 0.1 * (0.05 * (k % 200) as f64).sin() * (0.07 * (k / 200) as f64).cos());
-    let ground = Terrain::new(
-        Heights::Double(std::sync::Arc::new(heights.collect())),
-        200,
-        [0.05; 2],
-        [0.0; 2],
-        0.0,
-    )?;
+    let heights = (0..200 * 200).map(|k| 0.1 * (0.05 * (k % 200) as f64).sin() * (0.07 * (k / 200) as f64).cos());
+    let ground = Terrain::new(Heights::Double(std::sync::Arc::new(heights.collect())), 200, [0.05; 2], [0.0; 2], 0.0)?;
     let arm = RockerBogie::perseverance()?;
     settle(&Settler::new(&ground, arm.chain()))
 }

@@ -13,9 +13,7 @@ const ROWS: usize = 100_000;
 /// Twists over all turning radii, a thousandth of the way round the (vx, omega) plane apart.
 fn twists() -> Vec<[f64; 3]> {
     let angles = (0..ROWS).map(|k| k as f64 * 1e-3);
-    angles
-        .map(|angle| [0.5 * angle.cos(), 0.0, 0.5 * angle.sin()])
-        .collect()
+    angles.map(|angle| [0.5 * angle.cos(), 0.0, 0.5 * angle.sin()]).collect()
 }
 
 fn rover() -> Result<Rover, Error> {
@@ -27,26 +25,13 @@ fn one_call(criterion: &mut Criterion) {
     let (mut steering, mut speeds) = ([0.0; 4], [0.0; 6]);
     let twist = Twist::from([0.5, 0.0, 0.3]);
     criterion.bench_function("inverse, one call", |bencher| {
-        bencher.iter(|| {
-            rover
-                .inverse(
-                    black_box(twist),
-                    Inputs::default(),
-                    &mut steering,
-                    &mut speeds,
-                )
-                .is_ok()
-        });
+        bencher.iter(|| rover.inverse(black_box(twist), Inputs::default(), &mut steering, &mut speeds).is_ok());
     });
     criterion.bench_function("forward, one call", |bencher| {
         bencher.iter(|| {
             let (steering, speeds) = (black_box(&steering), black_box(&speeds));
             let steering_rates = None;
-            let measured = Measured {
-                steering,
-                speeds,
-                steering_rates,
-            };
+            let measured = Measured { steering, speeds, steering_rates };
             rover.forward(measured, Unseen::Refuse)
         });
     });
@@ -61,22 +46,12 @@ fn batches(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(ROWS as u64));
     let inputs = Inputs::default();
     for level in Level::available() {
-        let workers = Workers {
-            level,
-            threads: 1,
-            fresh: false,
-        };
+        let workers = Workers { level, threads: 1, fresh: false };
         let name = |job: &str| format!("{job}, {}", level.name());
         group.bench_function(name("inverse"), |bencher| {
-            bencher.iter(|| {
-                batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
-            });
+            bencher.iter(|| batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers));
         });
-        let log = Log {
-            steering: &steering,
-            speeds: &speeds,
-            steering_rates: None,
-        };
+        let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
         group.bench_function(name("forward"), |bencher| {
             bencher.iter(|| batch::forward(&rover, log, Unseen::Refuse, &mut back, workers));
         });

@@ -79,26 +79,17 @@ impl Rover {
     /// Whether the rover can make a twist. Fails if it is not finite.
     pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
         let fastest = self.check_speeds(twist, None)?;
-        Ok(self
-            .obstacle(twist, None, SLIP_TOLERANCE * fastest)
-            .is_none())
+        Ok(self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none())
     }
 
     /// The same, a twist that is not finite being impossible.
     pub(crate) fn is_possible(&self, twist: Twist) -> bool {
-        self.check_speeds(twist, None).is_ok_and(|fastest| {
-            self.obstacle(twist, None, SLIP_TOLERANCE * fastest)
-                .is_none()
-        })
+        self.check_speeds(twist, None)
+            .is_ok_and(|fastest| self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none())
     }
 
     /// What keeps the rover from a twist, sliding by `tolerance` or less apart [m/s].
-    fn obstacle(
-        &self,
-        twist: Twist,
-        steering_rates: Option<&[f64]>,
-        tolerance: f64,
-    ) -> Option<Obstacle> {
+    fn obstacle(&self, twist: Twist, steering_rates: Option<&[f64]>, tolerance: f64) -> Option<Obstacle> {
         let vector = Vector3::from(twist);
         for (bank, Bank { row, .. }) in self.banks.iter().enumerate() {
             let slip = row.dot(&vector).abs();
@@ -115,11 +106,8 @@ impl Rover {
     fn explained(&self, obstacle: Obstacle, twist: Twist) -> Error {
         let rule = match obstacle {
             Obstacle::Slip { bank, slip } => {
-                let names: Vec<_> = self.banks[bank]
-                    .wheels
-                    .iter()
-                    .map(|&i| format!("{:?}", self.wheels()[i].name))
-                    .collect();
+                let names: Vec<_> =
+                    self.banks[bank].wheels.iter().map(|&i| format!("{:?}", self.wheels()[i].name)).collect();
                 format!(
                     "let the unsteered wheels {} roll without side slip (they would slide at {} m/s; \
                      project() finds a twist that does not)",
@@ -143,22 +131,12 @@ impl Rover {
     }
 
     /// Fails unless the twist and every wheel speed are finite; a bound of the fastest pivot's speed [m/s].
-    pub(crate) fn check_speeds(
-        &self,
-        twist: Twist,
-        steering_rates: Option<&[f64]>,
-    ) -> Result<f64, Error> {
+    pub(crate) fn check_speeds(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<f64, Error> {
         finite("twist", &<[f64; 3]>::from(twist))?;
         let fastest = self.fastest(twist, steering_rates);
         // Twice: the length of a velocity against its larger component.
-        if !self
-            .wheels()
-            .iter()
-            .all(|wheel| (2.0 * fastest / wheel.radius).is_finite())
-        {
-            return Err(
-                infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value)
-            );
+        if !self.wheels().iter().all(|wheel| (2.0 * fastest / wheel.radius).is_finite()) {
+            return Err(infeasible("keep every wheel speed finite", twist).of_kind(ErrorKind::Value));
         }
         Ok(fastest)
     }
@@ -168,9 +146,7 @@ impl Rover {
         let steered = self.steered().iter().copied().enumerate();
         steered.filter(|&(joint, i)| {
             let wheel = &self.wheels()[i];
-            let inside = |range: SteeringRange| {
-                range.lower < steering[joint] && steering[joint] < range.upper
-            };
+            let inside = |range: SteeringRange| range.lower < steering[joint] && steering[joint] < range.upper;
             wheel.trail != 0.0 || !wheel.steering().is_some_and(inside)
         })
     }
@@ -214,11 +190,7 @@ impl Rover {
             return None;
         }
         let slip = wheel.side_slip(angle, twist, rate).abs();
-        (slip > tolerance).then_some(Obstacle::Range {
-            wheel: i,
-            angle,
-            slip,
-        })
+        (slip > tolerance).then_some(Obstacle::Range { wheel: i, angle, slip })
     }
 
     /// Bound of the speed of every pivot and contact, to a factor of two [m/s].
@@ -227,17 +199,10 @@ impl Rover {
         for wheel in self.wheels() {
             let u = twist.at(wheel.x, wheel.y);
             let offset = wheel.scrub.abs() + wheel.trail.abs();
-            let rate = steering_rates
-                .unwrap_or_default()
-                .iter()
-                .fold(0.0, |a: f64, b| a.max(b.abs()));
+            let rate = steering_rates.unwrap_or_default().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
             // `max` would drop a NaN, the sum does not.
             let speed = u.x.abs() + u.y.abs() + offset * (twist.omega.abs() + rate);
-            fastest = if speed > fastest || speed.is_nan() {
-                speed
-            } else {
-                fastest
-            };
+            fastest = if speed > fastest || speed.is_nan() { speed } else { fastest };
         }
         fastest
     }
@@ -245,40 +210,21 @@ impl Rover {
     /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
         let fastest = self.check_speeds(twist, None)?;
-        if self
-            .obstacle(twist, None, SLIP_TOLERANCE * fastest)
-            .is_none()
-        {
+        if self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none() {
             return Ok(twist);
         }
         let nearest = |keep: Keep| {
             self.nearest(twist, keep).ok_or_else(|| {
-                let kept = if keep == Keep::Speed {
-                    "speed"
-                } else {
-                    "yaw rate"
-                };
-                infeasible(
-                    format!("have a possible twist of the same {kept} beside it"),
-                    twist,
-                )
+                let kept = if keep == Keep::Speed { "speed" } else { "yaw rate" };
+                infeasible(format!("have a possible twist of the same {kept} beside it"), twist)
             })
         };
         let found = match keep {
-            Keep::Speed => nearest(keep).map(|found| Twist {
-                vx: twist.vx,
-                ..found
-            }),
-            Keep::YawRate => nearest(keep).map(|found| Twist {
-                omega: twist.omega,
-                ..found
-            }),
+            Keep::Speed => nearest(keep).map(|found| Twist { vx: twist.vx, ..found }),
+            Keep::YawRate => nearest(keep).map(|found| Twist { omega: twist.omega, ..found }),
             Keep::Nearest => nearest(keep),
             Keep::Curvature => match self.nearest(twist, keep) {
-                Some(found) => Ok(Twist {
-                    vy: found.vy,
-                    ..twist
-                }),
+                Some(found) => Ok(Twist { vy: found.vy, ..twist }),
                 None => nearest(Keep::Nearest).map(|found| shrink(found, twist)),
             },
         }?;
@@ -294,9 +240,7 @@ impl Rover {
     fn limit_planes(&self) -> Vec<(usize, [Vector3<f64>; 2])> {
         let ends = |(joint, &i): (usize, &usize)| {
             let wheel = &self.wheels()[i];
-            let range = wheel
-                .steering()
-                .filter(|range| !range.is_full() || wheel.trail != 0.0)?;
+            let range = wheel.steering().filter(|range| !range.is_full() || wheel.trail != 0.0)?;
             let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
             Some((joint, [row(range.lower), row(range.upper)]))
         };
@@ -319,11 +263,7 @@ impl Rover {
         let straight = Vector3::new(line.y, -line.x, 0.0);
         let spin = Vector3::new(-line.z * line.x, -line.z * line.y, 1.0);
         let possible = |twist: Vector3<f64>| self.is_possible(twist.into());
-        let mut ends: Vec<f64> = self
-            .limit_rows()
-            .iter()
-            .map(|row| -row.dot(&spin) / row.dot(&straight))
-            .collect();
+        let mut ends: Vec<f64> = self.limit_rows().iter().map(|row| -row.dot(&spin) / row.dot(&straight)).collect();
         for wheel in self.steered().iter().map(|&i| &self.wheels()[i]) {
             ends.extend(trail_radii(wheel, straight.into(), spin.into()));
         }
@@ -332,11 +272,7 @@ impl Rover {
         ends.dedup_by(|b, a| (*b - *a).abs() <= SAME_RADIUS * self.size);
         let (Some(&first), Some(&last)) = (ends.first(), ends.last()) else {
             let all = possible(straight) && possible(spin);
-            return if all {
-                (0.0, f64::INFINITY)
-            } else {
-                (f64::INFINITY, 0.0)
-            };
+            return if all { (0.0, f64::INFINITY) } else { (f64::INFINITY, 0.0) };
         };
         // The line of radii, cut at the limits, closes at infinity: one piece holds the straight line.
         let beyond = first.abs().max(last.abs()) + self.size;
@@ -347,11 +283,7 @@ impl Rover {
             if !possible(spin + straight * f64::midpoint(pair[0], pair[1])) {
                 min_radius = min_radius.max(pair[0].abs()).max(pair[1].abs());
                 let holds_zero = pair[0] < 0.0 && pair[1] > 0.0;
-                let inner = if holds_zero {
-                    0.0
-                } else {
-                    pair[0].abs().min(pair[1].abs())
-                };
+                let inner = if holds_zero { 0.0 } else { pair[0].abs().min(pair[1].abs()) };
                 spin_radius = spin_radius.min(inner);
             }
         }
@@ -382,11 +314,7 @@ fn trail_radii(wheel: &Wheel, straight: Twist, spin: Twist) -> [f64; 2] {
 /// Scales a twist so that neither its forward speed nor its yaw rate exceeds the wanted one.
 fn shrink(found: Twist, wanted: Twist) -> Twist {
     let share = |found: f64, wanted: f64| {
-        if found.abs() <= wanted.abs() {
-            1.0
-        } else {
-            wanted.abs() / found.abs()
-        }
+        if found.abs() <= wanted.abs() { 1.0 } else { wanted.abs() / found.abs() }
     };
     let scale = share(found.vx, wanted.vx).min(share(found.omega, wanted.omega));
     Twist::from(Vector3::from(found) * scale)

@@ -56,17 +56,8 @@ pub enum Knowledge {
 }
 
 /// The intervals of a pose, in the order in which [`bounds`] writes them.
-pub const QUANTITIES: [&str; 9] = [
-    "z",
-    "roll",
-    "pitch",
-    "tilt",
-    "clearance",
-    "rocker",
-    "bogie_left",
-    "bogie_right",
-    "wheel_drop",
-];
+pub const QUANTITIES: [&str; 9] =
+    ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogie_left", "bogie_right", "wheel_drop"];
 
 /// The tilt's number among them.
 const TILT: usize = 3;
@@ -85,22 +76,9 @@ struct Room {
 impl Room {
     /// Of a box of the body `half` as long and as wide, about `place` when level.
     fn new(patch: Patch, place: [f64; 3], half: [f64; 2], radius: f64) -> Self {
-        let room =
-            |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
-        let far = [
-            place[0].abs() + half[0],
-            place[1].abs() + half[1],
-            place[2].abs(),
-        ];
-        Self {
-            place: if radius > 0.0 {
-                place.map(f64::abs)
-            } else {
-                far
-            },
-            radius,
-            room: [room(0), room(1)],
-        }
+        let room = |axis: usize| patch.half[axis] - half[axis] - (patch.centre[axis] - place[axis]).abs();
+        let far = [place[0].abs() + half[0], place[1].abs() + half[1], place[2].abs()];
+        Self { place: if radius > 0.0 { place.map(f64::abs) } else { far }, radius, room: [room(0), room(1)] }
     }
 }
 
@@ -141,11 +119,7 @@ impl Plan {
     /// For a rover with this belly, its wheels in boxes for angles within a range.
     pub fn new(dimensions: &Dimensions, plate: Belly, within: Within) -> Result<Self, Error> {
         let largest = 40_f64.to_radians();
-        for (name, angle) in [
-            ("attitude", within.attitude),
-            ("rocker", within.rocker),
-            ("bogie", within.bogie),
-        ] {
+        for (name, angle) in [("attitude", within.attitude), ("rocker", within.rocker), ("bogie", within.bogie)] {
             if !(angle > 0.0 && angle <= largest) {
                 let rule = "be positive and at most 40 degrees";
                 return Err(Error::value(name, rule, number(angle)));
@@ -155,30 +129,15 @@ impl Plan {
         let lateral: [f64; 3] = std::array::from_fn(|pair| dimensions.level_place(pair)[1]);
         let least = lateral.iter().fold(f64::INFINITY, |least, y| least.min(*y));
         let [ahead, behind] = dimensions.bogie_to_wheels;
-        let vectors = [
-            dimensions.rocker_to_wheel,
-            dimensions.rocker_to_bogie,
-            ahead,
-            behind,
-        ];
-        let swings = [
-            within.rocker,
-            within.rocker,
-            within.rocker + within.bogie,
-            within.rocker + within.bogie,
-        ];
+        let vectors = [dimensions.rocker_to_wheel, dimensions.rocker_to_bogie, ahead, behind];
+        let swings = [within.rocker, within.rocker, within.rocker + within.bogie, within.rocker + within.bogie];
         let middle = (plate.x[0] + plate.x[1]) / 2.0;
         let Belly { x, half_width, z } = plate;
         let left = boxes::wheels(dimensions, within);
         let radius = dimensions.wheel_radius;
         let belly = boxes::plate(x, [-half_width, half_width], z, within);
         let rooms = std::array::from_fn(|k| match k {
-            3 => Room::new(
-                belly,
-                [middle, 0.0, z],
-                [(x[1] - x[0]) / 2.0, half_width],
-                0.0,
-            ),
+            3 => Room::new(belly, [middle, 0.0, z], [(x[1] - x[0]) / 2.0, half_width], 0.0),
             _ => Room::new(left[k], dimensions.level_place(k), [radius, 0.0], radius),
         });
         let slack = slack(dimensions.differential, within.rocker)?;
@@ -188,10 +147,7 @@ impl Plan {
             rooms,
             looseness: 2.0 * slack * arms,
             within,
-            wheels: [
-                left.map(|patch| patch.parts(3)),
-                left.map(|patch| patch.mirrored().parts(3)),
-            ],
+            wheels: [left.map(|patch| patch.parts(3)), left.map(|patch| patch.mirrored().parts(3))],
             belly: belly.parts(3),
             middle: boxes::plate([middle; 2], [0.0; 2], z, within),
             plate,

@@ -33,18 +33,8 @@ pub struct Error {
 
 impl Error {
     /// A wrong value.
-    pub fn value(
-        argument: impl Into<Cow<'static, str>>,
-        rule: impl Into<String>,
-        value: impl Into<String>,
-    ) -> Self {
-        Self {
-            kind: ErrorKind::Value,
-            argument: argument.into(),
-            row: None,
-            rule: rule.into(),
-            value: value.into(),
-        }
+    pub fn value(argument: impl Into<Cow<'static, str>>, rule: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Value, argument: argument.into(), row: None, rule: rule.into(), value: value.into() }
     }
 
     /// The same failure, of another kind.
@@ -70,10 +60,7 @@ impl Error {
 
     /// The message, with the place in a batch written by the caller, who knows its shape.
     pub fn message(&self, place: &str) -> String {
-        format!(
-            "{}{place} must {}, got {}",
-            self.argument, self.rule, self.value
-        )
+        format!("{}{place} must {}, got {}", self.argument, self.rule, self.value)
     }
 }
 
@@ -88,11 +75,7 @@ impl std::error::Error for Error {}
 
 /// A number as Python writes it.
 pub(crate) fn number(value: f64) -> String {
-    if value.is_nan() {
-        "nan".into()
-    } else {
-        format!("{value:?}")
-    }
+    if value.is_nan() { "nan".into() } else { format!("{value:?}") }
 }
 
 /// Four digits of a number, as Python writes it: what a person reads.
@@ -134,10 +117,6 @@ pub(crate) fn positive(argument: impl Into<Cow<'static, str>>, value: f64) -> Re
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(Error::value(
-            argument,
-            "be finite and positive",
-            number(value),
-        ))
+        Err(Error::value(argument, "be finite and positive", number(value)))
     }
 }

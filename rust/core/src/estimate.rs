@@ -35,9 +35,7 @@ pub(crate) const ROUNDS: usize = 100;
 /// The wheel that disagrees most: the first of the largest residuals, none where every residual is 0 or unknown.
 pub fn worst_wheel(residuals: &[f64]) -> Option<usize> {
     let largest = residuals.iter().copied().fold(0.0, f64::max);
-    residuals
-        .iter()
-        .position(|residual| *residual == largest && largest > 0.0)
+    residuals.iter().position(|residual| *residual == largest && largest > 0.0)
 }
 
 /// How the wheels' readings are weighed against each other.
@@ -148,11 +146,7 @@ impl Rover {
         finite("steering_rates", rates)?;
         for (wheel, speed) in self.wheels().iter().zip(measured.speeds) {
             if !(speed.is_finite() || speed.is_nan() && !wheel.driven) {
-                return Err(Error::value(
-                    "speeds",
-                    "be finite",
-                    numbers(measured.speeds),
-                ));
+                return Err(Error::value("speeds", "be finite", numbers(measured.speeds)));
             }
         }
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -174,14 +168,9 @@ impl Rover {
         }
         let zeros = [0.0; MAX_WHEELS];
         let mut readings = [Reading::NONE; MAX_WHEELS];
-        let at_rest = Measured {
-            steering: &zeros,
-            speeds: &zeros,
-            steering_rates: None,
-        };
+        let at_rest = Measured { steering: &zeros, speeds: &zeros, steering_rates: None };
         let readings = self.read(at_rest, &mut readings);
-        self.solution(self.normal(readings, |_| 1.0), Unseen::Refuse)
-            .ok()
+        self.solution(self.normal(readings, |_| 1.0), Unseen::Refuse).ok()
     }
 
     /// The twist with residual [m/s] and weight of every wheel, rank and smallest singular value.
@@ -201,11 +190,7 @@ impl Rover {
             *residual = reading.residual(&twist.into());
         }
         let (rank, sigma_min) = self.singular_values(readings, weights);
-        Ok(Fit {
-            twist,
-            rank,
-            sigma_min,
-        })
+        Ok(Fit { twist, rank, sigma_min })
     }
 
     /// The twist by any method, and the weights it gave the wheels.
@@ -222,11 +207,7 @@ impl Rover {
             Method::LeastSquares => self.least_squares(readings, measured, unseen),
             Method::MiddleWheels => {
                 for (weight, wheel) in weights.iter_mut().zip(self.wheels()) {
-                    *weight = if wheel.pivot == Pivot::Fixed {
-                        1.0
-                    } else {
-                        0.0
-                    };
+                    *weight = if wheel.pivot == Pivot::Fixed { 1.0 } else { 0.0 };
                 }
                 if weights.iter().all(|weight| *weight == 0.0) {
                     let rule = "be another one for a rover without unsteered wheels";
@@ -242,11 +223,7 @@ impl Rover {
     }
 
     /// Puts the readings into the wheel equation.
-    pub(crate) fn read<'r>(
-        &self,
-        measured: Measured<'_>,
-        readings: &'r mut [Reading],
-    ) -> &'r [Reading] {
+    pub(crate) fn read<'r>(&self, measured: Measured<'_>, readings: &'r mut [Reading]) -> &'r [Reading] {
         let mut joint = 0;
         let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
         for (((wheel, mount), speed), reading) in wheels.zip(readings.iter_mut()) {
@@ -281,29 +258,17 @@ impl Rover {
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    pub(crate) fn normal(
-        &self,
-        readings: &[Reading],
-        weight: impl Fn(usize) -> f64,
-    ) -> Matrix3<f64> {
+    pub(crate) fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
-            let (rolling, side_slip) = (
-                self.shifted(&reading.rolling),
-                self.shifted(&reading.side_slip),
-            );
-            normal +=
-                (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * weight(i);
+            let (rolling, side_slip) = (self.shifted(&reading.rolling), self.shifted(&reading.side_slip));
+            normal += (rolling * rolling.transpose() + side_slip * side_slip.transpose()) * weight(i);
         }
         normal
     }
 
     /// What turns the right-hand side of the normal equations into their solution.
-    pub(crate) fn solution(
-        &self,
-        normal: Matrix3<f64>,
-        unseen: Unseen,
-    ) -> Result<Matrix3<f64>, Error> {
+    pub(crate) fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
@@ -334,11 +299,7 @@ impl Rover {
     /// The twist whose unknowns about the centre of the pivots these are.
     pub(crate) fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
-        Vector3::new(
-            centred.x + omega * self.centre.y,
-            centred.y - omega * self.centre.x,
-            omega,
-        )
+        Vector3::new(centred.x + omega * self.centre.y, centred.y - omega * self.centre.x, omega)
     }
 
     /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
@@ -358,12 +319,7 @@ impl Rover {
     }
 
     /// Least squares, every wheel alike.
-    fn least_squares(
-        &self,
-        readings: &[Reading],
-        measured: Measured<'_>,
-        unseen: Unseen,
-    ) -> Result<Twist, Error> {
+    fn least_squares(&self, readings: &[Reading], measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
         let solution = self.solution_for(readings, measured, unseen)?;
         Ok(self.solve_for_twist(&solution, readings, |_| 1.0))
     }
@@ -382,12 +338,7 @@ impl Rover {
     }
 
     /// Weighted least squares.
-    fn weighted(
-        &self,
-        readings: &[Reading],
-        weights: &[f64],
-        unseen: Unseen,
-    ) -> Result<Twist, Error> {
+    fn weighted(&self, readings: &[Reading], weights: &[f64], unseen: Unseen) -> Result<Twist, Error> {
         let solution = self.solution(self.normal(readings, |i| weights[i]), unseen)?;
         Ok(self.solve_for_twist(&solution, readings, |i| weights[i]))
     }
@@ -397,14 +348,9 @@ impl Rover {
         let twist = self.unshifted(&Jacobi::new(&normal).turn.column(2).into_owned());
         // To be read: the largest component is 1, and what vanishes beside it is 0.
         let largest = twist[twist.iamax()];
-        let twist: [f64; 3] = (twist / largest)
-            .map(|part| if part.abs() < VANISHED { 0.0 } else { part })
-            .into();
+        let twist: [f64; 3] = (twist / largest).map(|part| if part.abs() < VANISHED { 0.0 } else { part }).into();
         let rule = "determine the twist";
-        let value = format!(
-            "no reading of the motion (vx, vy, omega) = {}",
-            numbers(&twist)
-        );
+        let value = format!("no reading of the motion (vx, vy, omega) = {}", numbers(&twist));
         Error::value("wheels", rule, value).of_kind(ErrorKind::Underdetermined)
     }
 
@@ -474,9 +420,5 @@ impl Rover {
 /// Median of sorted values.
 fn median(sorted: &[f64]) -> f64 {
     let middle = sorted.len() / 2;
-    if sorted.len() % 2 == 1 {
-        sorted[middle]
-    } else {
-        f64::midpoint(sorted[middle - 1], sorted[middle])
-    }
+    if sorted.len() % 2 == 1 { sorted[middle] } else { f64::midpoint(sorted[middle - 1], sorted[middle]) }
 }

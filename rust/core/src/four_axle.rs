@@ -144,11 +144,7 @@ impl FourAxle {
         let [x, y] = hinges;
         positive("hinges[0]", x)?;
         if !(y.is_finite() && y >= 0.0) {
-            return Err(Error::value(
-                "hinges[1]",
-                "be finite and not negative",
-                number(y),
-            ));
+            return Err(Error::value("hinges[1]", "be finite and not negative", number(y)));
         }
         positive("axle_length", axle_length)?;
         positive("wheel_radius", wheel_radius)?;
@@ -166,14 +162,7 @@ impl FourAxle {
             axle("rear_left", -x, 1.0),
             axle("rear_right", -x, -1.0),
         ])?;
-        Ok(Self {
-            hinges,
-            axle_length,
-            wheel_radius,
-            steering,
-            tolerance,
-            rover,
-        })
+        Ok(Self { hinges, axle_length, wheel_radius, steering, tolerance, rover })
     }
 
     /// Half the distance of the hinges along and across the body [m].
@@ -221,9 +210,7 @@ impl FourAxle {
             return Err(Error::value("angles", rule, numbers(angles)));
         }
         let [front_left, front_right, rear_left, rear_right] = *angles;
-        let apart = (front_left - front_right)
-            .abs()
-            .max((rear_left - rear_right).abs());
+        let apart = (front_left - front_right).abs().max((rear_left - rear_right).abs());
         if self.is_rigid() && apart > slack {
             let rule = "be equal left and right on a rigid axle (hinges on the centre line)";
             return Err(Error::value("angles", rule, numbers(angles)));
@@ -235,23 +222,18 @@ impl FourAxle {
     ///
     /// A point at infinity along one axis is the straight line across it.
     pub fn concurrent_angles(&self, icr: [f64; 2]) -> Result<Axles, Error> {
-        self.aim(turn_about(icr)?, &[0.0; 4])
-            .map_err(|error| Error {
-                argument: "icr".into(),
-                value: numbers(&icr),
-                ..error
-            })
+        self.aim(turn_about(icr)?, &[0.0; 4]).map_err(|error| Error {
+            argument: "icr".into(),
+            value: numbers(&icr),
+            ..error
+        })
     }
 
     /// Angles at which all axles allow a twist, near the previous ones.
     fn aim(&self, twist: Twist, previous: &Axles) -> Result<Axles, Error> {
         let (mut angles, mut speeds) = ([0.0; 4], [0.0; 4]);
-        let inputs = Inputs {
-            previous: Some(previous),
-            ..Inputs::default()
-        };
-        self.rover
-            .inverse(twist, inputs, &mut angles, &mut speeds)?;
+        let inputs = Inputs { previous: Some(previous), ..Inputs::default() };
+        self.rover.inverse(twist, inputs, &mut angles, &mut speeds)?;
         Ok(angles)
     }
 
@@ -273,15 +255,9 @@ impl FourAxle {
     /// A unit motion as a twist, turned forwards: of vx, omega, vy the first that is there is positive.
     fn unit(&self, scaled: Vector3<f64>) -> Twist {
         let snapped = scaled.map(|value| if value.abs() <= VANISHED { 0.0 } else { value });
-        let lead = [snapped.x, snapped.z, snapped.y]
-            .into_iter()
-            .find(|value| *value != 0.0);
+        let lead = [snapped.x, snapped.z, snapped.y].into_iter().find(|value| *value != 0.0);
         let sign = lead.map_or(1.0, f64::signum);
-        Twist::from([
-            sign * snapped.x + 0.0,
-            sign * snapped.y + 0.0,
-            sign * snapped.z / self.rover.size + 0.0,
-        ])
+        Twist::from([sign * snapped.x + 0.0, sign * snapped.y + 0.0, sign * snapped.z / self.rover.size + 0.0])
     }
 
     /// Root mean square speed of the hinges [m/s].
@@ -316,12 +292,7 @@ impl FourAxle {
     /// While one pair is locked and its drives follow, the rows may leave the speed open at which hinged
     /// axles go along. Then the motion is the one that lasts, under which the axle lines go on to share a
     /// point.
-    pub fn forward(
-        &self,
-        angles: &Axles,
-        brakes: Brakes,
-        speeds: &Drives,
-    ) -> Result<Motion, Error> {
+    pub fn forward(&self, angles: &Axles, brakes: Brakes, speeds: &Drives) -> Result<Motion, Error> {
         self.check_angles(angles)?;
         self.check_speeds(speeds)?;
         let lasting = self.must_last(angles, brakes, speeds);
@@ -365,13 +336,7 @@ impl FourAxle {
     /// With `lasting`, the axle lines count as sharing a point, and the pivots turn so that they go on to:
     /// the time derivative of `n . u = 0` at every hinge, `n . du/dt = (e . u) steering_rate`, has a solution
     /// for the acceleration.
-    fn velocities(
-        &self,
-        angles: &Axles,
-        brakes: Brakes,
-        speeds: &Drives,
-        lasting: bool,
-    ) -> Result<Motion, Error> {
+    fn velocities(&self, angles: &Axles, brakes: Brakes, speeds: &Drives, lasting: bool) -> Result<Motion, Error> {
         let wheels = self.rover.wheels();
         let rows = self.rows(angles);
         let (columns, count) = self.columns(brakes);
@@ -411,13 +376,7 @@ impl FourAxle {
         let found = system.solve(&wanted, least);
         let twist = Vector3::new(found[0], found[1], found[2] / self.rover.size);
         let pivot_rates = columns.map(|column| column.map_or(0.0, |c| found[c] / self.axle_length));
-        let mut motion = Motion {
-            twist: Twist::from(twist),
-            pivot_rates,
-            speeds: [0.0; 4],
-            residual: [0.0; 4],
-            rank,
-        };
+        let mut motion = Motion { twist: Twist::from(twist), pivot_rates, speeds: [0.0; 4], residual: [0.0; 4], rank };
         for i in 0..4 {
             let rolled = rows[i].rolling.dot(&twist) - wheels[i].scrub * pivot_rates[i];
             let rim_speed = speeds[i].map_or(rolled, |speed| wheels[i].radius * speed);
@@ -453,9 +412,7 @@ fn turn_about(icr: [f64; 2]) -> Result<Twist, Error> {
         return refused("be a point, at infinity or not");
     }
     match (x.is_infinite(), y.is_infinite()) {
-        (true, true) => refused(
-            "name one direction (rover.inverse takes a twist without turning in any direction)",
-        ),
+        (true, true) => refused("name one direction (rover.inverse takes a twist without turning in any direction)"),
         (true, false) => Ok(Twist::from([0.0, -x.signum(), 0.0])),
         (false, true) => Ok(Twist::from([y.signum(), 0.0, 0.0])),
         (false, false) => {
@@ -466,8 +423,7 @@ fn turn_about(icr: [f64; 2]) -> Result<Twist, Error> {
 }
 
 fn undetermined(speeds: &Drives, rank: usize, count: usize) -> Error {
-    let rule =
-        format!("determine the motion of body and free pivots ({rank} of {count} unknowns known)");
+    let rule = format!("determine the motion of body and free pivots ({rank} of {count} unknowns known)");
     let value = numbers(&speeds.map(|speed| speed.unwrap_or(f64::NAN)));
     Error::value("speeds", rule, value).of_kind(ErrorKind::Underdetermined)
 }

@@ -100,11 +100,7 @@ pub fn wrap_angle(angle: f64) -> f64 {
 
 impl Twist {
     /// No motion.
-    pub const ZERO: Self = Self {
-        vx: 0.0,
-        vy: 0.0,
-        omega: 0.0,
-    };
+    pub const ZERO: Self = Self { vx: 0.0, vy: 0.0, omega: 0.0 };
 
     /// Linear part [m/s].
     pub fn linear(self) -> Vector2<f64> {
@@ -120,11 +116,7 @@ impl Twist {
     #[must_use]
     pub fn about(self, [x, y]: [f64; 2]) -> Self {
         let at_origin = self.at(-x, -y);
-        Self {
-            vx: at_origin.x,
-            vy: at_origin.y,
-            omega: self.omega,
-        }
+        Self { vx: at_origin.x, vy: at_origin.y, omega: self.omega }
     }
 
     /// `start_from_end`: where holding this twist for `dt` [s] takes the body frame.
@@ -132,11 +124,7 @@ impl Twist {
         let yaw = self.omega * dt;
         // The chord leaves at half the turn. Nothing cancels as yaw → 0, unlike (1 − cos yaw)/yaw.
         let chord = Rotation2::new(yaw / 2.0) * self.linear() * (sinc(yaw / 2.0) * dt);
-        Pose {
-            x: chord.x,
-            y: chord.y,
-            yaw,
-        }
+        Pose { x: chord.x, y: chord.y, yaw }
     }
 
     /// Instantaneous centre of rotation [m] in body axes.
@@ -163,33 +151,21 @@ impl Pose {
         let yaw = wrap_angle(self.yaw);
         let chord = Vector2::new(self.x, self.y);
         let linear = Rotation2::new(-yaw / 2.0) * chord / (sinc(yaw / 2.0) * dt);
-        Twist {
-            vx: linear.x,
-            vy: linear.y,
-            omega: yaw / dt,
-        }
+        Twist { vx: linear.x, vy: linear.y, omega: yaw / dt }
     }
 
     /// `a_from_c = a_from_b * b_from_c`; yaws add up, turns included.
     #[must_use]
     pub fn compose(self, next: Self) -> Self {
         let shift = Rotation2::new(self.yaw) * Vector2::new(next.x, next.y);
-        Self {
-            x: self.x + shift.x,
-            y: self.y + shift.y,
-            yaw: self.yaw + next.yaw,
-        }
+        Self { x: self.x + shift.x, y: self.y + shift.y, yaw: self.yaw + next.yaw }
     }
 
     /// `self_from_next`: the pose of `next` seen from this one.
     #[must_use]
     pub fn between(self, next: Self) -> Self {
         let shift = Rotation2::new(-self.yaw) * Vector2::new(next.x - self.x, next.y - self.y);
-        Self {
-            x: shift.x,
-            y: shift.y,
-            yaw: next.yaw - self.yaw,
-        }
+        Self { x: shift.x, y: shift.y, yaw: next.yaw - self.yaw }
     }
 }
 
@@ -258,10 +234,7 @@ pub(crate) struct Sum {
 
 impl Sum {
     pub fn new(start: f64) -> Self {
-        Self {
-            sum: start,
-            lost: 0.0,
-        }
+        Self { sum: start, lost: 0.0 }
     }
 
     #[inline(always)]
@@ -296,12 +269,7 @@ impl Walk {
     pub fn new([x, y, yaw]: [f64; 3]) -> Self {
         let mut heading = Sum::new(yaw);
         unwind(&mut heading);
-        Self {
-            x: Sum::new(x),
-            y: Sum::new(y),
-            yaw: Sum::new(yaw),
-            heading,
-        }
+        Self { x: Sum::new(x), y: Sum::new(y), yaw: Sum::new(yaw), heading }
     }
 
     /// Adds a chord in world axes.
@@ -360,17 +328,14 @@ pub(crate) struct Bound(f64);
 impl Bound {
     pub fn new(start: [f64; 3]) -> Result<Self, Error> {
         finite("start", &start)?;
-        Ok(Self(
-            start.iter().map(|value| value.abs()).fold(0.0, f64::max),
-        ))
+        Ok(Self(start.iter().map(|value| value.abs()).fold(0.0, f64::max)))
     }
 
     /// Goes on along the log; rows of errors count from here.
     pub fn extend(&mut self, twists: &[[f64; 3]], steps: Steps<'_>) -> Result<(), Error> {
         for (k, twist) in twists.iter().enumerate() {
             finite("twists", twist).map_err(|error| error.at_row(k))?;
-            self.0 +=
-                twist.iter().map(|value| value.abs()).fold(0.0, f64::max) * steps.get(k) * 2.0;
+            self.0 += twist.iter().map(|value| value.abs()).fold(0.0, f64::max) * steps.get(k) * 2.0;
             if !self.0.is_finite() {
                 let rule = "keep the pose finite over its step";
                 return Err(Error::value("twists", rule, numbers(twist)).at_row(k));

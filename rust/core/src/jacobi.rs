@@ -49,11 +49,7 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
             columns.swap_columns(k, longest);
             turn.swap_columns(k, longest);
         }
-        Self {
-            columns,
-            turn,
-            values,
-        }
+        Self { columns, turn, values }
     }
 
     /// Number of singular values above a bound.
@@ -102,13 +98,7 @@ fn orthogonalise<const R: usize, const C: usize>(
     true
 }
 
-fn rotate<const R: usize, const C: usize>(
-    matrix: &mut SMatrix<f64, R, C>,
-    i: usize,
-    k: usize,
-    cosine: f64,
-    sine: f64,
-) {
+fn rotate<const R: usize, const C: usize>(matrix: &mut SMatrix<f64, R, C>, i: usize, k: usize, cosine: f64, sine: f64) {
     for row in 0..R {
         let (a, b) = (matrix[(row, i)], matrix[(row, k)]);
         matrix[(row, i)] = cosine * a - sine * b;
@@ -141,9 +131,7 @@ mod tests {
     fn side_slip_rows_of_two_axles_are_factored_to_rounding() {
         for k in -15..=15 {
             let (sin, cos) = (0.1 * f64::from(k) + 0.0194).sin_cos();
-            let matrix = Matrix4x3::new(
-                0.0, 1.0, 1.0, 0.0, 1.0, 1.0, -sin, cos, -cos, -sin, cos, -cos,
-            );
+            let matrix = Matrix4x3::new(0.0, 1.0, 1.0, 0.0, 1.0, 1.0, -sin, cos, -cos, -sin, cos, -cos);
             let found = Jacobi::new(&matrix);
             assert!((found.columns * found.turn.transpose() - matrix).amax() < 1e-14);
             assert!(found.values.z < 1e-15, "{}", found.values.z);
@@ -152,9 +140,7 @@ mod tests {
 
     #[test]
     fn a_consistent_system_is_solved_to_rounding() {
-        let matrix = Matrix4x3::new(
-            0.0, 1.0, 0.4, 0.0, 1.0, 0.4, 0.1, 0.99, -0.4, 0.1, 0.99, -0.41,
-        );
+        let matrix = Matrix4x3::new(0.0, 1.0, 0.4, 0.0, 1.0, 0.4, 0.1, 0.99, -0.4, 0.1, 0.99, -0.41);
         let wanted = nalgebra::Vector3::new(0.5, -0.02, 0.06);
         let right: Vector4<f64> = matrix * wanted;
         let found = Jacobi::new(&matrix).solve(&right, 1e-9);

@@ -55,11 +55,7 @@ impl Rover {
     ///
     /// `d1` half track of the corners, `d2` centre to rear axle, `d3` centre to front axle, `d4` half track
     /// of the middle wheels [m].
-    pub fn six_wheel(
-        [d1, d2, d3, d4]: [f64; 4],
-        wheel_radius: f64,
-        steering: SteeringRange,
-    ) -> Result<Self, Error> {
+    pub fn six_wheel([d1, d2, d3, d4]: [f64; 4], wheel_radius: f64, steering: SteeringRange) -> Result<Self, Error> {
         positive("d1", d1)?;
         positive("d2", d2)?;
         positive("d3", d3)?;
@@ -103,21 +99,10 @@ impl Rover {
         let names = spread_names(positions, names, "module", 2)?;
         let same = |i: usize| (0..i).find(|&j| positions[i] == positions[j]);
         if let Some((j, i)) = (0..names.len()).find_map(|i| same(i).map(|j| (j, i))) {
-            let got = format!(
-                "{:?} and {:?} both at {}",
-                names[j],
-                names[i],
-                numbers(&positions[i])
-            );
-            return Err(Error::value(
-                "positions",
-                "differ from module to module",
-                got,
-            ));
+            let got = format!("{:?} and {:?} both at {}", names[j], names[i], numbers(&positions[i]));
+            return Err(Error::value("positions", "differ from module to module", got));
         }
-        let module = |(name, [x, y]): (String, &[f64; 2])| {
-            Wheel::new(name, *x, *y, wheel_radius).steered(steering)
-        };
+        let module = |(name, [x, y]): (String, &[f64; 2])| Wheel::new(name, *x, *y, wheel_radius).steered(steering);
         Self::new(names.into_iter().zip(positions).map(module).collect())
     }
 
@@ -132,9 +117,7 @@ impl Rover {
         skid: SkidCentres,
     ) -> Result<Self, Error> {
         positive("track_width", track_width)?;
-        radii
-            .into_iter()
-            .try_for_each(|radius| positive("wheel_radius", radius))?;
+        radii.into_iter().try_for_each(|radius| positive("wheel_radius", radius))?;
         let axles = axles(per_side, wheelbase)?;
         let half = track_width / 2.0;
         let centres = [skid.left.unwrap_or(half), skid.right.unwrap_or(-half)];
@@ -142,20 +125,12 @@ impl Rover {
         finite("icr_right", &centres[1..])?;
         finite("icr_forward", &[skid.forward])?;
         if centres[0] <= centres[1] {
-            return Err(Error::value(
-                "icr_left",
-                "lie to the left of icr_right",
-                numbers(&centres),
-            ));
+            return Err(Error::value("icr_left", "lie to the left of icr_right", numbers(&centres)));
         }
         let mut wheels = Vec::new();
         for (axle, x) in axles {
             for (((side, sign), radius), centre) in SIDES.into_iter().zip(radii).zip(centres) {
-                let name = if axle.is_empty() {
-                    side.into()
-                } else {
-                    format!("{axle}_{side}")
-                };
+                let name = if axle.is_empty() { side.into() } else { format!("{axle}_{side}") };
                 // Contact and pivot differ by as much as the tread's centre lies off the tread.
                 wheels.push(Wheel {
                     scrub: centre - sign * half,
@@ -192,12 +167,7 @@ impl Rover {
     }
 
     /// A bicycle: a steered front wheel and a fixed rear wheel, origin at the rear wheel.
-    pub fn bicycle(
-        wheelbase: f64,
-        wheel_radius: f64,
-        steering: SteeringRange,
-        drive: Drive,
-    ) -> Result<Self, Error> {
+    pub fn bicycle(wheelbase: f64, wheel_radius: f64, steering: SteeringRange, drive: Drive) -> Result<Self, Error> {
         Self::car(wheelbase, [None; 2], wheel_radius, steering, drive)
     }
 
@@ -210,16 +180,11 @@ impl Rover {
         drive: Drive,
     ) -> Result<Self, Error> {
         positive("wheelbase", wheelbase)?;
-        tracks
-            .iter()
-            .flatten()
-            .try_for_each(|track| positive("track_width", *track))?;
+        tracks.iter().flatten().try_for_each(|track| positive("track_width", *track))?;
         positive("wheel_radius", wheel_radius)?;
         steering.check()?;
-        let axles = [
-            ("front", wheelbase, Pivot::Steered(steering), Drive::Front),
-            ("rear", 0.0, Pivot::Fixed, Drive::Rear),
-        ];
+        let axles =
+            [("front", wheelbase, Pivot::Steered(steering), Drive::Front), ("rear", 0.0, Pivot::Fixed, Drive::Rear)];
         let mut wheels = Vec::new();
         for ((axle, x, pivot, drives), track) in axles.into_iter().zip(tracks) {
             let wheel = |name: String, y| Wheel {
@@ -229,9 +194,9 @@ impl Rover {
             };
             match track {
                 None => wheels.push(wheel(axle.into(), 0.0)),
-                Some(track) => wheels.extend(
-                    SIDES.map(|(side, sign)| wheel(format!("{axle}_{side}"), sign * track / 2.0)),
-                ),
+                Some(track) => {
+                    wheels.extend(SIDES.map(|(side, sign)| wheel(format!("{axle}_{side}"), sign * track / 2.0)))
+                }
             }
         }
         Self::new(wheels)
@@ -239,12 +204,7 @@ impl Rover {
 
     /// Four mecanum wheels with rollers at `roller_angle` to their axles, the usual way round: seen from
     /// above, the rollers on top form a cross, those on the ground a diamond about the middle.
-    pub fn mecanum(
-        half_wheelbase: f64,
-        half_track: f64,
-        wheel_radius: f64,
-        roller_angle: f64,
-    ) -> Result<Self, Error> {
+    pub fn mecanum(half_wheelbase: f64, half_track: f64, wheel_radius: f64, roller_angle: f64) -> Result<Self, Error> {
         positive("half_wheelbase", half_wheelbase)?;
         positive("half_track", half_track)?;
         positive("wheel_radius", wheel_radius)?;
@@ -281,14 +241,7 @@ impl Rover {
             roller_angle: Some(roller_angle.unwrap_or(FRAC_PI_2)),
             ..Wheel::new(name, *x, *y, wheel_radius)
         };
-        Self::new(
-            names
-                .into_iter()
-                .zip(positions)
-                .zip(headings)
-                .map(wheel)
-                .collect(),
-        )
+        Self::new(names.into_iter().zip(positions).zip(headings).map(wheel).collect())
     }
 }
 
@@ -332,7 +285,5 @@ fn axles(per_side: usize, wheelbase: f64) -> Result<Vec<(String, f64)>, Error> {
         (3, 1) => "middle".into(),
         _ => format!("axle_{i}"),
     };
-    Ok((0..per_side)
-        .map(|i| (name(i), wheelbase / 2.0 - step * i as f64))
-        .collect())
+    Ok((0..per_side).map(|i| (name(i), wheelbase / 2.0 - step * i as f64)).collect())
 }

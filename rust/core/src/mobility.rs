@@ -41,9 +41,7 @@ impl Mobility {
     ///
     /// How far a locked rover is from moving, or a mobile one from losing a constraint.
     pub fn margin(&self) -> f64 {
-        self.rank
-            .checked_sub(1)
-            .map_or(0.0, |last| self.singular_values[last])
+        self.rank.checked_sub(1).map_or(0.0, |last| self.singular_values[last])
     }
 }
 
@@ -59,20 +57,11 @@ impl Rover {
                 angles
             }
             None => {
-                let some_turn = Twist {
-                    vx: 1.0,
-                    vy: 0.0,
-                    omega: 0.1 / self.size,
-                };
+                let some_turn = Twist { vx: 1.0, vy: 0.0, omega: 0.1 / self.size };
                 let twist = self.project(some_turn, Keep::Nearest)?;
                 let (mut speeds, joints) = ([0.0; MAX_WHEELS], self.steered().len());
                 let inputs = Inputs::default();
-                self.inverse(
-                    twist,
-                    inputs,
-                    &mut agreeing,
-                    &mut speeds[..self.wheels().len()],
-                )?;
+                self.inverse(twist, inputs, &mut agreeing, &mut speeds[..self.wheels().len()])?;
                 &agreeing[..joints]
             }
         };
@@ -85,9 +74,7 @@ impl Rover {
             degree_of_steerability: rank - bound,
             rank,
             singular_values: decomposed.values.into(),
-            motions: (rank..3)
-                .map(|k| Twist::from(decomposed.turn.column(k).into_owned()))
-                .collect(),
+            motions: (rank..3).map(|k| Twist::from(decomposed.turn.column(k).into_owned())).collect(),
         })
     }
 

@@ -43,8 +43,7 @@ pub(crate) use state::State;
 use state::{advance, check_covariance, check_pose};
 use step::{Motion, Workspace, shared_readings};
 pub(crate) use step::{
-    ROUNDING, SMALL_TURN, SUSPICIOUS, Turned, agreed, bend, gain, leant, left, left_of, met,
-    small_bend, step_jacobian,
+    ROUNDING, SMALL_TURN, SUSPICIOUS, Turned, agreed, bend, gain, leant, left, left_of, met, small_bend, step_jacobian,
 };
 use take::Refusal;
 use tolerant::Suspect;
@@ -108,12 +107,7 @@ impl Odometry {
         let shared = shared_readings(&rover, from_rates);
         let mut uncertainty = Uncertainty::new(shared, settings.lasting());
         uncertainty.bias = settings.gyroscope.map(|known| known.at_start());
-        let state = State {
-            walk: Walk::new([0.0; 3]),
-            twist: Twist::ZERO,
-            velocity: None,
-            uncertainty,
-        };
+        let state = State { walk: Walk::new([0.0; 3]), twist: Twist::ZERO, velocity: None, uncertainty };
         let reference = Reference {
             known: false,
             stamp: 0.0,
@@ -232,11 +226,7 @@ impl Odometry {
         let covariance = check_covariance(covariance)?;
         if covariance.iter().any(|value| !value.is_finite()) {
             let rule = "be finite";
-            return Err(Error::value(
-                "covariance",
-                rule,
-                numbers(covariance.as_slice()),
-            ));
+            return Err(Error::value("covariance", rule, numbers(covariance.as_slice())));
         }
         check_pose(&<[f64; 3]>::from(pose))?;
         self.state.walk = Walk::new(pose.into());
@@ -280,12 +270,8 @@ impl Odometry {
         }
         let joints = self.rover.steered().len();
         let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; self.rover.wheels().len()]);
-        let inputs = Inputs {
-            previous: Some(&self.reference.angles),
-            ..Inputs::default()
-        };
-        self.rover
-            .inverse(twist, inputs, &mut steering, &mut speeds)?;
+        let inputs = Inputs { previous: Some(&self.reference.angles), ..Inputs::default() };
+        self.rover.inverse(twist, inputs, &mut steering, &mut speeds)?;
         for speed in &mut speeds {
             *speed *= dt;
         }
@@ -298,14 +284,7 @@ impl Odometry {
             bias_variance: 0.0,
         };
         let rules = self.settings.rules();
-        advance(
-            &self.rover,
-            &rules,
-            motion,
-            &mut self.work,
-            &mut self.state,
-            self.settings.habits(),
-        )?;
+        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())?;
         self.state.uncertainty.let_go();
         self.residual.fill(0.0);
         self.reference.known = false;

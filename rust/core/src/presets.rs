@@ -55,11 +55,7 @@ pub const PRESETS: [Preset; 9] = [
         source: "nealseegmiller/wmrde, Rocky 7 model after Tarokh and McDermott (da081e4); \
                  origin moved by 3.5 um from frame R to between the bogie joints",
         steering_limit: Some(std::f64::consts::FRAC_PI_3),
-        layout: Layout::FrontSteered(
-            [0.12075 + 0.288 - ROCKY7_BOGIE, 0.2],
-            [0.069, -0.069],
-            0.065,
-        ),
+        layout: Layout::FrontSteered([0.12075 + 0.288 - ROCKY7_BOGIE, 0.2], [0.069, -0.069], 0.065),
     },
     Preset {
         name: "zoe",
@@ -107,10 +103,7 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
         let rule = format!("be one of {}", names.join(", "));
         return Err(Error::value("name", rule, format!("{name:?}")));
     };
-    let published = preset
-        .steering_limit
-        .map(SteeringRange::symmetric)
-        .transpose()?;
+    let published = preset.steering_limit.map(SteeringRange::symmetric).transpose()?;
     let range = steering.or(published).unwrap_or_default();
     let pairs = |name: &str, x: f64, y: f64, radius: f64| {
         ["left", "right"].map(|side| {
@@ -122,43 +115,23 @@ pub fn preset(name: &str, steering: Option<SteeringRange>) -> Result<Rover, Erro
         Layout::SixWheel(dimensions, radius) => Rover::six_wheel(dimensions, radius, range),
         Layout::FrontSteered([x, y], [middle, rear], radius) => {
             let front = pairs("front", x, y, radius).map(|wheel| wheel.steered(range));
-            let fixed = [
-                pairs("middle", middle, y, radius),
-                pairs("rear", rear, y, radius),
-            ];
-            Rover::new(
-                front
-                    .into_iter()
-                    .chain(fixed.into_iter().flatten())
-                    .collect(),
-            )
+            let fixed = [pairs("middle", middle, y, radius), pairs("rear", rear, y, radius)];
+            Rover::new(front.into_iter().chain(fixed.into_iter().flatten()).collect())
         }
         Layout::PivotingAxles(x, half_track, radius) => {
             let axle = |name, x| {
                 pairs(name, x, half_track, radius).map(|wheel| {
                     let scrub = wheel.y;
-                    Wheel {
-                        y: 0.0,
-                        scrub,
-                        ..wheel
-                    }
-                    .steered(range)
+                    Wheel { y: 0.0, scrub, ..wheel }.steered(range)
                 })
             };
-            Rover::new(
-                [axle("front", x), axle("rear", -x)]
-                    .into_iter()
-                    .flatten()
-                    .collect(),
-            )
+            Rover::new([axle("front", x), axle("rear", -x)].into_iter().flatten().collect())
         }
         Layout::SkidSteer(x, y, radius) => {
             let skid = SkidCentres::default();
             Rover::differential(2.0 * y, [radius; 2], 2, 2.0 * x, skid)
         }
-        Layout::Pair(y, radius) => {
-            Rover::differential(2.0 * y, [radius; 2], 1, 0.0, SkidCentres::default())
-        }
+        Layout::Pair(y, radius) => Rover::differential(2.0 * y, [radius; 2], 1, 0.0, SkidCentres::default()),
     }?;
     match steering {
         Some(range) if rover.steered().is_empty() => {

@@ -92,10 +92,7 @@ impl Axis {
             }
         };
         for (i, piece) in self.pieces.iter().enumerate() {
-            let end = self
-                .pieces
-                .get(i + 1)
-                .map_or(self.duration, |next| next.start);
+            let end = self.pieces.get(i + 1).map_or(self.duration, |next| next.start);
             let [_, _, acceleration, jerk] = piece.state;
             note(piece.state);
             note(coast(piece.state, end - piece.start));
@@ -121,9 +118,7 @@ impl Axis {
 
 impl Profile {
     pub(crate) fn new(axes: Vec<Axis>) -> Self {
-        let duration = axes
-            .iter()
-            .fold(0.0, |longest, axis| axis.duration.max(longest));
+        let duration = axes.iter().fold(0.0, |longest, axis| axis.duration.max(longest));
         Self { axes, duration }
     }
 
@@ -139,15 +134,8 @@ impl Profile {
             };
             let share = self.axes.first()?;
             let [_, first, second, third] = scale(share.end);
-            let pieces = share.pieces.iter().map(|piece| Piece {
-                start: piece.start,
-                state: placed(piece.state),
-            });
-            Some(Axis {
-                pieces: pieces.collect(),
-                duration: share.duration,
-                end: [to, first, second, third],
-            })
+            let pieces = share.pieces.iter().map(|piece| Piece { start: piece.start, state: placed(piece.state) });
+            Some(Axis { pieces: pieces.collect(), duration: share.duration, end: [to, first, second, third] })
         };
         Self::new(from.iter().zip(to).filter_map(axis).collect())
     }
@@ -177,9 +165,7 @@ impl Profile {
     /// State of an axis at a time [s]. Before the start it rests at the start value, after its arrival at the
     /// end value; at both instants themselves it has the derivatives asked for there.
     pub fn at(&self, axis: usize, time: f64) -> Derivatives {
-        self.axes
-            .get(axis)
-            .map_or([f64::NAN; 4], |axis| axis.at(time))
+        self.axes.get(axis).map_or([f64::NAN; 4], |axis| axis.at(time))
     }
 
     /// Largest magnitudes of velocity, acceleration and jerk of each axis.

@@ -101,31 +101,18 @@ impl Rover {
             wheel.check()?;
             if wheels[..i].iter().any(|other| other.name == wheel.name) {
                 let rule = "have a name each";
-                return Err(Error::value(
-                    "wheels",
-                    rule,
-                    format!("{:?} twice", wheel.name),
-                ));
+                return Err(Error::value("wheels", rule, format!("{:?} twice", wheel.name)));
             }
         }
-        let steered = (0..wheels.len())
-            .filter(|&i| wheels[i].steering().is_some())
-            .collect();
+        let steered = (0..wheels.len()).filter(|&i| wheels[i].steering().is_some()).collect();
         let banks = banks(&wheels);
         let mounts = mounts(&wheels, &banks);
         let pivots = || wheels.iter().map(|wheel| Vector2::new(wheel.x, wheel.y));
         let count = wheels.len() as f64;
         let centre = pivots().sum::<Vector2<f64>>() / count;
-        let spread = pivots()
-            .map(|pivot| (pivot - centre).norm_squared())
-            .sum::<f64>()
-            / count;
+        let spread = pivots().map(|pivot| (pivot - centre).norm_squared()).sum::<f64>() / count;
         // All pivots on one point: any length will do, so take that of the wheels.
-        let size = if spread > 0.0 {
-            spread.sqrt()
-        } else {
-            wheels[0].radius
-        };
+        let size = if spread > 0.0 { spread.sqrt() } else { wheels[0].radius };
         // What turns about pivots that are far away and close together moves by more than rounding.
         let turned = size.max(CLOSE * centre.norm());
         let square = centre.norm_squared() + turned * turned;
@@ -135,8 +122,7 @@ impl Rover {
             -centre.y, centre.x, square,
         );
         let lengths = |wheel: &Wheel| wheel.radius + wheel.scrub.abs() + wheel.trail.abs();
-        let reading_bound =
-            wheels.iter().map(lengths).sum::<f64>() * (square + 1.0) / (size * size);
+        let reading_bound = wheels.iter().map(lengths).sum::<f64>() * (square + 1.0) / (size * size);
         let mut rover = Self {
             wheels,
             steered,
@@ -230,13 +216,7 @@ impl Rover {
     }
 
     /// [`Self::inverse`] of a twist that has been checked.
-    pub(crate) fn solve(
-        &self,
-        twist: Twist,
-        inputs: Inputs<'_>,
-        steering: &mut [f64],
-        speeds: &mut [f64],
-    ) {
+    pub(crate) fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         let vector = Vector3::from(twist);
         let mut undecided = Undecided::default();
         let mut joint = 0;
@@ -264,14 +244,7 @@ impl Rover {
     }
 
     /// Has every undecided wheel go the same way.
-    fn agree(
-        &self,
-        twist: Twist,
-        inputs: Inputs<'_>,
-        way: Way,
-        steering: &mut [f64],
-        speeds: &mut [f64],
-    ) {
+    fn agree(&self, twist: Twist, inputs: Inputs<'_>, way: Way, steering: &mut [f64], speeds: &mut [f64]) {
         for (joint, &i) in self.steered.iter().enumerate() {
             let Mount::Steered(range, heading) = self.mounts[i] else {
                 continue;
@@ -346,30 +319,19 @@ impl Undecided {
         if forwards + backwards == 0 || (self.rolling == 0.0 && forwards * backwards == 0) {
             return None;
         }
-        let backwards = if self.rolling == 0.0 {
-            self.lead > 0.0
-        } else {
-            self.rolling < 0.0
-        };
-        Some(if backwards {
-            Way::Backwards
-        } else {
-            Way::Forwards
-        })
+        let backwards = if self.rolling == 0.0 { self.lead > 0.0 } else { self.rolling < 0.0 };
+        Some(if backwards { Way::Backwards } else { Way::Forwards })
     }
 }
 
 /// Groups the fixed wheels by the direction of their axles and averages each group's side-slip row.
 fn banks(wheels: &[Wheel]) -> Vec<Bank> {
     let mut banks: Vec<Bank> = Vec::new();
-    let fixed = wheels
-        .iter()
-        .enumerate()
-        .filter(|(_, wheel)| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none());
+    let fixed =
+        wheels.iter().enumerate().filter(|(_, wheel)| wheel.pivot == Pivot::Fixed && wheel.roller_angle.is_none());
     for (i, wheel) in fixed {
         let row = wheel.rows(Direction::from(wheel.heading)).side_slip;
-        let parallel =
-            |bank: &&mut Bank| (bank.row.x * row.y - bank.row.y * row.x).abs() <= PARALLEL;
+        let parallel = |bank: &&mut Bank| (bank.row.x * row.y - bank.row.y * row.x).abs() <= PARALLEL;
         match banks.iter_mut().find(parallel) {
             Some(bank) => {
                 // The normal may point the other way: the wheel then rolls the bank's way backwards.
@@ -378,10 +340,7 @@ fn banks(wheels: &[Wheel]) -> Vec<Bank> {
                 bank.row.z += (same_way * row.z - bank.row.z) / (count + 1.0);
                 bank.wheels.push(i);
             }
-            None => banks.push(Bank {
-                row,
-                wheels: vec![i],
-            }),
+            None => banks.push(Bank { row, wheels: vec![i] }),
         }
     }
     banks
@@ -418,11 +377,7 @@ impl Rover {
 
     /// How the side-slip row of every fixed wheel changes when the own row of wheel `i` does: as part of their means, and
     /// by what each of the two has to say to the other.
-    pub(crate) fn changes_with(
-        &self,
-        i: usize,
-        change: Vector3<f64>,
-    ) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    pub(crate) fn changes_with(&self, i: usize, change: Vector3<f64>) -> impl Iterator<Item = (usize, Vector3<f64>)> {
         let rows = move || (0..self.wheels.len()).filter_map(|k| Some((k, self.own_row(k)?)));
         rows().filter_map(move |(k, own)| {
             let (mut sum, mut total) = (Vector3::zeros(), 0.0);
@@ -435,11 +390,8 @@ impl Rover {
                     sum_change += change * part;
                 }
                 if (j == i) != (k == i) {
-                    let part_change = if j == i {
-                        say_change(&own, &row, &change)
-                    } else {
-                        say_change(&row, &own, &change)
-                    };
+                    let part_change =
+                        if j == i { say_change(&own, &row, &change) } else { say_change(&row, &own, &change) };
                     sum_change += row * part_change;
                     total_change += part_change * part.signum();
                 }
@@ -482,10 +434,7 @@ fn mounts(wheels: &[Wheel], banks: &[Bank]) -> Vec<Mount> {
         match wheel.pivot {
             Pivot::Steered(range) => Mount::Steered(range, direction),
             Pivot::Castor => Mount::Castor(direction),
-            Pivot::Fixed => Mount::Fixed(Rows {
-                side_slip: shared_row(wheels, banks, i, own.side_slip),
-                ..own
-            }),
+            Pivot::Fixed => Mount::Fixed(Rows { side_slip: shared_row(wheels, banks, i, own.side_slip), ..own }),
         }
     };
     wheels.iter().enumerate().map(mount).collect()

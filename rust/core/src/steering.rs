@@ -24,27 +24,18 @@ pub struct SteeringRange {
 impl Default for SteeringRange {
     /// A quarter turn to either side: enough to roll in every direction, backwards if need be.
     fn default() -> Self {
-        Self {
-            lower: -FRAC_PI_2,
-            upper: FRAC_PI_2,
-        }
+        Self { lower: -FRAC_PI_2, upper: FRAC_PI_2 }
     }
 }
 
 impl SteeringRange {
     /// Wherever a wheel may turn that nothing steers.
-    pub(crate) const WHOLE_TURN: Self = Self {
-        lower: -PI,
-        upper: PI,
-    };
+    pub(crate) const WHOLE_TURN: Self = Self { lower: -PI, upper: PI };
 
     /// From `-limit` to `limit`. Fails unless the limit is finite and positive.
     pub fn symmetric(limit: f64) -> Result<Self, Error> {
         positive("steering_limit", limit)?;
-        Ok(Self {
-            lower: -limit,
-            upper: limit,
-        })
+        Ok(Self { lower: -limit, upper: limit })
     }
 
     /// Fails unless both ends are finite and in order.
@@ -80,11 +71,7 @@ impl SteeringRange {
             return near;
         };
         // A range narrower than a turn may hold neither: then the nearer end decides.
-        if beyond <= ANGLE_TOLERANCE.max(short) {
-            turned
-        } else {
-            near
-        }
+        if beyond <= ANGLE_TOLERANCE.max(short) { turned } else { near }
     }
 }
 
@@ -122,53 +109,29 @@ pub(crate) struct Choice {
 
 impl Choice {
     /// The ways of a wheel whose pivot moves: angle and speed along the heading for each.
-    pub fn new(
-        range: SteeringRange,
-        previous: f64,
-        [forwards, backwards]: [WheelCommand; 2],
-    ) -> Self {
+    pub fn new(range: SteeringRange, previous: f64, [forwards, backwards]: [WheelCommand; 2]) -> Self {
         let side = |command: WheelCommand| {
             let angle = range.nearest_turn(command.angle, previous);
             let clipped = range.clip(angle);
             Side {
-                command: WheelCommand {
-                    angle: clipped,
-                    ..command
-                },
+                command: WheelCommand { angle: clipped, ..command },
                 overshoot: ((angle - clipped).abs() - ANGLE_TOLERANCE).max(0.0),
                 turn: (clipped - previous).abs(),
             }
         };
-        Self {
-            forwards: side(forwards),
-            backwards: side(backwards),
-        }
+        Self { forwards: side(forwards), backwards: side(backwards) }
     }
 
     /// The way of a wheel whose pivot rests: none but to stay.
     pub fn stay(command: WheelCommand) -> Self {
-        let side = Side {
-            command,
-            overshoot: 0.0,
-            turn: 0.0,
-        };
-        Self {
-            forwards: side,
-            backwards: Side {
-                overshoot: f64::INFINITY,
-                ..side
-            },
-        }
+        let side = Side { command, overshoot: 0.0, turn: 0.0 };
+        Self { forwards: side, backwards: Side { overshoot: f64::INFINITY, ..side } }
     }
 
     /// The way inside the range, the nearer one if both are, forwards if both are equally near.
     pub fn nearest(&self) -> Way {
         let key = |side: &Side| (side.overshoot, side.turn);
-        if key(&self.backwards) < key(&self.forwards) {
-            Way::Backwards
-        } else {
-            Way::Forwards
-        }
+        if key(&self.backwards) < key(&self.forwards) { Way::Backwards } else { Way::Forwards }
     }
 
     /// By how much the way backwards is shorter [rad], if both are possible and about equally near.
@@ -193,17 +156,10 @@ mod tests {
 
     #[test]
     fn whole_turns_bring_an_angle_into_its_range() {
-        let range = SteeringRange {
-            lower: -1.0,
-            upper: 8.0,
-        };
-        for (angle, previous, expected) in [
-            (0.5, 0.0, 0.5),
-            (0.5, 7.0, 0.5 + TAU),
-            (-2.0, 0.0, -2.0 + TAU),
-            (3.0, -40.0, 3.0),
-            (0.5, 40.0, 0.5 + TAU),
-        ] {
+        let range = SteeringRange { lower: -1.0, upper: 8.0 };
+        for (angle, previous, expected) in
+            [(0.5, 0.0, 0.5), (0.5, 7.0, 0.5 + TAU), (-2.0, 0.0, -2.0 + TAU), (3.0, -40.0, 3.0), (0.5, 40.0, 0.5 + TAU)]
+        {
             let got = range.nearest_turn(angle, previous);
             assert!((got - expected).abs() < 1e-12, "{angle} {previous}: {got}");
         }

@@ -24,8 +24,8 @@ use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
 
 pub use chain::{
-    Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose,
-    PointSlopes, State, Turning, WheelFrame,
+    Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose, PointSlopes, State,
+    Turning, WheelFrame,
 };
 pub use dimensions::{Bogie, Differential, Dimensions, JointRange, Steered};
 use table::FIRST_PSI;
@@ -34,14 +34,7 @@ pub use table::{FRAMES, Link, MAX_JOINTS, Posture, Turn};
 pub use vehicles::TripleBogie;
 
 /// Names of the wheels, in the order of every array and of the frames A1 to A6.
-pub const WHEELS: [&str; 6] = [
-    "front_left",
-    "front_right",
-    "middle_left",
-    "middle_right",
-    "rear_left",
-    "rear_right",
-];
+pub const WHEELS: [&str; 6] = ["front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right"];
 
 /// A rover on a rocker-bogie suspension. Immutable, without state.
 #[derive(Clone, Debug)]
@@ -66,18 +59,9 @@ const LIKE_CURIOSITY: Dimensions = Dimensions {
     bogie: Bogie::Behind,
     wheel_radius: 0.0,
     steered: Steered::Corners,
-    steering: SteeringRange {
-        lower: -FRAC_PI_2,
-        upper: FRAC_PI_2,
-    },
-    rocker_limit: JointRange {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-    },
-    bogie_limit: JointRange {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-    },
+    steering: SteeringRange { lower: -FRAC_PI_2, upper: FRAC_PI_2 },
+    rocker_limit: JointRange { lower: f64::NEG_INFINITY, upper: f64::INFINITY },
+    bogie_limit: JointRange { lower: f64::NEG_INFINITY, upper: f64::INFINITY },
     differential: Differential::Gear,
 };
 
@@ -97,11 +81,7 @@ pub struct SteeringCommand {
 impl RockerBogie {
     /// A rover with this suspension. Fails if a dimension makes no sense.
     pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
-        Ok(Self {
-            chain: Chain::rocker_bogie(&dimensions)?,
-            links: dimensions.links(),
-            dimensions,
-        })
+        Ok(Self { chain: Chain::rocker_bogie(&dimensions)?, links: dimensions.links(), dimensions })
     }
 
     /// Rocky 7. Frame R as in the papers: between the bogie axes, to 3.5 um.
@@ -163,10 +143,7 @@ impl RockerBogie {
             rocker_pivot: [-0.004853, 0.18111, 0.261126],
             rocker_to_wheel: [-0.311966, 0.008131, -0.191057],
             rocker_to_bogie: [0.099618, 0.0, -0.091275],
-            bogie_to_wheels: [
-                [0.176344, 0.019209, -0.09327],
-                [-0.094765, 0.100435, -0.094851],
-            ],
+            bogie_to_wheels: [[0.176344, 0.019209, -0.09327], [-0.094765, 0.100435, -0.094851]],
             bogie: Bogie::InFront,
             wheel_radius: 0.075,
             steered: Steered::Corners,
@@ -217,20 +194,11 @@ impl RockerBogie {
         let mut joints = [0.0; MAX_JOINTS];
         joints[..FIRST_PSI].copy_from_slice(&[rho, beta[0], beta[1]]);
         let posture = self.posture(&joints[..self.joint_count()])?;
-        let Dimensions {
-            wheel_radius,
-            steered,
-            steering,
-            ..
-        } = self.dimensions;
+        let Dimensions { wheel_radius, steered, steering, .. } = self.dimensions;
         let wheel = |(i, name): (usize, &&str)| {
             let centre = posture.wheel_centre(i);
             let wheel = Wheel::new(*name, centre.x, centre.y, wheel_radius);
-            if steered.wheels().contains(&i) {
-                wheel.steered(steering)
-            } else {
-                wheel
-            }
+            if steered.wheels().contains(&i) { wheel.steered(steering) } else { wheel }
         };
         Rover::new(WHEELS.iter().enumerate().map(wheel).collect())
     }
@@ -253,11 +221,7 @@ impl RockerBogie {
         finite("speed", &[speed])?;
         finite("yaw_rate", &[yaw_rate])?;
         let rover = self.planar(rho, beta)?;
-        let twist = Twist {
-            vx: speed,
-            vy: 0.0,
-            omega: yaw_rate,
-        };
+        let twist = Twist { vx: speed, vy: 0.0, omega: yaw_rate };
         let twist = twist.about([-icr_offset(&rover), 0.0]);
         let mut steering = vec![0.0; rover.steered().len()];
         let mut wheel_speeds = vec![0.0; WHEELS.len()];
@@ -274,12 +238,7 @@ impl RockerBogie {
 
 /// The homogeneous transforms of [`Posture::frames`] for every row of joint angles: frame after frame, in
 /// each row after row, row-major.
-pub fn frames(
-    rover: &RockerBogie,
-    joints: &[f64],
-    transforms: &mut [f64],
-    workers: Workers,
-) -> Result<(), Error> {
+pub fn frames(rover: &RockerBogie, joints: &[f64], transforms: &mut [f64], workers: Workers) -> Result<(), Error> {
     let width = rover.joint_count();
     let count = joints.len() / width;
     let blocks = blocks::<FRAMES>(transforms, count, 16);
@@ -298,12 +257,7 @@ pub fn frames(
 
 /// [`Posture::jacobian`] for every row of joint angles: wheel after wheel, in each row after row, each three
 /// rows of joints.
-pub fn jacobians(
-    rover: &RockerBogie,
-    joints: &[f64],
-    derivatives: &mut [f64],
-    workers: Workers,
-) -> Result<(), Error> {
+pub fn jacobians(rover: &RockerBogie, joints: &[f64], derivatives: &mut [f64], workers: Workers) -> Result<(), Error> {
     let width = rover.joint_count();
     let count = joints.len() / width;
     let blocks = blocks::<{ WHEELS.len() }>(derivatives, count, 3 * width);
@@ -321,11 +275,7 @@ pub fn jacobians(
 }
 
 /// An array as so many outputs one after another, of `count` rows of a width each.
-fn blocks<const N: usize>(
-    array: &mut [f64],
-    count: usize,
-    width: usize,
-) -> [(&mut [f64], usize); N] {
+fn blocks<const N: usize>(array: &mut [f64], count: usize, width: usize) -> [(&mut [f64], usize); N] {
     let mut blocks = array.chunks_exact_mut((count * width).max(1));
     std::array::from_fn(|_| (blocks.next().unwrap_or_default(), width))
 }

@@ -181,11 +181,7 @@ impl Terrain {
         }
         if let Some(k) = (0..heights.len()).find(|&k| heights.at(k).is_infinite()) {
             let place = format!("heights[{}, {}]", k / columns, k % columns);
-            return Err(Error::value(
-                place,
-                "be finite, or nan where unknown",
-                number(heights.at(k)),
-            ));
+            return Err(Error::value(place, "be finite, or nan where unknown", number(heights.at(k))));
         }
         for step in spacing {
             if !(step.is_finite() && step > 0.0) {
@@ -193,8 +189,7 @@ impl Terrain {
                 return Err(Error::value("spacing", rule, numbers(&spacing)));
             }
             if step < SMALLEST_SPACING {
-                let rule =
-                    "be at least 0.001 m (a map in degrees has to be projected to metres first)";
+                let rule = "be at least 0.001 m (a map in degrees has to be projected to metres first)";
                 return Err(Error::value("spacing", rule, numbers(&spacing)));
             }
         }
@@ -203,11 +198,7 @@ impl Terrain {
         let reach = spacing[0] * columns as f64 + spacing[1] * rows as f64;
         if reach + origin[0].abs() + origin[1].abs() >= 1e15 {
             // Beyond, neighbouring doubles lie further apart than a wheel is large.
-            return Err(Error::value(
-                "spacing",
-                "make a map whose coordinates have digits",
-                numbers(&spacing),
-            ));
+            return Err(Error::value("spacing", "make a map whose coordinates have digits", numbers(&spacing)));
         }
         Ok(Self {
             heights,
@@ -249,11 +240,7 @@ impl Terrain {
         for row in first[1]..=last[1] + 1 {
             for column in first[0]..=last[0] + 1 {
                 let height = self.heights.at(row * self.columns + column);
-                let height = if height.is_nan() {
-                    f64::INFINITY
-                } else {
-                    height
-                };
+                let height = if height.is_nan() { f64::INFINITY } else { height };
                 top = top.max(height);
             }
         }
@@ -329,12 +316,7 @@ impl Terrain {
     #[inline]
     pub fn cell(&self, column: usize, row: usize) -> Cell {
         let [h00, h10, h01, h11] = self.corners(column, row);
-        Cell {
-            h00,
-            along: h10 - h00,
-            across: h01 - h00,
-            twist: h11 - h10 - (h01 - h00),
-        }
+        Cell { h00, along: h10 - h00, across: h01 - h00, twist: h11 - h10 - (h01 - h00) }
     }
 
     /// Whether a point of the world lies on the map, its rim included.
@@ -356,10 +338,7 @@ impl Terrain {
             return Sample::Outside;
         }
         // The last line of nodes belongs to the last cell.
-        let (i, j) = (
-            (u as usize).min(self.columns - 2),
-            (v as usize).min(self.rows - 2),
-        );
+        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
         let (a, b) = (u - i as f64, v - j as f64);
         let (height, slope) = match interpolation {
             Interpolation::Bilinear => {
@@ -401,29 +380,16 @@ mod tests {
 
     fn ramp(orientation: f64) -> Result<Terrain, Error> {
         // 4 rows, 5 columns of a plane: 1 + 0.3 u - 0.2 v in the axes of the grid.
-        let heights: Vec<f64> = (0..20)
-            .map(|k| 1.0 + 0.3 * 0.5 * f64::from(k % 5) - 0.2 * 0.25 * f64::from(k / 5))
-            .collect();
-        Terrain::new(
-            Heights::Double(Arc::new(heights)),
-            5,
-            [0.5, 0.25],
-            [2.0, -3.0],
-            orientation,
-        )
+        let heights: Vec<f64> =
+            (0..20).map(|k| 1.0 + 0.3 * 0.5 * f64::from(k % 5) - 0.2 * 0.25 * f64::from(k / 5)).collect();
+        Terrain::new(Heights::Double(Arc::new(heights)), 5, [0.5, 0.25], [2.0, -3.0], orientation)
     }
 
     #[test]
     fn a_plane_is_itself_everywhere_by_both_interpolations() -> Result<(), Error> {
         for orientation in [0.0, 0.7, -2.0] {
             let ground = ramp(orientation)?;
-            for (u, v) in [
-                (0.0, 0.0),
-                (0.1, 0.7),
-                (1.99, 0.01),
-                (2.0, 0.75),
-                (0.3, 0.3),
-            ] {
+            for (u, v) in [(0.0, 0.0), (0.1, 0.7), (1.99, 0.01), (2.0, 0.75), (0.3, 0.3)] {
                 let [x, y] = ground.world_from_grid(u / 0.5, v / 0.25);
                 let [gx, gy] = ground.world_axes([0.3, -0.2]);
                 for method in [Interpolation::Bilinear, Interpolation::Bicubic] {
@@ -446,13 +412,7 @@ mod tests {
     fn the_outside_and_the_unknown_are_answers() -> Result<(), Error> {
         let mut heights = vec![0.0_f32; 9];
         heights[4] = f32::NAN;
-        let ground = Terrain::new(
-            Heights::Single(Arc::new(heights)),
-            3,
-            [1.0; 2],
-            [0.0; 2],
-            0.0,
-        )?;
+        let ground = Terrain::new(Heights::Single(Arc::new(heights)), 3, [1.0; 2], [0.0; 2], 0.0)?;
         let sample = |x, y| ground.sample(x, y, Interpolation::Bilinear);
         assert_eq!(sample(0.5, 0.5), Sample::Unknown);
         assert_eq!(sample(2.0 + 1e-12, 0.5), Sample::Outside);

@@ -46,18 +46,10 @@ fn lengths(wheels: &[Wheel]) -> Option<Question> {
     if radius <= LARGEST_RADIUS && reach <= LARGEST_DISTANCE {
         return None;
     }
-    let (unit, metres) = if radius >= MILLIMETRES {
-        ("millimetres", 1e-3)
-    } else {
-        ("centimetres", 1e-2)
-    };
+    let (unit, metres) = if radius >= MILLIMETRES { ("millimetres", 1e-3) } else { ("centimetres", 1e-2) };
     Some(Question {
         about: "wheel_radius",
-        says: format!(
-            "a wheel has a radius of {} m, and is {} m from the origin",
-            digits(radius),
-            digits(reach)
-        ),
+        says: format!("a wheel has a radius of {} m, and is {} m from the origin", digits(radius), digits(reach)),
         likely: format!(
             "lengths are in metres; in {unit} they would be {} m and {} m",
             digits(radius * metres),
@@ -87,20 +79,12 @@ fn exchanged(wheels: &[Wheel]) -> Option<Question> {
 
 /// A wheel or rollers in a direction that is many turns round.
 fn direction(wheel: &Wheel) -> Option<Question> {
-    let angles = [
-        ("heading", wheel.heading),
-        ("roller_angle", wheel.roller_angle.unwrap_or_default()),
-    ];
+    let angles = [("heading", wheel.heading), ("roller_angle", wheel.roller_angle.unwrap_or_default())];
     let far = |&(_, angle): &(&str, f64)| angle.abs() > LARGEST_DIRECTION;
     let (about, angle) = angles.into_iter().find(far)?;
     Some(Question {
         about,
-        says: format!(
-            "{about} of wheel {:?} is {} rad, {} turns",
-            wheel.name,
-            digits(angle),
-            digits(angle / TAU)
-        ),
+        says: format!("{about} of wheel {:?} is {} rad, {} turns", wheel.name, digits(angle), digits(angle / TAU)),
         likely: in_degrees(angle),
     })
 }
@@ -113,11 +97,7 @@ fn range(rover: &Rover) -> Option<Question> {
     let limit = if are_modules { LARGEST_RANGE } else { TAU };
     (widest > limit).then(|| Question {
         about: "steering_limit",
-        says: format!(
-            "steering_limit of {} rad is {} turns",
-            digits(widest),
-            digits(widest / TAU)
-        ),
+        says: format!("steering_limit of {} rad is {} turns", digits(widest), digits(widest / TAU)),
         likely: in_degrees(widest),
     })
 }
@@ -140,9 +120,7 @@ pub fn angles(rover: &Rover, table: Table<'_>, count: usize) -> Option<Question>
     rows.into_iter().find_map(|k| {
         let row = table.rows(k..k + 1, joints, buffer);
         let named = rover.steered().iter().zip(row);
-        named
-            .into_iter()
-            .find_map(|(&wheel, &angle)| beyond(&rover.wheels()[wheel], angle))
+        named.into_iter().find_map(|(&wheel, &angle)| beyond(&rover.wheels()[wheel], angle))
     })
 }
 
@@ -201,10 +179,7 @@ mod tests {
     fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), crate::Error> {
         let about = |rover: &Rover| dimensions(rover).first().map(|question| question.about);
         let limit = SteeringRange::symmetric(40.0)?;
-        assert_eq!(
-            about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?),
-            Some("steering_limit")
-        );
+        assert_eq!(about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?), Some("steering_limit"));
         for (track, radius) in [(50.0, 10.0), (500.0, 100.0), (0.1, 0.5)] {
             let rover = Rover::differential(track, [radius; 2], 1, 0.0, SkidCentres::default())?;
             assert_eq!(about(&rover), Some("wheel_radius"));
@@ -223,11 +198,7 @@ mod tests {
     fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), crate::Error> {
         let limit = SteeringRange::symmetric(1.0)?;
         let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
-        for (angle, asked) in [
-            (1.0 + PI, false),
-            (1.0 + PI + 1e-9, true),
-            (f64::NAN, false),
-        ] {
+        for (angle, asked) in [(1.0 + PI, false), (1.0 + PI + 1e-9, true), (f64::NAN, false)] {
             let row = [0.0, -angle, 0.0, 0.0];
             assert_eq!(angles(&rover, Table::Flat(&row), 1).is_some(), asked);
             assert_eq!(rover.are_plain(&row), !asked && !angle.is_nan());

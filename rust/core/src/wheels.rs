@@ -150,13 +150,8 @@ impl Wheel {
             let rule = format!("be at least {TINY:e}");
             return Err(Error::value("radius", rule, number(self.radius)));
         }
-        let lengths = [
-            ("radius", self.radius),
-            ("x", self.x),
-            ("y", self.y),
-            ("scrub", self.scrub),
-            ("trail", self.trail),
-        ];
+        let lengths =
+            [("radius", self.radius), ("x", self.x), ("y", self.y), ("scrub", self.scrub), ("trail", self.trail)];
         for (argument, value) in lengths {
             finite(argument, &[value])?;
             if value.abs() >= HUGE {
@@ -181,8 +176,7 @@ impl Wheel {
 
     fn check_rollers(&self, angle: f64) -> Result<(), Error> {
         if !angle.is_finite() || angle.sin().abs() < FLAT_ROLLERS {
-            let rule =
-                "be finite and no multiple of pi: rollers along the axle leave nothing to drive";
+            let rule = "be finite and no multiple of pi: rollers along the axle leave nothing to drive";
             return Err(Error::value("roller_angle", rule, number(angle)));
         }
         if self.pivot != Pivot::Fixed {
@@ -204,10 +198,7 @@ impl Wheel {
         let Rows { rolling, side_slip } = self.bare_rows(direction);
         match self.passed_on() {
             None => Rows { rolling, side_slip },
-            Some(share) => Rows {
-                rolling: rolling + side_slip * share,
-                side_slip: Vector3::zeros(),
-            },
+            Some(share) => Rows { rolling: rolling + side_slip * share, side_slip: Vector3::zeros() },
         }
     }
 
@@ -219,10 +210,7 @@ impl Wheel {
     /// What two rows of a steered wheel measure together, whichever way it points, where it has neither scrub nor trail: the
     /// velocity of its pivot, along the axes.
     pub(crate) fn pivot_rows(&self) -> [Vector3<f64>; 2] {
-        [
-            Vector3::new(1.0, 0.0, -self.y),
-            Vector3::new(0.0, 1.0, self.x),
-        ]
+        [Vector3::new(1.0, 0.0, -self.y), Vector3::new(0.0, 1.0, self.x)]
     }
 
     /// The wheel equation without regard to rollers.
@@ -248,10 +236,7 @@ impl Wheel {
     ) -> Choice {
         let previous = range.clip(previous);
         let turning = twist.omega + steering_rate;
-        let command = |angle: f64, along: f64| WheelCommand {
-            angle,
-            rim_speed: along - self.scrub * turning,
-        };
+        let command = |angle: f64, along: f64| WheelCommand { angle, rim_speed: along - self.scrub * turning };
         let Some(u) = self.pivot_velocity(heading, twist) else {
             return Choice::stay(command(previous, 0.0));
         };
@@ -261,11 +246,8 @@ impl Wheel {
         let speed = u.x.hypot(u.y);
         // n . u = trail (omega + steering_rate) has two solutions, half a turn apart without trail.
         let across = self.trail * turning;
-        let along = if across == 0.0 {
-            speed
-        } else {
-            (speed - across).max(0.0).sqrt() * (speed + across).max(0.0).sqrt()
-        };
+        let along =
+            if across == 0.0 { speed } else { (speed - across).max(0.0).sqrt() * (speed + across).max(0.0).sqrt() };
         let lean = (sign * across).atan2(along);
         let near = command(half - lean, sign * along);
         let far = command(half + lean + PI, -sign * along);
@@ -277,11 +259,7 @@ impl Wheel {
     pub(crate) fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
         let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
         // The contact ends up behind the pivot, whichever way the heading counts.
-        choice.command(if self.trail < 0.0 {
-            Way::Backwards
-        } else {
-            Way::Forwards
-        })
+        choice.command(if self.trail < 0.0 { Way::Backwards } else { Way::Forwards })
     }
 
     /// Speed at which the contact slides sideways at this angle [m/s].
@@ -294,10 +272,8 @@ impl Wheel {
     fn pivot_velocity(&self, heading: Direction, twist: Twist) -> Option<Vector2<f64>> {
         let Direction { sin, cos } = heading;
         let u = twist.at(self.x, self.y);
-        let summed =
-            twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (self.x.abs() + self.y.abs());
-        (u.amax() > REST * summed)
-            .then(|| Vector2::new(cos * u.x + sin * u.y, cos * u.y - sin * u.x))
+        let summed = twist.vx.abs() + twist.vy.abs() + twist.omega.abs() * (self.x.abs() + self.y.abs());
+        (u.amax() > REST * summed).then(|| Vector2::new(cos * u.x + sin * u.y, cos * u.y - sin * u.x))
     }
 }
 
@@ -309,31 +285,16 @@ mod tests {
     fn a_pivot_rests_up_to_rounding_and_no_further() {
         let wheel = Wheel::new("w", 0.3, 0.4, 0.1).steered(SteeringRange::default());
         let forward = Direction::from(0.0);
-        let about = |shift: f64| Twist {
-            vx: 0.4,
-            vy: -0.3 + shift,
-            omega: 1.0,
-        };
+        let about = |shift: f64| Twist { vx: 0.4, vy: -0.3 + shift, omega: 1.0 };
         let summed = 0.4 + 0.3 + 0.7;
-        for (shift, rests) in [
-            (0.0, true),
-            (2.0 * f64::EPSILON * summed, true),
-            (1e-14, false),
-        ] {
-            assert_eq!(
-                wheel.pivot_velocity(forward, about(shift)).is_none(),
-                rests,
-                "{shift}"
-            );
+        for (shift, rests) in [(0.0, true), (2.0 * f64::EPSILON * summed, true), (1e-14, false)] {
+            assert_eq!(wheel.pivot_velocity(forward, about(shift)).is_none(), rests, "{shift}");
         }
     }
 
     #[test]
     fn an_angle_past_the_range_by_rounding_is_clipped() {
-        let range = SteeringRange {
-            lower: -0.5,
-            upper: 0.5,
-        };
+        let range = SteeringRange { lower: -0.5, upper: 0.5 };
         let wheel = Wheel::new("w", 0.0, 0.0, 0.1).steered(range);
         let forward = Direction::from(0.0);
         for (angle, expected) in [(0.5 + 1e-10, 0.5), (0.5 - 1e-10, 0.5 - 1e-10), (-0.7, -0.5)] {
@@ -341,10 +302,7 @@ mod tests {
             let twist = Twist { vx, vy, omega: 0.0 };
             let choice = wheel.choice(range, forward, twist, 0.0, 0.0);
             let command = choice.command(choice.nearest());
-            assert!(
-                (command.angle - expected).abs() < 1e-15,
-                "{angle}: {command:?}"
-            );
+            assert!((command.angle - expected).abs() < 1e-15, "{angle}: {command:?}");
         }
     }
 }

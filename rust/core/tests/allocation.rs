@@ -6,16 +6,14 @@ use std::sync::Arc;
 
 use six_wheel_core::batch::{self, Level, Log, Workers};
 use six_wheel_core::moving::{
-    Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told,
-    Turns, forward_rows, inverse_rows, traction_rows,
+    Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told, Turns, forward_rows,
+    inverse_rows, traction_rows,
 };
 use six_wheel_core::odometry::dimensions::NUMBERS;
 use six_wheel_core::odometry::spatial::{Attitude, Odometry3, Sample3, Settings3};
 use six_wheel_core::odometry::{Deviations, Odometry, Sample, Settings};
 use six_wheel_core::terrain::{Heights, Terrain};
-use six_wheel_core::{
-    Error, Inputs, Keep, Measured, Method, RockerBogie, Rover, SteeringRange, Twist, Unseen,
-};
+use six_wheel_core::{Error, Inputs, Keep, Measured, Method, RockerBogie, Rover, SteeringRange, Twist, Unseen};
 
 thread_local! {
     static TAKEN: Cell<usize> = const { Cell::new(0) };
@@ -49,11 +47,7 @@ fn taken<T>(mut job: impl FnMut() -> T) -> usize {
     TAKEN.get() - before
 }
 
-const TWIST: Twist = Twist {
-    vx: 0.1,
-    vy: 0.0,
-    omega: 0.05,
-};
+const TWIST: Twist = Twist { vx: 0.1, vy: 0.0, omega: 0.05 };
 
 /// Six wheels with every kind of range, a swerve drive that turns all the way, and no steering at all.
 fn rovers() -> Result<Vec<Rover>, Error> {
@@ -78,10 +72,7 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let (mut steering, mut speeds) = (vec![0.0; joints], vec![0.0; wheels]);
         let previous = vec![0.2; joints];
-        let inputs = Inputs {
-            previous: Some(&previous),
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous: Some(&previous), ..Inputs::default() };
         for inputs in [Inputs::default(), inputs] {
             let plain = || rover.inverse(TWIST, inputs, &mut steering, &mut speeds);
             assert_eq!(taken(plain), 0);
@@ -89,36 +80,18 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
             assert_eq!(taken(quick), 0);
         }
         batch::inverse_one(&rover, TWIST, inputs, &mut steering, &mut speeds)?;
-        let measured = Measured {
-            steering: &steering,
-            speeds: &speeds,
-            steering_rates: None,
-        };
+        let measured = Measured { steering: &steering, speeds: &speeds, steering_rates: None };
         assert_eq!(taken(|| rover.forward(measured, Unseen::Refuse)), 0);
-        assert_eq!(
-            taken(|| batch::forward_one(&rover, measured, Unseen::Refuse)),
-            0
-        );
+        assert_eq!(taken(|| batch::forward_one(&rover, measured, Unseen::Refuse)), 0);
         let (mut residual, mut weights) = (vec![0.0; wheels], vec![0.0; wheels]);
         for method in [Method::LeastSquares, Method::Robust] {
-            let fit = || {
-                rover.fit(
-                    measured,
-                    method,
-                    Unseen::Refuse,
-                    &mut residual,
-                    &mut weights,
-                )
-            };
+            let fit = || rover.fit(measured, method, Unseen::Refuse, &mut residual, &mut weights);
             assert_eq!(taken(fit), 0, "{method:?}");
         }
         assert_eq!(taken(|| rover.check(TWIST, None)), 0);
         assert_eq!(taken(|| batch::admissible_one(&rover, TWIST)), 0);
         assert_eq!(taken(|| rover.project(TWIST, Keep::Curvature)), 0);
-        assert_eq!(
-            taken(|| batch::project_one(&rover, TWIST, Keep::Curvature)),
-            0
-        );
+        assert_eq!(taken(|| batch::project_one(&rover, TWIST, Keep::Curvature)), 0);
     }
     Ok(())
 }
@@ -127,28 +100,18 @@ fn one_call_takes_no_memory() -> Result<(), Error> {
 #[test]
 fn a_batch_takes_no_memory_for_its_rows() -> Result<(), Error> {
     for level in Level::available() {
-        let workers = Workers {
-            level,
-            threads: 1,
-            fresh: false,
-        };
+        let workers = Workers { level, threads: 1, fresh: false };
         for rover in rovers()? {
             let counts = [9, 1000].map(|rows| {
                 let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
                 let mut twists = vec![<[f64; 3]>::from(TWIST); rows];
-                let (mut steering, mut speeds) =
-                    (vec![0.0; rows * joints], vec![0.0; rows * wheels]);
+                let (mut steering, mut speeds) = (vec![0.0; rows * joints], vec![0.0; rows * wheels]);
                 let inverse = taken(|| {
                     let inputs = Inputs::default();
                     batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
                 });
-                let log = Log {
-                    steering: &steering,
-                    speeds: &speeds,
-                    steering_rates: None,
-                };
-                let forward =
-                    taken(|| batch::forward(&rover, log, Unseen::Refuse, &mut twists, workers));
+                let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
+                let forward = taken(|| batch::forward(&rover, log, Unseen::Refuse, &mut twists, workers));
                 [inverse, forward]
             });
             assert_eq!(counts[0], counts[1], "{level:?}");
@@ -185,10 +148,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
     let (mut vertical, mut lifted) = (vec![0.0; ROWS], vec![false; 6 * ROWS]);
     let (mut contact_angles, mut residuals) = (vec![0.0; 6 * ROWS], vec![0.0; 18 * ROWS]);
     for level in Level::available() {
-        let workers = Workers {
-            level,
-            ..Workers::PLAIN
-        };
+        let workers = Workers { level, ..Workers::PLAIN };
         let command = Command::new(&chain);
         let inverted = taken(|| {
             let commands = Commands {
@@ -199,9 +159,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
                 scales: &mut vertical,
             };
             let wanted = [[0.1, 0.01]];
-            inverse_rows(
-                &chain, &prepared, &footings, &command, &wanted, None, commands, workers,
-            )
+            inverse_rows(&chain, &prepared, &footings, &command, &wanted, None, commands, workers)
         });
         let moved = taken(|| {
             let readings = ReadingRows {
@@ -212,11 +170,7 @@ fn rows_of_motion_on_the_ground_take_no_memory() -> Result<(), Error> {
                 angular_velocity: None,
                 weights: None,
             };
-            let movings = Movings {
-                twists: &mut twists,
-                joint_rates: &mut joint_rates,
-                residuals: &mut residuals,
-            };
+            let movings = Movings { twists: &mut twists, joint_rates: &mut joint_rates, residuals: &mut residuals };
             forward_rows(&chain, &prepared, &footings, &readings, movings, workers);
         });
         let driven = taken(|| {
@@ -250,13 +204,7 @@ fn a_sample_of_odometry_in_space_takes_no_memory() -> Result<(), Error> {
     let ground = Arc::new(Terrain::new(flat, 32, [1.0; 2], [-16.0; 2], 0.0)?);
     for map in [None, Some(ground)] {
         let chain = RockerBogie::perseverance()?.chain().clone();
-        let settings = Settings3 {
-            common: Settings {
-                lag: 1.0,
-                ..Settings::default()
-            },
-            ..Settings3::default()
-        };
+        let settings = Settings3 { common: Settings { lag: 1.0, ..Settings::default() }, ..Settings3::default() };
         let mut odometry = Odometry3::new(chain, map, settings)?;
         let mut stamp = 0.0;
         let step = || {
@@ -277,31 +225,16 @@ fn a_sample_of_odometry_in_space_takes_no_memory() -> Result<(), Error> {
 
 #[test]
 fn a_sample_of_odometry_takes_no_memory() -> Result<(), Error> {
-    for (rover, doubts) in rovers()?
-        .into_iter()
-        .flat_map(|rover| [(rover.clone(), 0), (rover, 2)])
-    {
-        let (steering, mut wheels) = (
-            vec![0.1; rover.steered().len()],
-            vec![0.0; rover.wheels().len()],
-        );
+    for (rover, doubts) in rovers()?.into_iter().flat_map(|rover| [(rover.clone(), 0), (rover, 2)]) {
+        let (steering, mut wheels) = (vec![0.1; rover.steered().len()], vec![0.0; rover.wheels().len()]);
         let tables = vec![1e-3; doubts * wheels.len() * NUMBERS];
-        let settings = Settings {
-            dimensions: Deviations::new(&tables, wheels.len())?,
-            ..Settings::default()
-        };
+        let settings = Settings { dimensions: Deviations::new(&tables, wheels.len())?, ..Settings::default() };
         let mut odometry = Odometry::new(rover, settings)?;
         let mut stamp = 0.0;
         let step = || {
             stamp += 0.1;
             wheels.fill(stamp);
-            odometry.update(Sample {
-                steering: &steering,
-                wheels: &wheels,
-                stamp,
-                yaw: None,
-                yaw_rate: None,
-            })
+            odometry.update(Sample { steering: &steering, wheels: &wheels, stamp, yaw: None, yaw_rate: None })
         };
         assert_eq!(taken(step), 0);
     }

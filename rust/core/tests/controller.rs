@@ -40,32 +40,20 @@ impl Random {
 
 fn rover(random: &mut Random) -> Result<Rover, Error> {
     let radius = random.within(0.05, 0.3);
-    let range = if random.chance(0.3) {
-        SteeringRange::default()
-    } else {
-        SteeringRange::symmetric(random.within(0.3, 2.5))?
-    };
+    let range =
+        if random.chance(0.3) { SteeringRange::default() } else { SteeringRange::symmetric(random.within(0.3, 2.5))? };
     let lengths = [(); 4].map(|()| random.within(0.1, 1.0));
     let [a, b, ..] = lengths;
     match random.pick(7) {
         0..=2 => Rover::six_wheel(lengths, radius, range),
         3 => Rover::swerve(&[[a, b], [a, -b], [-a, b], [-a, -b]], None, radius, range),
-        4 => Rover::ackermann(
-            a + 0.2,
-            b,
-            radius,
-            SteeringRange::symmetric(0.7)?,
-            Drive::Rear,
-        ),
+        4 => Rover::ackermann(a + 0.2, b, radius, SteeringRange::symmetric(0.7)?, Drive::Rear),
         5 if random.chance(0.5) => Rover::mecanum(a, b, radius, FRAC_PI_2 / 2.0),
         5 => Rover::differential(b, [radius; 2], 1, 0.0, SkidCentres::default()),
         _ => {
             let wheel = |name, x, y| Wheel::new(name, x, y, radius);
             let scrub = random.within(-0.1, 0.1);
-            let offset = |wheel: Wheel| Wheel {
-                scrub,
-                ..wheel.steered(range)
-            };
+            let offset = |wheel: Wheel| Wheel { scrub, ..wheel.steered(range) };
             Rover::new(vec![
                 offset(wheel("front", a, 0.1)),
                 offset(wheel("rear", -a, 0.0)),
@@ -81,9 +69,7 @@ fn limits(random: &mut Random) -> Result<Limits, Error> {
     for (name, value) in Limits::NAMES.iter().zip(&mut given) {
         if *name != "steering_limit" && random.chance(0.6) {
             // From tame to rough, on a scale of ratios.
-            *value = Some(
-                random.within(-1.5, 1.5).exp2() * if name.contains("wheel") { 10.0 } else { 1.0 },
-            );
+            *value = Some(random.within(-1.5, 1.5).exp2() * if name.contains("wheel") { 10.0 } else { 1.0 });
         }
     }
     Limits::new(given)
@@ -92,27 +78,11 @@ fn limits(random: &mut Random) -> Result<Limits, Error> {
 fn twist(random: &mut Random, before: Twist) -> Twist {
     let [vx, vy, omega] = [(); 3].map(|()| random.within(-1.5, 1.5));
     match random.pick(8) {
-        0 => Twist {
-            vx,
-            vy: 0.0,
-            omega: 0.0,
-        },
-        1 => Twist {
-            vx: 0.0,
-            vy: 0.0,
-            omega,
-        },
+        0 => Twist { vx, vy: 0.0, omega: 0.0 },
+        1 => Twist { vx: 0.0, vy: 0.0, omega },
         2 => Twist::ZERO,
-        3 => Twist {
-            vx: -before.vx,
-            vy: -before.vy,
-            omega: -before.omega,
-        },
-        4 => Twist {
-            vx: before.vx * 1.01,
-            vy: before.vy,
-            omega: before.omega + 0.01,
-        },
+        3 => Twist { vx: -before.vx, vy: -before.vy, omega: -before.omega },
+        4 => Twist { vx: before.vx * 1.01, vy: before.vy, omega: before.omega + 0.01 },
         5 => Twist { vx, vy, omega },
         _ => Twist { vx, vy: 0.0, omega },
     }
@@ -141,21 +111,12 @@ struct Checker<'a> {
 
 impl Checker<'_> {
     fn demand(&self, name: &str, value: f64, limit: f64, noise: f64) {
-        assert!(
-            within(value, limit, noise),
-            "{name}: {value} > {limit}\n{}",
-            (self.context)()
-        );
+        assert!(within(value, limit, noise), "{name}: {value} > {limit}\n{}", (self.context)());
     }
 
     /// One instant.
     fn state(&self, shot: &Shot) {
-        let Shot {
-            twist,
-            steering,
-            speeds,
-            ..
-        } = shot;
+        let Shot { twist, steering, speeds, .. } = shot;
         let speed = twist.linear().norm();
         self.demand("speed", speed, self.limits.speed, 1e-12);
         self.demand("yaw rate", twist.omega.abs(), self.limits.yaw_rate, 1e-12);
@@ -172,12 +133,7 @@ impl Checker<'_> {
         }
         for (angle, &i) in steering.iter().zip(self.rover.steered()) {
             let wheel = &self.rover.wheels()[i];
-            self.demand(
-                "scrub",
-                wheel.side_slip(*angle, *twist, 0.0).abs(),
-                1e-9,
-                0.0,
-            );
+            self.demand("scrub", wheel.side_slip(*angle, *twist, 0.0).abs(), 1e-9, 0.0);
         }
     }
 
@@ -195,27 +151,13 @@ impl Checker<'_> {
         };
         let grows = second.twist.linear().norm() > first.twist.linear().norm();
         let noise = 1e-14 / dt;
-        self.demand(
-            "acceleration",
-            linear,
-            pick(limits.acceleration, limits.deceleration, grows),
-            noise,
-        );
+        self.demand("acceleration", linear, pick(limits.acceleration, limits.deceleration, grows), noise);
         let angular = step(first.twist.omega, second.twist.omega);
         let grows = second.twist.omega.abs() > first.twist.omega.abs();
-        let limit = pick(
-            limits.angular_acceleration,
-            limits.angular_deceleration,
-            grows,
-        );
+        let limit = pick(limits.angular_acceleration, limits.angular_deceleration, grows);
         self.demand("angular acceleration", angular, limit, noise);
         for (a, b) in first.speeds.iter().zip(&second.speeds) {
-            self.demand(
-                "wheel acceleration",
-                step(*a, *b),
-                limits.wheel_acceleration,
-                100.0 * noise,
-            );
+            self.demand("wheel acceleration", step(*a, *b), limits.wheel_acceleration, 100.0 * noise);
         }
         for (a, b) in first.steering.iter().zip(&second.steering) {
             self.demand("steering rate", step(*a, *b), limits.steering_rate, noise);
@@ -225,27 +167,15 @@ impl Checker<'_> {
     /// Over three: divided differences, which the mean value theorem bounds by the derivative.
     fn curve(&self, [first, second, third]: [&Shot; 3]) {
         let [early, late] = [second.dt, third.dt];
-        let bend =
-            |a: f64, b: f64, c: f64| ((c - b) / late - (b - a) / early) * 2.0 / (early + late);
+        let bend = |a: f64, b: f64, c: f64| ((c - b) / late - (b - a) / early) * 2.0 / (early + late);
         let noise = 1e-14 / (early.min(late) * early.min(late));
-        let part =
-            |of: fn(&Twist) -> f64| bend(of(&first.twist), of(&second.twist), of(&third.twist));
+        let part = |of: fn(&Twist) -> f64| bend(of(&first.twist), of(&second.twist), of(&third.twist));
         let linear = part(|twist| twist.vx).hypot(part(|twist| twist.vy));
         self.demand("jerk", linear, self.limits.jerk, noise);
-        self.demand(
-            "angular jerk",
-            part(|twist| twist.omega).abs(),
-            self.limits.angular_jerk,
-            noise,
-        );
+        self.demand("angular jerk", part(|twist| twist.omega).abs(), self.limits.angular_jerk, noise);
         for (k, angle) in third.steering.iter().enumerate() {
             let value = bend(first.steering[k], second.steering[k], *angle).abs();
-            self.demand(
-                "steering acceleration",
-                value,
-                self.limits.steering_acceleration,
-                noise,
-            );
+            self.demand("steering acceleration", value, self.limits.steering_acceleration, noise);
         }
     }
 }
@@ -280,11 +210,7 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
             wanted = twist(&mut random, wanted);
             controller.command(wanted, now, None)?;
         }
-        let dt = if jitter {
-            period * random.within(0.1, 1.9)
-        } else {
-            period
-        };
+        let dt = if jitter { period * random.within(0.1, 1.9) } else { period };
         let distance = controller.stopping_distance();
         assert!(distance >= 0.0, "{distance}");
         now += dt;
@@ -293,13 +219,8 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
         history[7] = format!("{dt} {:b} {:?}", controller.reasons(), controller.twist());
         log.rotate_left(1);
         log[2] = shot(&controller, dt);
-        let context =
-            || format!("seed {seed} step {step} {limits:?}\n{wanted:?} {history:#?} {rover:?}");
-        let checker = Checker {
-            rover: &rover,
-            limits,
-            context: &context,
-        };
+        let context = || format!("seed {seed} step {step} {limits:?}\n{wanted:?} {history:#?} {rover:?}");
+        let checker = Checker { rover: &rover, limits, context: &context };
         checker.state(&log[2]);
         checker.change([&log[1], &log[2]]);
         checker.curve([&log[0], &log[1], &log[2]]);
@@ -310,11 +231,7 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
         }
         let steady = controller.steering_rates().iter().all(|rate| *rate == 0.0);
         if controller.twist() == wanted && steady && !stale {
-            assert!(
-                reasons == 0,
-                "reasons {reasons:b} for nothing\n{}",
-                context()
-            );
+            assert!(reasons == 0, "reasons {reasons:b} for nothing\n{}", context());
         }
     }
     Ok(())
@@ -322,9 +239,7 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
 
 #[test]
 fn no_limit_is_exceeded() -> Result<(), Error> {
-    let soak = std::env::var("SOAK")
-        .ok()
-        .and_then(|text| text.parse().ok());
+    let soak = std::env::var("SOAK").ok().and_then(|text| text.parse().ok());
     let factor: usize = soak.unwrap_or(1);
     for seed in 0..(STREAMS * factor) as u64 {
         stream(seed, STEPS)?;
@@ -348,10 +263,7 @@ fn without_limits_every_command_is_met_at_once() -> Result<(), Error> {
                 assert_eq!(controller.twist(), wanted, "seed {seed} step {step}");
                 assert_eq!(controller.reasons(), 0, "seed {seed} step {step}");
             } else {
-                assert!(
-                    controller.reasons() & reason::PROJECTED != 0,
-                    "seed {seed} step {step}"
-                );
+                assert!(controller.reasons() & reason::PROJECTED != 0, "seed {seed} step {step}");
             }
         }
     }
@@ -366,10 +278,7 @@ fn a_stop_takes_no_longer_a_way_than_stated_and_keeps_the_curvature() -> Result<
         let mut limits = limits(&mut random)?;
         limits.deceleration = limits.deceleration.min(1.0);
         limits.angular_deceleration = limits.angular_deceleration.min(2.0);
-        let options = Options {
-            timeout: 0.2,
-            ..Options::default()
-        };
+        let options = Options { timeout: 0.2, ..Options::default() };
         let mut controller = Controller::new(&rover, limits, options, None)?;
         let (dt, mut now) = (0.002, 0.0);
         controller.command(twist(&mut random, Twist::ZERO), now, None)?;
@@ -400,10 +309,7 @@ fn a_stop_takes_no_longer_a_way_than_stated_and_keeps_the_curvature() -> Result<
             }
         }
         assert!(controller.stopped(), "seed {seed} {controller:#?}");
-        assert!(
-            way <= stated * (1.0 + 1e-9) + 1e-12,
-            "seed {seed}: {way} > {stated}"
-        );
+        assert!(way <= stated * (1.0 + 1e-9) + 1e-12, "seed {seed}: {way} > {stated}");
     }
     Ok(())
 }
@@ -411,49 +317,21 @@ fn a_stop_takes_no_longer_a_way_than_stated_and_keeps_the_curvature() -> Result<
 #[test]
 fn modes_mean_what_they_say() -> Result<(), Error> {
     let range = SteeringRange::default();
-    let swerve = Rover::swerve(
-        &[[0.5, 0.4], [0.5, -0.4], [-0.5, 0.4], [-0.5, -0.4]],
-        None,
-        0.1,
-        range,
-    )?;
-    let wanted = Twist {
-        vx: 0.5,
-        vy: 0.2,
-        omega: 0.3,
-    };
+    let swerve = Rover::swerve(&[[0.5, 0.4], [0.5, -0.4], [-0.5, 0.4], [-0.5, -0.4]], None, 0.1, range)?;
+    let wanted = Twist { vx: 0.5, vy: 0.2, omega: 0.3 };
     for (mode, expected) in [
         (Mode::Free, wanted),
-        (
-            Mode::Crab,
-            Twist {
-                omega: 0.0,
-                ..wanted
-            },
-        ),
-        (
-            Mode::Spin,
-            Twist {
-                vx: 0.0,
-                vy: 0.0,
-                ..wanted
-            },
-        ),
+        (Mode::Crab, Twist { omega: 0.0, ..wanted }),
+        (Mode::Spin, Twist { vx: 0.0, vy: 0.0, ..wanted }),
     ] {
-        let options = Options {
-            mode,
-            ..Options::default()
-        };
+        let options = Options { mode, ..Options::default() };
         let mut controller = Controller::new(&swerve, Limits::default(), options, None)?;
         controller.command(wanted, 0.0, None)?;
         controller.step(0.0, None)?;
         assert_eq!(controller.twist(), expected);
         assert_eq!(controller.reasons() == 0, mode == Mode::Free);
     }
-    let options = Options {
-        mode: Mode::FrontOnly,
-        ..Options::default()
-    };
+    let options = Options { mode: Mode::FrontOnly, ..Options::default() };
     let mut controller = Controller::new(&swerve, Limits::default(), options, None)?;
     controller.command(wanted, 0.0, None)?;
     controller.step(0.0, None)?;

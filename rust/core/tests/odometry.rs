@@ -7,9 +7,8 @@ use six_wheel_core::{Error, Inputs, Keep, Pose, Rover, SteeringRange, Twist};
 
 fn rovers() -> impl Strategy<Value = Rover> {
     let dimensions = prop::array::uniform4(0.1..2.0_f64);
-    (dimensions, 0.02..0.5_f64).prop_filter_map("valid", |(d, radius)| {
-        Rover::six_wheel(d, radius, SteeringRange::default()).ok()
-    })
+    (dimensions, 0.02..0.5_f64)
+        .prop_filter_map("valid", |(d, radius)| Rover::six_wheel(d, radius, SteeringRange::default()).ok())
 }
 
 fn twists() -> impl Strategy<Value = Twist> {
@@ -17,11 +16,7 @@ fn twists() -> impl Strategy<Value = Twist> {
 }
 
 fn noise() -> Noise {
-    Noise {
-        slip: 0.02,
-        side_slip: 0.01,
-        ..Noise::READINGS
-    }
+    Noise { slip: 0.02, side_slip: 0.01, ..Noise::READINGS }
 }
 
 /// Angles and speeds of the wheels for the nearest twist that the rover can make, and that twist.
@@ -33,20 +28,11 @@ fn wheels(rover: &Rover, wanted: Twist) -> Result<([f64; 4], [f64; 6], Twist), E
 }
 
 fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
-    Sample {
-        steering,
-        wheels,
-        stamp,
-        yaw: None,
-        yaw_rate: None,
-    }
+    Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }
 }
 
 fn apart(a: Pose, b: Pose) -> f64 {
-    (a.x - b.x)
-        .abs()
-        .max((a.y - b.y).abs())
-        .max((a.yaw - b.yaw).abs())
+    (a.x - b.x).abs().max((a.y - b.y).abs()).max((a.yaw - b.yaw).abs())
 }
 
 proptest! {
@@ -152,15 +138,9 @@ proptest! {
 #[test]
 fn rates_take_the_mean_of_both_ends() -> Result<(), Error> {
     let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.1, SteeringRange::default())?;
-    let settings = Settings {
-        readings: Readings::Speeds,
-        ..Settings::default()
-    };
+    let settings = Settings { readings: Readings::Speeds, ..Settings::default() };
     let mut odometry = Odometry::new(rover, settings)?;
-    assert_eq!(
-        odometry.update(sample(&[0.0; 4], &[1.0; 6], 0.0))?,
-        Health::FIRST
-    );
+    assert_eq!(odometry.update(sample(&[0.0; 4], &[1.0; 6], 0.0))?, Health::FIRST);
     odometry.update(sample(&[0.0; 4], &[3.0; 6], 0.5))?;
     assert!((odometry.pose().x - 0.1 * 2.0 * 0.5).abs() < 1e-15);
     Ok(())
@@ -169,11 +149,7 @@ fn rates_take_the_mean_of_both_ends() -> Result<(), Error> {
 #[test]
 fn memory_for_late_poses_is_bounded() -> Result<(), Error> {
     let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.1, SteeringRange::default())?;
-    let settings = Settings {
-        lag: 1e6,
-        history: 8,
-        ..Settings::default()
-    };
+    let settings = Settings { lag: 1e6, history: 8, ..Settings::default() };
     let mut odometry = Odometry::new(rover, settings)?;
     for k in 0..100 {
         odometry.update(sample(&[0.0; 4], &[f64::from(k); 6], f64::from(k)))?;

@@ -2,33 +2,23 @@
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
-use six_wheel_core::odometry::{
-    Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows,
-};
+use six_wheel_core::odometry::{Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
 use six_wheel_core::{Error, Pose, Rover, SteeringRange};
 
 fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
-    Sample {
-        steering,
-        wheels,
-        stamp,
-        yaw: None,
-        yaw_rate: None,
-    }
+    Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }
 }
 
 /// A gyroscope whose bias is a state, or only its noise.
 fn gyroscopes() -> impl Strategy<Value = Option<Gyroscope>> {
     let numbers = (0.0..0.05_f64, -0.1..0.1_f64, 0.0..0.1_f64, 0.0..0.01_f64);
-    prop::option::of(
-        numbers.prop_map(|(noise, bias, bias_noise, bias_walk)| Gyroscope {
-            noise,
-            bias,
-            bias_noise,
-            bias_walk,
-            scale_noise: 0.0,
-        }),
-    )
+    prop::option::of(numbers.prop_map(|(noise, bias, bias_noise, bias_walk)| Gyroscope {
+        noise,
+        bias,
+        bias_noise,
+        bias_walk,
+        scale_noise: 0.0,
+    }))
 }
 
 /// Of every row what wheels and joints change by, the time since the row before, and a yaw rate, if there is one. Every
@@ -51,9 +41,7 @@ fn drives(most: usize) -> impl Strategy<Value = Vec<(Vec<f64>, f64, Option<f64>)
 fn vehicles() -> Result<Vec<Rover>, Error> {
     let around = |count: u32| -> Vec<[f64; 2]> {
         let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
-        (0..count)
-            .map(|k| [turn(k).cos() + 0.3, turn(k).sin()])
-            .collect()
+        (0..count).map(|k| [turn(k).cos() + 0.3, turn(k).sin()]).collect()
     };
     let whole = SteeringRange::symmetric(3.2)?;
     Ok(vec![
@@ -66,14 +54,9 @@ fn vehicles() -> Result<Vec<Rover>, Error> {
 }
 
 fn close(found: &[f64], expected: &[f64], rounding: f64) -> bool {
-    let largest = expected
-        .iter()
-        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let pairs = found.iter().zip(expected);
-    found.len() == expected.len()
-        && pairs
-            .into_iter()
-            .all(|(a, b)| a == b || (a - b).abs() <= rounding * largest)
+    found.len() == expected.len() && pairs.into_iter().all(|(a, b)| a == b || (a - b).abs() <= rounding * largest)
 }
 
 proptest! {
@@ -255,11 +238,7 @@ fn in_no_time_nothing_slides() -> Result<(), Error> {
         stamps,
     };
     let mut found = Found::new(20, 6);
-    Odometry::new(rover, Settings::default())?.run(
-        log.of(0..20, 6, 4),
-        true,
-        found.of(0..20, 6),
-    )?;
+    Odometry::new(rover, Settings::default())?.run(log.of(0..20, 6, 4), true, found.of(0..20, 6))?;
     assert!(found.residuals.iter().all(|slid| *slid == 0.0));
     assert!(found.twists.as_flattened().iter().all(|part| *part == 0.0));
     Ok(())

@@ -42,14 +42,7 @@ fn rovers() -> Result<Vec<Rover>, Error> {
 
 #[test]
 fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
-    let map = Costmap::new(
-        vec![0.5; 100 * 100],
-        [100, 100],
-        [0.1, 0.1],
-        [-5.0, -5.0],
-        Some(0.9),
-        None,
-    )?;
+    let map = Costmap::new(vec![0.5; 100 * 100], [100, 100], [0.1, 0.1], [-5.0, -5.0], Some(0.9), None)?;
     let limits = Limits {
         speed: 1.0,
         yaw_rate: 1.0,
@@ -63,24 +56,13 @@ fn cycles_after_the_first_take_no_memory() -> Result<(), Error> {
     let counts = vec![0.0; 100];
     assert_eq!(TAKEN.load(Ordering::Relaxed) - before, 8 * counts.len());
     for rover in rovers()? {
-        for (precision, threads, record) in [
-            (Precision::Double, 1, false),
-            (Precision::Single, 1, true),
-            (Precision::Double, 3, true),
-        ] {
-            let options = Options {
-                samples: 1000,
-                horizon: 30,
-                precision,
-                ..Options::default()
-            };
+        for (precision, threads, record) in
+            [(Precision::Double, 1, false), (Precision::Single, 1, true), (Precision::Double, 3, true)]
+        {
+            let options = Options { samples: 1000, horizon: 30, precision, ..Options::default() };
             let extra = vec![0.1; options.samples];
             let mut planner = Mppi::new(&rover, limits, options)?;
-            let workers = Workers {
-                level: Level::best(),
-                threads,
-                fresh: false,
-            };
+            let workers = Workers { level: Level::best(), threads, fresh: false };
             let mut cycle = |k: usize| -> Result<(), Error> {
                 let situation = Situation {
                     pose: [0.05 * k as f64, 0.0, 0.1],

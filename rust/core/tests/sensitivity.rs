@@ -16,11 +16,7 @@ struct Readings {
 
 impl Readings {
     fn measured(&self) -> Measured<'_> {
-        Measured {
-            steering: &self.steering,
-            speeds: &self.speeds,
-            steering_rates: Some(&self.rates),
-        }
+        Measured { steering: &self.steering, speeds: &self.speeds, steering_rates: Some(&self.rates) }
     }
 }
 
@@ -47,30 +43,16 @@ fn wheel(index: usize, kind: usize, numbers: [f64; 7]) -> Wheel {
 fn cases() -> impl Strategy<Value = (Vec<Wheel>, Readings)> {
     let one = (0..KINDS, prop::array::uniform7(-1.0..1.0_f64));
     prop::collection::vec(one, 3..8).prop_flat_map(|wheels| {
-        let wheels: Vec<Wheel> = wheels
-            .into_iter()
-            .enumerate()
-            .map(|(index, (kind, numbers))| wheel(index, kind, numbers))
-            .collect();
-        let steered = wheels
-            .iter()
-            .filter(|wheel| wheel.steering().is_some())
-            .count();
+        let wheels: Vec<Wheel> =
+            wheels.into_iter().enumerate().map(|(index, (kind, numbers))| wheel(index, kind, numbers)).collect();
+        let steered = wheels.iter().filter(|wheel| wheel.steering().is_some()).count();
         let (speeds, angles, rates) = (
             prop::collection::vec(-5.0..5.0_f64, wheels.len()),
             prop::collection::vec(-1.5..1.5_f64, steered),
             prop::collection::vec(-1.0..1.0_f64, steered),
         );
-        (Just(wheels), speeds, angles, rates).prop_map(|(wheels, speeds, steering, rates)| {
-            (
-                wheels,
-                Readings {
-                    steering,
-                    speeds,
-                    rates,
-                },
-            )
-        })
+        (Just(wheels), speeds, angles, rates)
+            .prop_map(|(wheels, speeds, steering, rates)| (wheels, Readings { steering, speeds, rates }))
     })
 }
 
@@ -88,10 +70,7 @@ fn moved(
     step: f64,
 ) -> Option<(Vec<Wheel>, Readings)> {
     let (mut wheels, mut readings) = (wheels.to_vec(), readings.clone());
-    let joint = wheels[..i]
-        .iter()
-        .filter(|wheel| wheel.steering().is_some())
-        .count();
+    let joint = wheels[..i].iter().filter(|wheel| wheel.steering().is_some()).count();
     let is_steered = wheels[i].steering().is_some();
     match quantity {
         Quantity::Speed => readings.speeds[i] += step,
@@ -272,23 +251,13 @@ proptest! {
 
 #[test]
 fn a_wheel_without_an_encoder_is_silent() -> Result<(), Error> {
-    let mut wheels = vec![
-        Wheel::new("left", 0.0, 0.2, 0.1),
-        Wheel::new("right", 0.0, -0.2, 0.1),
-    ];
+    let mut wheels = vec![Wheel::new("left", 0.0, 0.2, 0.1), Wheel::new("right", 0.0, -0.2, 0.1)];
     wheels.push(Wheel::new("middle", 0.0, 0.0, 0.1).passive());
     let rover = Rover::new(wheels)?;
-    let measured = Measured {
-        steering: &[],
-        speeds: &[1.0, 2.0, f64::NAN],
-        steering_rates: None,
-    };
+    let measured = Measured { steering: &[], speeds: &[1.0, 2.0, f64::NAN], steering_rates: None };
     for quantity in Quantity::ALL {
         let derivative = rover.sensitivity(measured, |linear| linear.derivative(2, quantity))?;
-        assert!(
-            derivative.iter().all(|value| value.is_finite()),
-            "{quantity:?}"
-        );
+        assert!(derivative.iter().all(|value| value.is_finite()), "{quantity:?}");
     }
     let silent = rover.sensitivity(measured, |linear| linear.derivative(2, Quantity::Radius))?;
     assert_eq!(silent.amax(), 0.0);

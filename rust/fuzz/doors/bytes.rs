@@ -47,10 +47,7 @@ impl Bytes<'_> {
         let count = usize::from(self.byte() % 8) + 1;
         let wheels = (0..count).map(|k| {
             let kind = self.byte();
-            let range = SteeringRange {
-                lower: -self.number().abs(),
-                upper: self.number().abs(),
-            };
+            let range = SteeringRange { lower: -self.number().abs(), upper: self.number().abs() };
             Wheel {
                 pivot: match kind % 4 {
                     0 => Pivot::Steered(SteeringRange::default()),
@@ -62,12 +59,7 @@ impl Bytes<'_> {
                 scrub: if kind & 32 == 0 { 0.0 } else { self.number() },
                 trail: if kind & 64 == 0 { 0.0 } else { self.number() },
                 driven: kind & 8 == 0,
-                ..Wheel::new(
-                    format!("w{k}"),
-                    self.number(),
-                    self.number(),
-                    self.number().abs(),
-                )
+                ..Wheel::new(format!("w{k}"), self.number(), self.number(), self.number().abs())
             }
         });
         Rover::new(wheels.collect()).ok()

@@ -31,21 +31,13 @@ pub fn one(data: &[u8]) {
             let twist = Twist::from([bytes.number(), bytes.number(), bytes.number()]);
             let _ = controller.command(twist, now, None);
         }
-        now += if kind & 128 == 0 {
-            0.02
-        } else {
-            bytes.number()
-        };
+        now += if kind & 128 == 0 { 0.02 } else { bytes.number() };
         let measured = (kind % 5 == 0).then(|| bytes.numbers(rover.steered().len()));
         let before = controller.steering().to_vec();
         if controller.step(now, measured.as_deref()).is_err() {
             assert_eq!(before, controller.steering());
         }
-        let numbers = [
-            controller.steering(),
-            controller.speeds(),
-            controller.steering_rates(),
-        ];
+        let numbers = [controller.steering(), controller.speeds(), controller.steering_rates()];
         assert!(
             numbers.concat().iter().all(|value| value.is_finite()),
             "{numbers:?} at {now}, measured {measured:?}, {controller:?}"

@@ -11,8 +11,7 @@ pub fn one(data: &[u8]) {
     let Some(rover) = bytes.rover() else { return };
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let mut settings = Settings {
-        readings: [Readings::Angles, Readings::Speeds, Readings::Increments]
-            [usize::from(bytes.byte() % 3)],
+        readings: [Readings::Angles, Readings::Speeds, Readings::Increments][usize::from(bytes.byte() % 3)],
         lag: f64::from(bytes.byte() % 3),
         history: usize::from(bytes.byte()),
         inflate: bytes.byte() % 2 == 0,
@@ -28,25 +27,13 @@ pub fn one(data: &[u8]) {
         let kind = bytes.byte();
         stamp += if kind & 128 == 0 { 0.1 } else { bytes.number() };
         let result = match kind % 8 {
-            0 => odometry
-                .command(
-                    [bytes.number(), bytes.number(), bytes.number()].into(),
-                    stamp,
-                )
-                .map(|_| ()),
+            0 => odometry.command([bytes.number(), bytes.number(), bytes.number()].into(), stamp).map(|_| ()),
             1 => odometry.correct(
                 Pose::from([bytes.number(), bytes.number(), bytes.number()]),
                 stamp,
-                [
-                    [bytes.number().abs(), 0.0, 0.0],
-                    [0.0, 1.0, 0.0],
-                    [0.0, 0.0, 1.0],
-                ],
+                [[bytes.number().abs(), 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             ),
-            2 => odometry.set_pose(
-                Pose::from([bytes.number(), 0.0, bytes.number()]),
-                [[0.0; 3]; 3],
-            ),
+            2 => odometry.set_pose(Pose::from([bytes.number(), 0.0, bytes.number()]), [[0.0; 3]; 3]),
             _ => {
                 let (steering, turned) = (bytes.numbers(joints), bytes.numbers(wheels));
                 let sample = Sample {
@@ -64,15 +51,8 @@ pub fn one(data: &[u8]) {
         }
         let covariance = odometry.covariance();
         assert!((0..3).all(|i| covariance[i][i] >= 0.0), "{covariance:?}");
-        assert!(
-            <[f64; 3]>::from(odometry.pose())
-                .iter()
-                .all(|value| value.is_finite())
-        );
+        assert!(<[f64; 3]>::from(odometry.pose()).iter().all(|value| value.is_finite()));
         let twist = odometry.twist_covariance();
-        assert!(
-            (0..3).all(|i| twist[i][i] >= 0.0),
-            "{twist:?} of {odometry:?}"
-        );
+        assert!((0..3).all(|i| twist[i][i] >= 0.0), "{twist:?} of {odometry:?}");
     }
 }

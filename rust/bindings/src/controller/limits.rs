@@ -55,16 +55,9 @@ impl Limits {
     /// The call that makes these limits.
     pub fn text(&self) -> String {
         let text = |value: f64| {
-            if value.is_infinite() {
-                "float('inf')".into()
-            } else {
-                format!("{value:?}")
-            }
+            if value.is_infinite() { "float('inf')".into() } else { format!("{value:?}") }
         };
-        let given: Vec<String> = self
-            .given()
-            .map(|(name, value)| format!("{name}={}", text(value)))
-            .collect();
+        let given: Vec<String> = self.given().map(|(name, value)| format!("{name}={}", text(value))).collect();
         format!("Limits({})", given.join(", "))
     }
 
@@ -240,9 +233,7 @@ impl Limits {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {

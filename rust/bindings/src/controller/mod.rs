@@ -202,8 +202,7 @@ impl Controller {
         let now = number("now", now)?;
         let measured = Rows::read_beside("measured", measured, self.joints, &[])?;
         let mut core = self.core.lock(py)?;
-        core.step(now, measured.as_ref().map(Rows::flat))
-            .map_err(|error| raise(error, &[]))?;
+        core.step(now, measured.as_ref().map(Rows::flat)).map_err(|error| raise(error, &[]))?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
     }
 
@@ -295,11 +294,7 @@ impl Controller {
         let mut text = format!("Controller({rover}, {}", Limits(*core.limits()).text());
         if options.timeout != usual.timeout {
             let timeout = options.timeout;
-            text += &if timeout.is_infinite() {
-                ", timeout=None".into()
-            } else {
-                format!(", timeout={timeout:?}")
-            };
+            text += &if timeout.is_infinite() { ", timeout=None".into() } else { format!(", timeout={timeout:?}") };
         }
         if let Some(period) = options.period {
             text += &format!(", period={period:?}");

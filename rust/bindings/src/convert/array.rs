@@ -1,8 +1,6 @@
 //! What a caller hands over, as an array of real numbers or refused by name: masks, ragged lists, what is no number.
 
-use numpy::{
-    PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
-};
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -32,28 +30,17 @@ pub(super) fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
         if tuple.len() != 3 {
             return None;
         }
-        [
-            tuple.get_item(0).ok()?,
-            tuple.get_item(1).ok()?,
-            tuple.get_item(2).ok()?,
-        ]
+        [tuple.get_item(0).ok()?, tuple.get_item(1).ok()?, tuple.get_item(2).ok()?]
     } else {
         let list = value.cast::<PyList>().ok().filter(|list| list.len() == 3)?;
-        [
-            list.get_item(0).ok()?,
-            list.get_item(1).ok()?,
-            list.get_item(2).ok()?,
-        ]
+        [list.get_item(0).ok()?, list.get_item(1).ok()?, list.get_item(2).ok()?]
     };
     Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
 }
 
 /// What a caller hands over, as an array of real numbers: its own memory, however it is laid out, wherever NumPy
 /// can look at that.
-pub fn read_array<'py>(
-    argument: &str,
-    value: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyUntypedArray>> {
+pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = value.py();
     ready(py)?;
     refuse_masks(argument, value, 0)?;
@@ -74,10 +61,7 @@ pub fn read_array<'py>(
 }
 
 /// What is no number, and where: `None at [2]`. Nothing where an array has another dtype all through.
-fn odd_one(
-    value: &Bound<'_, PyAny>,
-    array: &Bound<'_, PyUntypedArray>,
-) -> PyResult<Option<String>> {
+fn odd_one(value: &Bound<'_, PyAny>, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<String>> {
     if value.is_none() {
         return Ok(Some("None".into()));
     }
@@ -96,11 +80,7 @@ fn odd_one(
     if array.dtype().kind() != b'O' && is_array {
         return Ok(None);
     }
-    let lists = if is_array {
-        value.call_method0(intern!(value.py(), "tolist"))?
-    } else {
-        value.clone()
-    };
+    let lists = if is_array { value.call_method0(intern!(value.py(), "tolist"))? } else { value.clone() };
     let mut place = Vec::new();
     let found = first_odd(&lists, &mut place);
     let place: Vec<String> = place.iter().map(usize::to_string).collect();
@@ -109,8 +89,7 @@ fn odd_one(
 
 /// The first item of nested lists that is no number; `place` is where.
 fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String> {
-    if place.len() < DEEP && (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>())
-    {
+    if place.len() < DEEP && (value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) {
         for (k, item) in value.try_iter().ok()?.enumerate() {
             place.push(k);
             let found = first_odd(&item.ok()?, place);
@@ -121,9 +100,8 @@ fn first_odd(value: &Bound<'_, PyAny>, place: &mut Vec<usize>) -> Option<String>
         }
         return None;
     }
-    let is_number = !value.is_instance_of::<PyBool>()
-        && !value.is_instance_of::<PyString>()
-        && value.extract::<f64>().is_ok();
+    let is_number =
+        !value.is_instance_of::<PyBool>() && !value.is_instance_of::<PyString>() && value.extract::<f64>().is_ok();
     (!is_number).then(|| {
         let text = short_repr(value);
         if text.chars().count() > LONGEST {
@@ -141,9 +119,8 @@ pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Op
         return Ok(None);
     }
     let _held = memory::read(argument, array)?;
-    let flat = numpy(py)?
-        .call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?
-        .cast_into::<PyArrayDyn<f32>>()?;
+    let flat =
+        numpy(py)?.call_method1(intern!(py, "require"), (array, "f", ["C", "A"]))?.cast_into::<PyArrayDyn<f32>>()?;
     let numbers = flat.readonly();
     memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
 }
@@ -161,9 +138,8 @@ pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> P
             PyResult::Ok(module.getattr("MaskedArray")?.unbind())
         })?;
         if value.is_instance(masked.bind(py))? {
-            let message = format!(
-                "{argument} must be without a mask, got a masked array: fill it, or leave out what is masked"
-            );
+            let message =
+                format!("{argument} must be without a mask, got a masked array: fill it, or leave out what is masked");
             return Err(ArgumentTypeError::new_err(message));
         }
         return Ok(());
@@ -196,13 +172,6 @@ fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> Py
     if !is_own {
         return error;
     }
-    let kind = value
-        .get_type()
-        .name()
-        .map_or_else(|_| "an object".into(), |name| name.to_string());
-    refuse(
-        argument,
-        "be numbers of one rectangular shape",
-        &format!("a ragged {kind}"),
-    )
+    let kind = value.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string());
+    refuse(argument, "be numbers of one rectangular shape", &format!("a ragged {kind}"))
 }

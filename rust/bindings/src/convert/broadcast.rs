@@ -30,10 +30,7 @@ pub fn named<'a>(argument: &'static str, value: &'a mut dyn Broadcast) -> Named<
 }
 
 /// An argument that may have been left out.
-pub fn given<'a, T: Broadcast>(
-    argument: &'static str,
-    value: &'a mut Option<T>,
-) -> Option<Named<'a>> {
+pub fn given<'a, T: Broadcast>(argument: &'static str, value: &'a mut Option<T>) -> Option<Named<'a>> {
     value.as_mut().map(|value| named(argument, value))
 }
 

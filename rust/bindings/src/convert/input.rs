@@ -57,11 +57,7 @@ impl<'py> Rows<'py> {
         if width == 3
             && let Some(three) = three_numbers(value)
         {
-            return Ok(Self {
-                data: Data::Three(three),
-                leading: Vec::new(),
-                width,
-            });
+            return Ok(Self { data: Data::Three(three), leading: Vec::new(), width });
         }
         Self::of(argument, &read_array(argument, value)?, width)
     }
@@ -69,11 +65,7 @@ impl<'py> Rows<'py> {
     /// The rows of an array of real numbers.
     fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
         let leading = leading(argument, array, width)?;
-        Ok(Self {
-            data: Data::Array(contiguous(argument, array)?),
-            leading,
-            width,
-        })
+        Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, width })
     }
 
     /// Reads a table: one leading axis.
@@ -159,10 +151,7 @@ impl<'py> Rows<'py> {
 }
 
 /// Reads so many numbers.
-pub fn numbers<const COUNT: usize>(
-    argument: &str,
-    value: &Bound<'_, PyAny>,
-) -> PyResult<[f64; COUNT]> {
+pub fn numbers<const COUNT: usize>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; COUNT]> {
     let row = Rows::read_one(argument, value, COUNT)?;
     Ok(std::array::from_fn(|place| row.flat()[place]))
 }
@@ -279,10 +268,7 @@ impl<'py> Blocks<'py> {
     /// The array that is read, if one is.
     fn array(&self) -> Option<&Bound<'py, PyUntypedArray>> {
         match self {
-            Self::Flat(Rows {
-                data: Data::Array(memory),
-                ..
-            }) => Some(&memory.array),
+            Self::Flat(Rows { data: Data::Array(memory), .. }) => Some(&memory.array),
             Self::Strided { array, .. } => Some(array),
             Self::Flat(_) => None,
         }
@@ -297,11 +283,7 @@ impl<'py> Blocks<'py> {
             Self::Flat(rows) => memory::gathered(rows.flat().iter().copied())?,
             Self::Strided { strided, .. } => strided.all()?,
         };
-        *self = Self::Flat(Rows {
-            data: Data::Owned(numbers),
-            leading: self.leading().to_vec(),
-            width: self.width(),
-        });
+        *self = Self::Flat(Rows { data: Data::Owned(numbers), leading: self.leading().to_vec(), width: self.width() });
         Ok(())
     }
 }
@@ -326,12 +308,7 @@ impl Broadcast for Blocks<'_> {
     }
 }
 
-pub(super) fn check_finite(
-    argument: &'static str,
-    values: &[f64],
-    width: usize,
-    leading: &[usize],
-) -> PyResult<()> {
+pub(super) fn check_finite(argument: &'static str, values: &[f64], width: usize, leading: &[usize]) -> PyResult<()> {
     if are_finite(values) {
         return Ok(());
     }
@@ -342,11 +319,7 @@ pub(super) fn check_finite(
 }
 
 /// Lengths of the axes before the last one, which has this width.
-fn leading(
-    argument: &str,
-    array: &Bound<'_, PyUntypedArray>,
-    width: usize,
-) -> PyResult<Vec<usize>> {
+fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> PyResult<Vec<usize>> {
     let rule = || format!("have shape (..., {width})");
     match array.shape().split_last() {
         Some((last, leading)) if *last == width => Ok(leading.to_vec()),
@@ -369,26 +342,19 @@ fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
 
 /// C-contiguous, aligned and of native `f64`: the memory of the array itself where it is that already, a copy
 /// otherwise. What is copied is in use too: whether a result may go there does not depend on how it is laid out.
-pub(super) fn contiguous<'py>(
-    argument: &str,
-    array: &Bound<'py, PyUntypedArray>,
-) -> PyResult<Memory<'py>> {
+pub(super) fn contiguous<'py>(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Memory<'py>> {
     let py = array.py();
     let held = memory::read(argument, array)?;
     let array = if is_flat(array) {
         array.clone()
     } else {
         memory::count(array.shape())?;
-        numpy(py)?
-            .call_method1(intern!(py, "require"), (array, "d", ["C", "A"]))?
-            .cast_into()?
+        numpy(py)?.call_method1(intern!(py, "require"), (array, "d", ["C", "A"]))?.cast_into()?
     };
     let count = memory::count(array.shape())?;
     Ok(Memory {
         // SAFETY: a live array object has a valid header; only the address is taken here.
-        data: unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }
-            .cast_const()
-            .cast(),
+        data: unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }.cast_const().cast(),
         count,
         array,
         _held: held,
@@ -405,9 +371,7 @@ pub(super) fn spread<'py>(
     let py = array.py();
     memory::count(shape)?;
     if array.shape() != was {
-        return Err(PyValueError::new_err(
-            "the shape of an array must stay while it is read",
-        ));
+        return Err(PyValueError::new_err("the shape of an array must stay while it is read"));
     }
     let wide = numpy(py)?.call_method1(intern!(py, "broadcast_to"), (array, shape.to_vec()))?;
     Ok(wide.cast_into()?)

@@ -31,10 +31,7 @@ struct Entries {
     next: u64,
 }
 
-static ENTRIES: Mutex<Entries> = Mutex::new(Entries {
-    all: Vec::new(),
-    next: 0,
-});
+static ENTRIES: Mutex<Entries> = Mutex::new(Entries { all: Vec::new(), next: 0 });
 
 fn entries() -> MutexGuard<'static, Entries> {
     ENTRIES.lock().unwrap_or_else(PoisonError::into_inner)
@@ -72,20 +69,12 @@ pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held>
     let (held, clash) = hold(array, None);
     match clash {
         None => Ok(held),
-        Some(_) => Err(refuse(
-            argument,
-            "not be written to meanwhile",
-            "an array in use as out=",
-        )),
+        Some(_) => Err(refuse(argument, "not be written to meanwhile", "an array in use as out=")),
     }
 }
 
 /// Notes that an argument is written to; the rule is told where somebody else uses it.
-pub fn write(
-    argument: &str,
-    rule: impl FnOnce() -> String,
-    array: &Bound<'_, PyUntypedArray>,
-) -> PyResult<Held> {
+pub fn write(argument: &str, rule: impl FnOnce() -> String, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
     let (held, clash) = hold(array, Some(argument));
     let Some(clash) = clash else {
         return Ok(held);
@@ -111,11 +100,7 @@ pub fn places(array: &Bound<'_, PyUntypedArray>) -> Places {
     // SAFETY: a live array object has a valid header; only the address is read, not what is there.
     let data = unsafe { (*array.as_array_ptr()).fields.data } as usize;
     let axes = array.shape().iter().zip(array.strides());
-    Places::new(
-        data,
-        axes.map(|(length, stride)| (*length, *stride)),
-        array.dtype().itemsize(),
-    )
+    Places::new(data, axes.map(|(length, stride)| (*length, *stride)), array.dtype().itemsize())
 }
 
 /// Notes an array, and what stands against that: whoever writes to memory shares it with nobody. No Python code runs.
@@ -127,10 +112,7 @@ fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Opti
         .iter()
         .filter(|other| written.is_some() || other.written.is_some())
         .find(|other| other.places.share(&places))
-        .map(|other| Clash {
-            own: other.thread == thread,
-            written: other.written.clone(),
-        });
+        .map(|other| Clash { own: other.thread == thread, written: other.written.clone() });
     let number = entries.next;
     entries.next += 1;
     entries.all.push(Entry {
@@ -145,9 +127,7 @@ fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Opti
 
 /// How many numbers an array of this shape has. `MemoryError` if no memory could hold them.
 pub fn count(shape: &[usize]) -> PyResult<usize> {
-    let bytes = shape
-        .iter()
-        .try_fold(size_of::<f64>(), |bytes, length| bytes.checked_mul(*length));
+    let bytes = shape.iter().try_fold(size_of::<f64>(), |bytes, length| bytes.checked_mul(*length));
     match bytes {
         Some(bytes) if bytes <= isize::MAX as usize => Ok(bytes / size_of::<f64>()),
         // Lengths beside a zero may be as large as they like.
@@ -165,9 +145,7 @@ pub fn none_for(shape: &[usize]) -> PyErr {
 /// Room for so many values. `MemoryError` if there is none.
 pub fn room<T>(count: usize) -> PyResult<Vec<T>> {
     let mut values = Vec::new();
-    values
-        .try_reserve_exact(count)
-        .map_err(|_| none_for(&[count]))?;
+    values.try_reserve_exact(count).map_err(|_| none_for(&[count]))?;
     Ok(values)
 }
 
@@ -186,14 +164,9 @@ pub fn gathered<T>(values: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>>
 }
 
 /// A new array of zeros, made by NumPy.
-fn zeros<'py, T: numpy::Element>(
-    py: Python<'py>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+fn zeros<'py, T: numpy::Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     // SAFETY: see `made`.
-    made(py, shape, |number, lengths, dtype| unsafe {
-        PY_ARRAY_API.PyArray_Zeros(py, number, lengths, dtype, 0)
-    })
+    made(py, shape, |number, lengths, dtype| unsafe { PY_ARRAY_API.PyArray_Zeros(py, number, lengths, dtype, 0) })
 }
 
 /// A new array for results, of whatever numbers: who asks for it fills it as a whole.
@@ -203,9 +176,7 @@ pub fn fresh<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Array<'py>> {
         return zeros(py, shape);
     };
     // SAFETY: see `made`. Memory of the pool has been written to, if only by zeros.
-    made(py, shape, |number, lengths, dtype| unsafe {
-        PY_ARRAY_API.PyArray_Empty(py, number, lengths, dtype, 0)
-    })
+    made(py, shape, |number, lengths, dtype| unsafe { PY_ARRAY_API.PyArray_Empty(py, number, lengths, dtype, 0) })
 }
 
 /// An array of this shape by one of NumPy's functions, which take over the reference to the type and return a new array

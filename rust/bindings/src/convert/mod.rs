@@ -45,11 +45,7 @@ pub type AnyArray<'py> = Bound<'py, PyUntypedArray>;
 
 /// The exception of a core error, its row written as the index into the leading axes.
 pub fn raise(error: Error, leading: &[usize]) -> PyErr {
-    let message = error.message(
-        &error
-            .row
-            .map_or_else(String::new, |row| index(row, leading)),
-    );
+    let message = error.message(&error.row.map_or_else(String::new, |row| index(row, leading)));
     match error.kind {
         ErrorKind::Value => PyValueError::new_err(message),
         ErrorKind::Infeasible => InfeasibleMotionError::new_err(message),
@@ -96,9 +92,7 @@ pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
 
 /// What a value looks like, on one line: an array's representation takes several.
 pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
-    let text = value
-        .repr()
-        .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+    let text = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -117,12 +111,7 @@ pub fn one_twist(call: &str, given: usize, more: &Bound<'_, PyTuple>) -> PyResul
 }
 
 /// The same where the first of them may be all there is to see: the others fill parameters of their own.
-pub fn one_twist_first(
-    call: &str,
-    first: &Bound<'_, PyAny>,
-    given: usize,
-    more: &Bound<'_, PyTuple>,
-) -> PyResult<()> {
+pub fn one_twist_first(call: &str, first: &Bound<'_, PyAny>, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
     let number = first.is_instance_of::<PyFloat>() || first.is_instance_of::<PyInt>();
     match number && given > 1 {
         true => Err(one_row(call, "twist", given + more.len())),
@@ -134,9 +123,7 @@ pub fn one_twist_first(
 pub fn one_row(call: &str, what: &str, count: usize) -> PyErr {
     let (class, call) = call.split_once('.').unwrap_or(("", call));
     let method = call.split('(').next().unwrap_or(call);
-    PyTypeError::new_err(format!(
-        "{class}.{method}() takes one {what}, as in {call}, got {count} arguments"
-    ))
+    PyTypeError::new_err(format!("{class}.{method}() takes one {what}, as in {call}, got {count} arguments"))
 }
 
 thread_local! {
@@ -160,9 +147,7 @@ pub fn ask(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyR
     }
     for question in questions {
         let text = CString::new(format!("{}; {}", question.says, question.likely))?;
-        let category = py
-            .import("six_wheel.errors")?
-            .getattr("SuspiciousUnitsWarning")?;
+        let category = py.import("six_wheel.errors")?.getattr("SuspiciousUnitsWarning")?;
         PyErr::warn(py, &category, &text, 1)?;
     }
     Ok(())
@@ -171,38 +156,25 @@ pub fn ask(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyR
 /// A number of a constructor.
 pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = value.py();
-    let refused = || {
-        ArgumentTypeError::new_err(format!(
-            "{argument} must be a number, got {}",
-            short_repr(value)
-        ))
-    };
+    let refused = || ArgumentTypeError::new_err(format!("{argument} must be a number, got {}", short_repr(value)));
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
     array::refuse_masks(argument, value, array::DEEP)?;
-    value
-        .extract::<f64>()
-        .map_err(|error| match is_of_another_kind(py, &error) {
-            true => refused(),
-            false => error,
-        })
+    value.extract::<f64>().map_err(|error| match is_of_another_kind(py, &error) {
+        true => refused(),
+        false => error,
+    })
 }
 
 /// The items of an iterable, `most` at most: more are none that could be meant.
-pub fn items<'py>(
-    argument: &str,
-    value: &Bound<'py, PyAny>,
-    most: usize,
-) -> PyResult<Vec<Bound<'py, PyAny>>> {
+pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let mut items = Vec::new();
     for item in value.try_iter()? {
         if items.len() == most {
             return Err(refuse(argument, &format!("hold {most} at most"), "more"));
         }
-        items
-            .try_reserve(1)
-            .map_err(|_| memory::none_for(&[items.len()]))?;
+        items.try_reserve(1).map_err(|_| memory::none_for(&[items.len()]))?;
         items.push(item?);
     }
     Ok(items)
@@ -215,9 +187,7 @@ static READY: PyOnceLock<()> = PyOnceLock::new();
 /// Whatever touches an array comes by here first: arguments on their way in, fresh arrays, and rovers and suspensions,
 /// without which there is no object that has arrays to show.
 pub fn ready(py: Python<'_>) -> PyResult<()> {
-    READY
-        .get_or_try_init(py, || numpy::get_array_module(py).map(drop))
-        .copied()
+    READY.get_or_try_init(py, || numpy::get_array_module(py).map(drop)).copied()
 }
 
 /// Whether that has been done.

@@ -14,10 +14,7 @@ pub struct Out<'py, const N: usize> {
 
 impl<'py, const N: usize> Out<'py, N> {
     fn fresh() -> Self {
-        Self {
-            arrays: [const { None }; N],
-            alone: false,
-        }
+        Self { arrays: [const { None }; N], alone: false }
     }
 
     /// Of results with these names, one array instead of a tuple being the first of them: where that one is what is asked for.
@@ -60,13 +57,7 @@ impl<'py, const N: usize> Out<'py, N> {
     }
 
     /// Where result `k` goes. `fails`: the call may yet fail, and the caller's array is written only when it has not.
-    pub fn result(
-        &self,
-        py: Python<'py>,
-        k: usize,
-        shape: &[usize],
-        fails: bool,
-    ) -> PyResult<Output<'py>> {
+    pub fn result(&self, py: Python<'py>, k: usize, shape: &[usize], fails: bool) -> PyResult<Output<'py>> {
         let argument = match self.alone {
             true => "out".to_owned(),
             false => format!("out[{k}]"),

@@ -2,8 +2,8 @@
 
 use numpy::npyffi::{NPY_ARRAY_WRITEABLE, PyArrayObject};
 use numpy::{
-    Element, PyArray1, PyArrayDescr, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
-    PyUntypedArray, PyUntypedArrayMethods, ndarray::IxDyn,
+    Element, PyArray1, PyArrayDescr, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods, ndarray::IxDyn,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -108,12 +108,7 @@ impl<'py> Output<'py> {
 
     /// The caller's `out`, checked, or a fresh array of this shape. Every argument that is read has to be read
     /// before: what is in use is not written to.
-    pub fn new(
-        py: Python<'py>,
-        argument: &str,
-        out: Option<&Bound<'py, PyAny>>,
-        shape: &[usize],
-    ) -> PyResult<Self> {
+    pub fn new(py: Python<'py>, argument: &str, out: Option<&Bound<'py, PyAny>>, shape: &[usize]) -> PyResult<Self> {
         let Some(out) = out else {
             return Self::fresh(py, shape);
         };
@@ -130,12 +125,7 @@ impl<'py> Output<'py> {
     }
 
     /// Into the caller's array of `f64` or `f32`, checked.
-    fn into(
-        py: Python<'py>,
-        argument: &str,
-        array: &Bound<'py, PyUntypedArray>,
-        shape: &[usize],
-    ) -> PyResult<Self> {
+    fn into(py: Python<'py>, argument: &str, array: &Bound<'py, PyUntypedArray>, shape: &[usize]) -> PyResult<Self> {
         let rule = || rule(shape);
         if array.shape() != shape {
             let got = format!("shape {}", shape_text(array.shape()));
@@ -213,11 +203,7 @@ impl<'py> Output<'py> {
         let copied = |module: &Bound<'py, PyModule>| {
             let keywords = PyDict::new(py);
             keywords.set_item(intern!(py, "casting"), intern!(py, "same_kind"))?;
-            module.call_method(
-                intern!(py, "copyto"),
-                (&self.array, beside),
-                Some(&keywords),
-            )
+            module.call_method(intern!(py, "copyto"), (&self.array, beside), Some(&keywords))
         };
         copied(numpy(py)?)?;
         Ok(self.array)
@@ -239,10 +225,7 @@ impl<'py> Output<'py> {
 }
 
 fn rule(shape: &[usize]) -> String {
-    format!(
-        "be a writeable float64 array of shape {}",
-        shape_text(shape)
-    )
+    format!("be a writeable float64 array of shape {}", shape_text(shape))
 }
 
 /// Where the numbers of an array begin.
@@ -252,16 +235,8 @@ fn data(array: &Array<'_>) -> *mut f64 {
 }
 
 /// One value as a Python scalar, many as an array of this shape.
-pub fn scalar_or_array<T: Element>(
-    py: Python<'_>,
-    values: Vec<T>,
-    shape: &[usize],
-) -> PyResult<Py<PyAny>> {
+pub fn scalar_or_array<T: Element>(py: Python<'_>, values: Vec<T>, shape: &[usize]) -> PyResult<Py<PyAny>> {
     let array = PyArray1::from_vec(py, values).reshape(IxDyn(shape))?;
-    let result = if shape.is_empty() {
-        array.call_method0("item")?
-    } else {
-        array.into_any()
-    };
+    let result = if shape.is_empty() { array.call_method0("item")? } else { array.into_any() };
     Ok(result.unbind())
 }

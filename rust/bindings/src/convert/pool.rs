@@ -178,15 +178,8 @@ const fn name(text: &[u8]) -> [c_char; 127] {
     name
 }
 
-static HANDLER: Handler = Handler {
-    name: name(b"six_wheel"),
-    version: 1,
-    context: null_mut(),
-    malloc,
-    calloc,
-    realloc,
-    free,
-};
+static HANDLER: Handler =
+    Handler { name: name(b"six_wheel"), version: 1, context: null_mut(), malloc, calloc, realloc, free };
 
 /// What NumPy expects such a capsule to be called.
 const MEM_HANDLER: &CStr = c"mem_handler";
@@ -206,9 +199,7 @@ impl Handlers {
     fn get(py: Python<'_>) -> PyResult<&'static Self> {
         static HANDLERS: PyOnceLock<Handlers> = PyOnceLock::new();
         HANDLERS.get_or_try_init(py, || {
-            let module = py
-                .import("numpy._core.multiarray")
-                .or_else(|_| py.import("numpy.core.multiarray"))?;
+            let module = py.import("numpy._core.multiarray").or_else(|_| py.import("numpy.core.multiarray"))?;
             let table = module.getattr("_ARRAY_API")?;
             // SAFETY: NumPy documents the capsule, that it has no name, and the order of its functions; the module is
             // never unloaded. The handler lives as long as the process.

@@ -22,11 +22,7 @@ impl<'py> Scalars<'py> {
     /// Reads a number or an array of numbers.
     pub fn read(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         if let Ok(float) = value.cast::<PyFloat>() {
-            return Ok(Self {
-                one: float.value(),
-                each: None,
-                shape: Vec::new(),
-            });
+            return Ok(Self { one: float.value(), each: None, shape: Vec::new() });
         }
         Self::of(argument, &read_array(argument, value)?)
     }
@@ -74,11 +70,7 @@ impl<'py> Scalars<'py> {
             return Ok(());
         }
         let got = format!("shape {}", shape_text(&self.shape));
-        Err(refuse(
-            argument,
-            &format!("have shape {}", shape_text(shape)),
-            &got,
-        ))
+        Err(refuse(argument, &format!("have shape {}", shape_text(shape)), &got))
     }
 
     /// Fails unless it is one number or one for each of so many.
@@ -89,11 +81,7 @@ impl<'py> Scalars<'py> {
         if self.shape == [1] {
             return self.spread(argument, &[count]);
         }
-        Err(refuse(
-            argument,
-            &self.rule(&[count]),
-            &format!("shape {}", shape_text(&self.shape)),
-        ))
+        Err(refuse(argument, &self.rule(&[count]), &format!("shape {}", shape_text(&self.shape))))
     }
 }
 

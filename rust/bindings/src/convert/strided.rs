@@ -62,9 +62,7 @@ impl Strided {
             _ => return None,
         };
         // SAFETY: a live array object has a valid header; only the address is taken here.
-        let data = unsafe { (*array.as_array_ptr()).fields.data }
-            .cast_const()
-            .cast();
+        let data = unsafe { (*array.as_array_ptr()).fields.data }.cast_const().cast();
         Some(Self {
             data,
             shape: array.shape().to_vec(),
@@ -82,12 +80,7 @@ impl Strided {
     }
 
     /// Reads numbers of `N` bytes each.
-    fn read_as<const N: usize>(
-        &self,
-        first: usize,
-        target: &mut [f64],
-        number: impl Fn([u8; N]) -> f64,
-    ) {
+    fn read_as<const N: usize>(&self, first: usize, target: &mut [f64], number: impl Fn([u8; N]) -> f64) {
         let Some((&width, outer)) = self.shape.split_last() else {
             return;
         };

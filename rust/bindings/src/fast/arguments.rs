@@ -34,11 +34,7 @@ impl<T> Renewed<T> {
 
     /// To write to, if there is no other reference to the object than this one.
     #[inline(always)]
-    pub fn of<'a, C>(
-        object: &'a mut Py<C>,
-        _: Python<'a>,
-        part: fn(&C) -> &Self,
-    ) -> Option<&'a mut T>
+    pub fn of<'a, C>(object: &'a mut Py<C>, _: Python<'a>, part: fn(&C) -> &Self) -> Option<&'a mut T>
     where
         C: PyClass<Frozen = True> + Sync,
     {
@@ -74,10 +70,7 @@ pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {
 
 /// The numbers of a tuple or list of just as many, put into these places. `Some(None)` if it is neither.
 #[inline(always)]
-pub(super) fn sequence<'a>(
-    object: Object<'_, '_>,
-    places: &'a mut [MaybeUninit<f64>],
-) -> Option<Option<&'a [f64]>> {
+pub(super) fn sequence<'a>(object: Object<'_, '_>, places: &'a mut [MaybeUninit<f64>]) -> Option<Option<&'a [f64]>> {
     let object = object.as_ptr();
     let count = places.len().cast_signed();
     // SAFETY: a live tuple or list, items inside it, and nothing in between that could change it.
@@ -124,8 +117,7 @@ unsafe fn number(object: *mut ffi::PyObject) -> Option<f64> {
             }
             return Some(value);
         }
-        (ffi::PyType_IsSubtype(class, &raw mut ffi::PyFloat_Type) != 0)
-            .then(|| ffi::PyFloat_AsDouble(object))
+        (ffi::PyType_IsSubtype(class, &raw mut ffi::PyFloat_Type) != 0).then(|| ffi::PyFloat_AsDouble(object))
     }
 }
 

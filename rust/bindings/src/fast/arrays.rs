@@ -6,8 +6,8 @@ use std::mem::MaybeUninit;
 use std::ptr::{NonNull, null_mut};
 
 use numpy::npyffi::{
-    NPY_ARRAY_ALIGNED, NPY_ARRAY_C_CONTIGUOUS, NPY_ARRAY_WRITEABLE, NPY_TYPES, NpyTypes,
-    PY_ARRAY_API, PyArray_Descr, PyArrayObject, get_type_object,
+    NPY_ARRAY_ALIGNED, NPY_ARRAY_C_CONTIGUOUS, NPY_ARRAY_WRITEABLE, NPY_TYPES, NpyTypes, PY_ARRAY_API, PyArray_Descr,
+    PyArrayObject, get_type_object,
 };
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -51,10 +51,7 @@ impl Numpy {
         unsafe {
             let array = get_type_object(py, NpyTypes::PyArray_Type);
             let float64 = PY_ARRAY_API.PyArray_DescrFromType(py, NPY_TYPES::NPY_DOUBLE as i32);
-            Some(Self {
-                array: NonNull::new(array)?,
-                float64: NonNull::new(float64)?,
-            })
+            Some(Self { array: NonNull::new(array)?, float64: NonNull::new(float64)? })
         }
     }
 }
@@ -99,12 +96,7 @@ impl<'a> Row<'a> {
             {
                 return None;
             }
-            Some(Self {
-                data: NonNull::new(fields.data.cast())?,
-                length,
-                object,
-                alive: PhantomData,
-            })
+            Some(Self { data: NonNull::new(fields.data.cast())?, length, object, alive: PhantomData })
         }
     }
 
@@ -176,11 +168,7 @@ impl Numbers {
     ///
     /// Until the last use of the slice nothing writes to the array, and no Python code runs.
     #[inline(always)]
-    pub unsafe fn read<'a>(
-        &'a mut self,
-        object: Object<'a, '_>,
-        length: usize,
-    ) -> Option<&'a [f64]> {
+    pub unsafe fn read<'a>(&'a mut self, object: Object<'a, '_>, length: usize) -> Option<&'a [f64]> {
         if let Some(row) = Row::read(object, length) {
             // SAFETY: for the caller to see to.
             return Some(unsafe { row.numbers() });
@@ -228,22 +216,13 @@ pub fn fresh<'py>(py: Python<'py>, length: usize) -> Option<(Bound<'py, PyAny>, 
     };
     // SAFETY: an array that NumPy has just made.
     let data = unsafe { (*array.as_ptr().cast::<PyArrayObject>()).fields.data };
-    let row = Row {
-        data: NonNull::new(data.cast())?,
-        length,
-        object: array.as_ptr(),
-        alive: PhantomData,
-    };
+    let row = Row { data: NonNull::new(data.cast())?, length, object: array.as_ptr(), alive: PhantomData };
     Some((array, row))
 }
 
 /// A tuple of two.
 #[inline(always)]
-pub fn pair<'py>(
-    py: Python<'py>,
-    first: Bound<'py, PyAny>,
-    second: Bound<'py, PyAny>,
-) -> Option<Bound<'py, PyAny>> {
+pub fn pair<'py>(py: Python<'py>, first: Bound<'py, PyAny>, second: Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
     // SAFETY: a new tuple, whose two places take over a reference each.
     unsafe {
         let Some(tuple) = Bound::from_owned_ptr_or_opt(py, ffi::PyTuple_New(2)) else {

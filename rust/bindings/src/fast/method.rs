@@ -42,11 +42,7 @@ pub struct Method<const N: usize> {
 
 impl<const N: usize> Method<N> {
     /// The first `positional` parameters may be given without their names.
-    pub const fn new(
-        name: &'static CStr,
-        parameters: [&'static CStr; N],
-        positional: usize,
-    ) -> Self {
+    pub const fn new(name: &'static CStr, parameters: [&'static CStr; N], positional: usize) -> Self {
         Self {
             name,
             parameters,
@@ -141,12 +137,8 @@ pub fn install<const N: usize, Q: Quick<N>>(py: Python<'_>) -> PyResult<()> {
         let name = unsafe { ffi::PyUnicode_InternFromString(name.as_ptr()) };
         interned.store(name, Ordering::Relaxed);
     }
-    let definition = ffi::PyMethodDef {
-        ml_meth: ffi::PyMethodDefPointer {
-            PyCFunctionFastWithKeywords: entry::<N, Q>,
-        },
-        ..behind
-    };
+    let definition =
+        ffi::PyMethodDef { ml_meth: ffi::PyMethodDefPointer { PyCFunctionFastWithKeywords: entry::<N, Q> }, ..behind };
     // The descriptor keeps the address: one definition per process and method.
     let definition = Box::leak(Box::new(definition));
     // SAFETY: a class and a definition that stays.

@@ -6,9 +6,7 @@ use six_wheel_core::four_axle::{Axles, Brakes, Pair, State};
 use six_wheel_core::{Error, FourAxle as Core};
 
 use super::FourAxle;
-use super::values::{
-    array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step,
-};
+use super::values::{array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step};
 use crate::convert::{items, number, numbers};
 use crate::given;
 
@@ -50,12 +48,7 @@ impl FourAxle {
     /// InfeasibleMotionError
     ///     If both pairs locked at these angles could not move; the message has the singular value and the
     ///     angles at which the pair could be locked.
-    fn lock<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        pair: &str,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn lock<'py>(&self, py: Python<'py>, state: &Bound<'py, PyAny>, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::lock)
     }
 
@@ -79,12 +72,7 @@ impl FourAxle {
     /// ------
     /// InfeasibleMotionError
     ///     If the other pair is free and the axle lines share a point: nothing would hold the body.
-    fn release<'py>(
-        &self,
-        py: Python<'py>,
-        state: &Bound<'py, PyAny>,
-        pair: &str,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn release<'py>(&self, py: Python<'py>, state: &Bound<'py, PyAny>, pair: &str) -> PyResult<Bound<'py, PyAny>> {
         self.with_brakes(py, state, pair, Core::release)
     }
 
@@ -176,9 +164,7 @@ impl FourAxle {
         let steer = steer.parse().map_err(raised)?;
         let pace = pace(speed, pivot_rate, brake_time)?;
         let curvature = number("curvature", curvature)?;
-        let plan = self
-            .core
-            .turn_sequence(read_state(state)?, curvature, steer, pace);
+        let plan = self.core.turn_sequence(read_state(state)?, curvature, steer, pace);
         write_plan(py, &plan.map_err(raised)?)
     }
 
@@ -260,9 +246,7 @@ impl FourAxle {
         let start = state.map_or(Ok(State::default()), read_state)?;
         let given = items("sequence", sequence, MOST_STEPS)?;
         let steps = given.iter().map(read_step).collect::<PyResult<Vec<_>>>()?;
-        let (track, end) = py
-            .detach(|| self.core.simulate(start, &steps, dt))
-            .map_err(raised)?;
+        let (track, end) = py.detach(|| self.core.simulate(start, &steps, dt)).map_err(raised)?;
         let keywords = PyDict::new(py);
         keywords.set_item("rover", &self.rover)?;
         keywords.set_item("steps", PyTuple::new(py, given)?)?;

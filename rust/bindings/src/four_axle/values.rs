@@ -32,11 +32,7 @@ pub fn drives(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Drives> {
     let items = items(argument, given, 5)?;
     let mut drives: Drives = [None; 4];
     if items.len() != drives.len() {
-        return Err(refuse(
-            argument,
-            "have shape (4,)",
-            &format!("{} values", items.len()),
-        ));
+        return Err(refuse(argument, "have shape (4,)", &format!("{} values", items.len())));
     }
     for (drive, item) in drives.iter_mut().zip(&items) {
         if !item.is_none() {
@@ -51,11 +47,7 @@ pub fn brake(argument: &str, name: &str) -> PyResult<Brake> {
     match name {
         "locked" => Ok(Brake::Locked),
         "free" => Ok(Brake::Free),
-        _ => Err(refuse(
-            argument,
-            "be 'locked' or 'free'",
-            &format!("{name:?}"),
-        )),
+        _ => Err(refuse(argument, "be 'locked' or 'free'", &format!("{name:?}"))),
     }
 }
 
@@ -70,10 +62,7 @@ fn brake_name(brake: Brake) -> &'static str {
 /// The attributes `front` and `rear`.
 pub fn brakes(given: &Bound<'_, PyAny>) -> PyResult<Brakes> {
     let of = |name: &str| brake(name, &given.getattr(name)?.extract::<String>()?);
-    Ok(Brakes {
-        front: of("front")?,
-        rear: of("rear")?,
-    })
+    Ok(Brakes { front: of("front")?, rear: of("rear")? })
 }
 
 /// A `FourAxleState`.
@@ -91,12 +80,7 @@ pub fn write_state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, P
     let pose: [f64; 3] = state.pose.into();
     let angles = PyTuple::new(py, state.angles)?;
     let (front, rear) = (state.brakes.front, state.brakes.rear);
-    value(py, "FourAxleState")?.call1((
-        angles,
-        brake_name(front),
-        brake_name(rear),
-        PyTuple::new(py, pose)?,
-    ))
+    value(py, "FourAxleState")?.call1((angles, brake_name(front), brake_name(rear), PyTuple::new(py, pose)?))
 }
 
 /// A `FourAxleStep`, without its end.
@@ -125,11 +109,7 @@ pub fn write_step<'py>(py: Python<'py>, step: &core::Step) -> PyResult<Bound<'py
 
 /// A `TurnSequence`.
 pub fn write_plan<'py>(py: Python<'py>, plan: &core::Plan) -> PyResult<Bound<'py, PyAny>> {
-    let steps = plan
-        .steps
-        .iter()
-        .map(|step| write_step(py, step))
-        .collect::<PyResult<Vec<_>>>()?;
+    let steps = plan.steps.iter().map(|step| write_step(py, step)).collect::<PyResult<Vec<_>>>()?;
     value(py, "TurnSequence")?.call1((PyTuple::new(py, steps)?, plan.stops, &plan.reason))
 }
 
@@ -139,10 +119,7 @@ pub fn array<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResul
 }
 
 /// Numbers as an array.
-pub fn vector<'py, T: numpy::Element>(
-    py: Python<'py>,
-    values: Vec<T>,
-) -> Bound<'py, numpy::PyArray1<T>> {
+pub fn vector<'py, T: numpy::Element>(py: Python<'py>, values: Vec<T>) -> Bound<'py, numpy::PyArray1<T>> {
     numpy::PyArray1::from_vec(py, values)
 }
 

@@ -4,9 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_core::Error;
 use six_wheel_core::batch::Durations;
 
-use crate::convert::{
-    Blocks, Broadcast, Output, Precision, Rows, Scalars, joined, joint, raise, refuse, shape_text,
-};
+use crate::convert::{Blocks, Broadcast, Output, Precision, Rows, Scalars, joined, joint, raise, refuse, shape_text};
 
 /// Logs of twists, with what goes with them.
 pub struct Course<'py> {
@@ -28,9 +26,7 @@ impl<'py> Course<'py> {
         let Some((&count, logs)) = twists.leading().split_last() else {
             return Err(refuse(argument, "have shape (..., n, 3)", "shape (3,)"));
         };
-        let mut starts = start
-            .map(|start| Rows::read("start", start, 3))
-            .transpose()?;
+        let mut starts = start.map(|start| Rows::read("start", start, 3)).transpose()?;
         // One start for all logs is not repeated.
         if let Some(starts) = starts.as_mut().filter(|starts| !starts.is_single())
             && starts.leading != logs
@@ -45,13 +41,7 @@ impl<'py> Course<'py> {
         }
         let mut dt = Scalars::read("dt", dt)?;
         dt.fit("dt", count)?;
-        Ok(Self {
-            argument,
-            twists,
-            dt,
-            starts,
-            count,
-        })
+        Ok(Self { argument, twists, dt, starts, count })
     }
 
     /// Reads controls: at least one axis of rollouts before that of the steps.
@@ -101,11 +91,7 @@ impl<'py> Course<'py> {
         if error.argument == "twists" || error.argument == "twist" {
             error.argument = self.argument.into();
         }
-        let leading = if error.argument == "dt" {
-            &[self.count][..]
-        } else {
-            self.twists.leading()
-        };
+        let leading = if error.argument == "dt" { &[self.count][..] } else { self.twists.leading() };
         raise(error, leading)
     }
 }

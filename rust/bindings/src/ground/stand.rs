@@ -39,11 +39,7 @@ impl Stand {
     /// Steering angles of a row.
     pub fn angles(&self, row: usize) -> &[f64] {
         let joints = self.suspension.get().chain.steering().len();
-        if self.steering.len() > joints {
-            &self.steering[row * joints..][..joints]
-        } else {
-            &self.steering
-        }
+        if self.steering.len() > joints { &self.steering[row * joints..][..joints] } else { &self.steering }
     }
 
     /// The chain at a row; None where it does not stand.
@@ -79,21 +75,13 @@ impl Stand {
     }
 
     /// One number per pose.
-    fn scalars(
-        &self,
-        py: Python<'_>,
-        value: impl Fn(&ground::Stand) -> f64,
-    ) -> PyResult<Py<PyAny>> {
+    fn scalars(&self, py: Python<'_>, value: impl Fn(&ground::Stand) -> f64) -> PyResult<Py<PyAny>> {
         let values = memory::gathered(self.stands.iter().map(value))?;
         scalar_or_array(py, values, &self.leading)
     }
 
     /// One number per wheel.
-    fn per_wheel<'py>(
-        &self,
-        py: Python<'py>,
-        value: impl Fn(&Contact) -> f64,
-    ) -> PyResult<Array<'py>> {
+    fn per_wheel<'py>(&self, py: Python<'py>, value: impl Fn(&Contact) -> f64) -> PyResult<Array<'py>> {
         self.array(py, &[self.wheels()], |_, stand, row| {
             for (target, contact) in row.iter_mut().zip(&stand.wheels) {
                 *target = value(contact);
@@ -102,11 +90,7 @@ impl Stand {
     }
 
     /// Points of the rims at these contact angles.
-    fn points<'py>(
-        &self,
-        py: Python<'py>,
-        at: impl Fn(&Contact) -> Direction,
-    ) -> PyResult<Array<'py>> {
+    fn points<'py>(&self, py: Python<'py>, at: impl Fn(&Contact) -> Direction) -> PyResult<Array<'py>> {
         let chain = &self.suspension.get().chain;
         self.array(py, &[self.wheels(), 3], |k, stand, row| {
             row.fill(f64::NAN);
@@ -126,8 +110,7 @@ impl Stand {
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        py.import("six_wheel.standing")?
-            .call_method1("statuses", (codes,))
+        py.import("six_wheel.standing")?.call_method1("statuses", (codes,))
     }
 
     /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not
@@ -139,8 +122,7 @@ impl Stand {
             return Ok(PyString::new(py, words.next().unwrap_or_default()).into_any());
         }
         let words = words.map(|words| PyString::new(py, words).into_any().unbind());
-        scalar_or_array(py, memory::gathered(words)?, &self.leading)
-            .map(|array| array.into_bound(py))
+        scalar_or_array(py, memory::gathered(words)?, &self.leading).map(|array| array.into_bound(py))
     }
 
     /// Whether the rover stands: settled, or at a stop.
@@ -296,9 +278,7 @@ impl Stand {
         let count = chain.state_count();
         let array = self.array(py, &[count, 3], |k, stand, row| {
             row.fill(f64::NAN);
-            let found = self
-                .placed(k)
-                .and_then(|placed| by_pose(chain, &placed, stand));
+            let found = self.placed(k).and_then(|placed| by_pose(chain, &placed, stand));
             if let Some(found) = found {
                 row.copy_from_slice(&found.as_flattened()[..3 * count]);
             }
@@ -348,11 +328,7 @@ impl Stand {
         }
         let mut counts = Vec::new();
         for status in ground::Status::ALL {
-            let count = self
-                .stands
-                .iter()
-                .filter(|stand| stand.status.told() == status)
-                .count();
+            let count = self.stands.iter().filter(|stand| stand.status.told() == status).count();
             if count > 0 {
                 counts.push(format!("{count} {}", status.name()));
             }

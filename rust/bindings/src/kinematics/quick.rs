@@ -32,10 +32,7 @@ impl Quick<3> for Inverse {
         let twist = twist?;
         let numbers = three(twist)?;
         let solve = |previous: Option<&[f64]>, [steering, speeds]: [Row<'_>; 2]| {
-            let inputs = Inputs {
-                previous,
-                ..Inputs::default()
-            };
+            let inputs = Inputs { previous, ..Inputs::default() };
             // SAFETY: the two are apart from each other and from what is read: `previous`, see below.
             let targets = unsafe { (steering.numbers_mut(), speeds.numbers_mut()) };
             let twist = Twist::from(numbers);
@@ -117,15 +114,8 @@ impl Quick<3> for Forward {
         let target = match out {
             Some(out) => {
                 let target = Row::target(out, 3)?;
-                let inputs = [
-                    steering.and_then(|object| Row::read(object, joints)),
-                    Row::read(speeds?, wheels),
-                ];
-                if inputs
-                    .into_iter()
-                    .flatten()
-                    .any(|input| input.overlaps(target))
-                {
+                let inputs = [steering.and_then(|object| Row::read(object, joints)), Row::read(speeds?, wheels)];
+                if inputs.into_iter().flatten().any(|input| input.overlaps(target)) {
                     return None;
                 }
                 Some((out.to_owned(), target))

@@ -2,9 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::moving::{
-    Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows,
-};
+use six_wheel_core::moving::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
 use super::done;
 use super::results::{GroundCommand, GroundMotion, Moved, Told};
@@ -95,20 +93,12 @@ impl Suspension {
             stands.leading().to_vec()
         };
         let count: usize = leading.iter().product();
-        let (wheels, joints, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let kept = Rows::read_beside("steering", steering, steered, &leading)?;
         if let Some(kept) = &kept {
             kept.check_finite("steering")?;
         }
-        let mut how = Command {
-            view: self::view(view)?,
-            offset: self.motion.offset,
-            wheel_speed: f64::INFINITY,
-        };
+        let mut how = Command { view: self::view(view)?, offset: self.motion.offset, wheel_speed: f64::INFINITY };
         if let Some(limit) = max_wheel_speed {
             how.wheel_speed = number("max_wheel_speed", limit)?;
             if how.wheel_speed.is_nan() || how.wheel_speed <= 0.0 {
@@ -127,29 +117,11 @@ impl Suspension {
             result(4, None)?,
         ];
         let footings = stands.footings();
-        let [angles, speeds, twists, rates, scales] =
-            outputs.each_mut().map(|output| output.flat());
-        let asked = Commands {
-            steering: angles,
-            speeds,
-            twists: twists.as_chunks_mut().0,
-            joint_rates: rates,
-            scales,
-        };
+        let [angles, speeds, twists, rates, scales] = outputs.each_mut().map(|output| output.flat());
+        let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
         let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
-        compute(py, count, || {
-            inverse_rows(
-                chain,
-                &self.motion,
-                &footings,
-                &how,
-                wanted,
-                kept,
-                asked,
-                workers,
-            )
-        })
-        .map_err(|error| raise(error, &leading))?;
+        compute(py, count, || inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers))
+            .map_err(|error| raise(error, &leading))?;
         let single = leading.is_empty() && !out.is_given();
         let [angles, speeds, twists, rates, scales] = outputs;
         Ok(GroundCommand(Told::Rows {
@@ -222,20 +194,11 @@ impl Suspension {
     ) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
-        let (wheels, joints, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let speeds = Rows::read("speeds", speeds, wheels)?;
-        let leading = if stands.is_single() {
-            speeds.leading.clone()
-        } else {
-            stands.leading().to_vec()
-        };
+        let leading = if stands.is_single() { speeds.leading.clone() } else { stands.leading().to_vec() };
         speeds.check_leading("speeds", &leading)?;
-        let beside =
-            |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
+        let beside = |name: &'static str, value, width| Rows::read_beside(name, value, width, &leading);
         let steering = beside("steering", steering, steered)?;
         let measured = beside("joint_rates", joint_rates, joints)?;
         let turning = beside("angular_velocity", angular_velocity, 3)?;
@@ -245,20 +208,15 @@ impl Suspension {
                 rows.check_finite(name)?;
             }
         }
-        let gaps = [
-            ("speeds", Some(&speeds)),
-            ("joint_rates", measured.as_ref()),
-            ("angular_velocity", turning.as_ref()),
-        ];
+        let gaps =
+            [("speeds", Some(&speeds)), ("joint_rates", measured.as_ref()), ("angular_velocity", turning.as_ref())];
         for (name, rows) in gaps {
             let mut numbers = rows.into_iter().flat_map(|rows| rows.flat());
             if numbers.any(|rate| rate.is_infinite()) {
                 return Err(refuse(name, "be finite, or NaN where not measured", "inf"));
             }
         }
-        let weights = weights
-            .map(|weights| self.read_weights(weights))
-            .transpose()?;
+        let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
         let count = speeds.count();
         let workers = any_workers(threads, kernel)?;
         let out = Out::<3>::read_or_first(out, ["twist", "joint_rates", "residual"])?;
@@ -277,20 +235,12 @@ impl Suspension {
             weights: weights.as_deref(),
         };
         let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
-        let movings = Movings {
-            twists: twists.as_chunks_mut().0,
-            joint_rates: rates,
-            residuals,
-        };
+        let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
         compute(py, count, || {
             forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
         });
         let [twists, rates, residuals] = outputs;
-        Ok(GroundMotion(Moved::Rows {
-            twist: done(twists)?,
-            joint_rates: done(rates)?,
-            residual: done(residuals)?,
-        }))
+        Ok(GroundMotion(Moved::Rows { twist: done(twists)?, joint_rates: done(rates)?, residual: done(residuals)? }))
     }
 }
 
@@ -327,16 +277,9 @@ impl Suspension {
             }
         };
         let weights = rows.flat().to_vec();
-        match weights
-            .iter()
-            .find(|weight| !(weight.is_finite() && **weight >= 0.0))
-        {
+        match weights.iter().find(|weight| !(weight.is_finite() && **weight >= 0.0)) {
             None => Ok(weights),
-            Some(weight) => Err(refuse(
-                "weights",
-                "be finite and not negative",
-                &weight.to_string(),
-            )),
+            Some(weight) => Err(refuse("weights", "be finite and not negative", &weight.to_string())),
         }
     }
 }

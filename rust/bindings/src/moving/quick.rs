@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::moving::{
-    Command, Commands, Drives, Driving, Footings, Lift, Movings, ReadingRows, Turns, View,
-    forward_rows, inverse_rows, traction_rows,
+    Command, Commands, Drives, Driving, Footings, Lift, Movings, ReadingRows, Turns, View, forward_rows, inverse_rows,
+    traction_rows,
 };
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
@@ -29,14 +29,7 @@ impl Quick<6> for OneInstant {
     fn method() -> &'static Method<6> {
         static METHOD: Method<6> = Method::new(
             c"traction",
-            [
-                c"speed",
-                c"curvature",
-                c"angular_velocity",
-                c"joints",
-                c"joint_rates",
-                c"yaw_rate",
-            ],
+            [c"speed", c"curvature", c"angular_velocity", c"joints", c"joint_rates", c"yaw_rate"],
             5,
         );
         &METHOD
@@ -49,11 +42,7 @@ impl Quick<6> for OneInstant {
     ) -> Option<Bound<'py, PyAny>> {
         let (py, suspension) = (this.py(), this.get());
         let chain = &suspension.chain;
-        let (wheels, free, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let (curved, turn) = match (curvature, yaw_rate) {
             (Some(curvature), None) => (true, float(curvature)?),
             (None, Some(yaw_rate)) => (false, float(yaw_rate)?),
@@ -80,11 +69,7 @@ impl Quick<6> for OneInstant {
         };
         let driving = Driving {
             speed: &[speed],
-            turning: if curved {
-                Turns::Curvature(&[turn])
-            } else {
-                Turns::YawRate(&[turn])
-            },
+            turning: if curved { Turns::Curvature(&[turn]) } else { Turns::YawRate(&[turn]) },
             angular_velocity: &[turning],
             joints,
             joint_rates: rates,
@@ -114,11 +99,7 @@ fn one_pose<'a>(this: Borrowed<'_, '_, Suspension>, stand: Object<'a, '_>) -> Op
 }
 
 fn footings(stand: &Stand) -> Footings<'_> {
-    Footings::Settled {
-        stands: &stand.stands,
-        poses: &stand.poses,
-        steering: &stand.steering,
-    }
+    Footings::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
 }
 
 struct OneCommand;
@@ -155,11 +136,7 @@ impl Quick<2> for OneCommand {
             joint_rates: [0.0; MAX_FREE],
             scale: 1.0,
         };
-        let how = Command {
-            view: View::Body,
-            offset: suspension.motion.offset,
-            wheel_speed: f64::INFINITY,
-        };
+        let how = Command { view: View::Body, offset: suspension.motion.offset, wheel_speed: f64::INFINITY };
         let footings = footings(stand);
         let commands = Commands {
             steering: &mut one.steering[..one.steered],
@@ -169,17 +146,7 @@ impl Quick<2> for OneCommand {
             scales: std::slice::from_mut(&mut one.scale),
         };
         let workers = any_workers(None, None).ok()?;
-        inverse_rows(
-            chain,
-            &suspension.motion,
-            &footings,
-            &how,
-            &[[speed, yaw_rate]],
-            None,
-            commands,
-            workers,
-        )
-        .ok()?;
+        inverse_rows(chain, &suspension.motion, &footings, &how, &[[speed, yaw_rate]], None, commands, workers).ok()?;
         let command = Bound::new(py, GroundCommand::one(one)).ok()?;
         Some(command.into_any())
     }
@@ -207,12 +174,8 @@ impl Quick<3> for OneReading {
         let mut rooms = [Numbers::new(), Numbers::new()];
         let [room, other] = &mut rooms;
         // SAFETY: nothing is written before everything has been read.
-        let (steering, speeds) = unsafe {
-            (
-                room.read(steering?, chain.steering().len())?,
-                other.read(speeds?, wheels)?,
-            )
-        };
+        let (steering, speeds) =
+            unsafe { (room.read(steering?, chain.steering().len())?, other.read(speeds?, wheels)?) };
         let infinite = speeds.iter().any(|speed| speed.is_infinite());
         if infinite || !steering.iter().all(|angle| angle.is_finite()) {
             return None;
@@ -239,14 +202,7 @@ impl Quick<3> for OneReading {
         };
         let workers = any_workers(None, None).ok()?;
         let prepared = &suspension.motion;
-        forward_rows(
-            chain,
-            prepared,
-            &footings(stand),
-            &readings,
-            movings,
-            workers,
-        );
+        forward_rows(chain, prepared, &footings(stand), &readings, movings, workers);
         let motion = Bound::new(py, GroundMotion::one(one)).ok()?;
         Some(motion.into_any())
     }

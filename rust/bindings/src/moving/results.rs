@@ -15,13 +15,7 @@ pub struct GroundCommand(pub(super) Told);
 #[allow(clippy::large_enum_variant)] // in the object itself: a box would be one more allocation of every call
 pub(super) enum Told {
     /// The arrays of a batch.
-    Rows {
-        steering: Py<PyAny>,
-        speeds: Py<PyAny>,
-        twist: Py<PyAny>,
-        joint_rates: Py<PyAny>,
-        scale: Py<PyAny>,
-    },
+    Rows { steering: Py<PyAny>, speeds: Py<PyAny>, twist: Py<PyAny>, joint_rates: Py<PyAny>, scale: Py<PyAny> },
     /// One call's numbers: a control loop need not pay for arrays that it does not look at.
     One(CommandRow),
 }
@@ -124,11 +118,7 @@ pub struct GroundMotion(pub(super) Moved);
 #[allow(clippy::large_enum_variant)] // see `Told`
 pub(super) enum Moved {
     /// The arrays of a batch.
-    Rows {
-        twist: Py<PyAny>,
-        joint_rates: Py<PyAny>,
-        residual: Py<PyAny>,
-    },
+    Rows { twist: Py<PyAny>, joint_rates: Py<PyAny>, residual: Py<PyAny> },
     /// One call's numbers.
     One(MotionRow),
 }

@@ -87,20 +87,12 @@ impl Suspension {
         let result = |k| out.result(py, k, &joined(&leading, wheels), false);
         let (mut ratios, mut angles) = (result(0)?, result(1)?);
         let footings = stands.footings();
-        let slips = Slips {
-            ratios: ratios.flat(),
-            angles: angles.flat(),
-        };
+        let slips = Slips { ratios: ratios.flat(), angles: angles.flat() };
         let (speeds, rates) = (speeds.flat(), rates.flat());
         let twists = twists.flat().as_chunks().0;
-        compute(py, stands.count(), || {
-            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
-        })
-        .map_err(|error| raise(error, &leading))?;
-        Ok(WheelSlip {
-            ratio: done(ratios)?,
-            angle: done(angles)?,
-        })
+        compute(py, stands.count(), || slip_rows(chain, &footings, speeds, twists, rates, slips, workers))
+            .map_err(|error| raise(error, &leading))?;
+        Ok(WheelSlip { ratio: done(ratios)?, angle: done(angles)? })
     }
 }
 
@@ -216,8 +208,7 @@ pub fn body_slip(
     for (k, slip) in slip.flat().iter_mut().enumerate() {
         *slip = navigated.flat()[k] - kinematic.flat()[k];
     }
-    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm)
-        .map_err(|error| raise(error, &[]))?;
+    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).map_err(|error| raise(error, &[]))?;
     Ok(BodySlip {
         slip: done(slip)?,
         statistic: test.statistic,

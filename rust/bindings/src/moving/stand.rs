@@ -31,13 +31,8 @@ pub struct Attributes<'py> {
 
 impl<'py> Attributes<'py> {
     fn read(chain: &Chain, stand: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let (wheels, joints, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
-        let rows =
-            |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
+        let (wheels, joints, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
+        let rows = |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
         if !stand.hasattr("contact_angles")? {
             let remedy = "what settle(...) has returned";
             return Err(other_kind("stand", "a Stand", stand, remedy));
@@ -114,11 +109,7 @@ impl<'py> Stands<'py> {
         match self {
             Self::Settled(stand) => {
                 let stand = stand.get();
-                Footings::Settled {
-                    stands: &stand.stands,
-                    poses: &stand.poses,
-                    steering: &stand.steering,
-                }
+                Footings::Settled { stands: &stand.stands, poses: &stand.poses, steering: &stand.steering }
             }
             Self::Told(told) => Footings::Told(Told {
                 roll: told.roll.flat(),

@@ -177,11 +177,7 @@ impl Suspension {
         #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
-        let (wheels, free, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
         let leading = turning.leading.clone();
         let count = turning.count();
@@ -212,11 +208,7 @@ impl Suspension {
             (Some(curvature), None) => (true, scalars("curvature", curvature)?),
             (None, Some(yaw_rate)) => (false, scalars("yaw_rate", yaw_rate)?),
             (Some(_), Some(_)) => {
-                return Err(refuse(
-                    "curvature",
-                    "be None where yaw_rate is given",
-                    "both",
-                ));
+                return Err(refuse("curvature", "be None where yaw_rate is given", "both"));
             }
             (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
         };
@@ -225,10 +217,7 @@ impl Suspension {
                 return Err(refuse(name, "be a number not below 0", &value.to_string()));
             }
         }
-        let lift = Lift {
-            angle: lift_angle.min(std::f64::consts::FRAC_PI_2),
-            speed: lift_speed,
-        };
+        let lift = Lift { angle: lift_angle.min(std::f64::consts::FRAC_PI_2), speed: lift_speed };
         let workers = any_workers(threads, kernel)?;
         let out = Out::<3>::read(out, ["speeds", "steering", "contact_angles"])?;
         let result = |k, width| out.result(py, k, &joined(&leading, width), true);
@@ -237,11 +226,7 @@ impl Suspension {
         let mut vertical = memory::filled(0.0, count)?;
         let driving = Driving {
             speed: speed.flat(),
-            turning: if curved {
-                Turns::Curvature(turn.flat())
-            } else {
-                Turns::YawRate(turn.flat())
-            },
+            turning: if curved { Turns::Curvature(turn.flat()) } else { Turns::YawRate(turn.flat()) },
             angular_velocity: turning.triples(),
             joints: angles.flat(),
             joint_rates: rates.flat(),
@@ -250,17 +235,10 @@ impl Suspension {
             lift,
         };
         let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
-        let drives = Drives {
-            steering: steers,
-            speeds,
-            contact_angles: contacts,
-            lifted: &mut lifted,
-            vertical: &mut vertical,
-        };
-        compute(py, count, || {
-            traction_rows(chain, &self.motion, &driving, drives, workers)
-        })
-        .map_err(|error| raise(error, &leading))?;
+        let drives =
+            Drives { steering: steers, speeds, contact_angles: contacts, lifted: &mut lifted, vertical: &mut vertical };
+        compute(py, count, || traction_rows(chain, &self.motion, &driving, drives, workers))
+            .map_err(|error| raise(error, &leading))?;
         let [speeds, steers, contacts] = outputs;
         let mut flags = leading.clone();
         flags.push(wheels);

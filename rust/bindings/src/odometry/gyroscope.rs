@@ -106,23 +106,17 @@ impl Gyroscope {
     }
 
     fn __repr__(&self) -> String {
-        let parts = self
-            .numbers()
-            .map(|(name, value)| format!("{name}={value:?}"));
+        let parts = self.numbers().map(|(name, value)| format!("{name}={value:?}"));
         format!("Gyroscope({})", parts.join(", "))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {
         let numbers = self.numbers();
-        numbers.iter().fold(0, |hash: u64, (_, value)| {
-            hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
-        })
+        numbers.iter().fold(0, |hash: u64, (_, value)| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

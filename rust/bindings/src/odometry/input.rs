@@ -11,21 +11,15 @@ use crate::convert::{Rows, Scalars, items, number, raise, refuse};
 use crate::given::other_kind;
 
 /// An encoder for all joints, one per joint, or some by name.
-pub fn encoders(
-    argument: &str,
-    given: Option<&Bound<'_, PyAny>>,
-    names: &[&str],
-) -> PyResult<Vec<CoreEncoder>> {
+pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
     let Some(given) = given else {
         return Ok(Vec::new());
     };
     let one = |item: &Bound<'_, PyAny>| {
-        item.cast::<Encoder>()
-            .map(|encoder| encoder.get().0)
-            .map_err(|_| {
-                let rule = "an Encoder, several of them or a dict of them by name";
-                other_kind(argument, rule, item, "")
-            })
+        item.cast::<Encoder>().map(|encoder| encoder.get().0).map_err(|_| {
+            let rule = "an Encoder, several of them or a dict of them by name";
+            other_kind(argument, rule, item, "")
+        })
     };
     if let Ok(mapping) = given.cast::<PyMapping>() {
         return by_name(argument, mapping, names, CoreEncoder::default(), one);
@@ -48,11 +42,7 @@ pub fn encoders(
 }
 
 /// A number for every wheel: all of them in their order, or some by name, the others 1.
-pub fn by_wheel(
-    argument: &str,
-    value: Option<&Bound<'_, PyAny>>,
-    names: &[&str],
-) -> PyResult<Vec<f64>> {
+pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
     let Some(value) = value else {
         return Ok(Vec::new());
     };
@@ -172,20 +162,11 @@ impl<'py> Columns<'py> {
             Rows::read_beside("steering", Some(steering), widths[1], leading)?
         };
         let stamps = column("stamps", stamps, leading)?;
-        Ok(Self {
-            wheels,
-            steering,
-            stamps,
-            is_strict,
-        })
+        Ok(Self { wheels, steering, stamps, is_strict })
     }
 
     /// A column that may be left out.
-    pub fn optional(
-        &self,
-        argument: &str,
-        value: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Scalars<'py>>> {
+    pub fn optional(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Scalars<'py>>> {
         let read = |value| column(argument, value, &self.wheels.leading);
         value.map(read).transpose()
     }
@@ -197,11 +178,7 @@ impl<'py> Columns<'py> {
 }
 
 /// One number a row.
-fn column<'py>(
-    argument: &str,
-    value: &Bound<'py, PyAny>,
-    leading: &[usize],
-) -> PyResult<Scalars<'py>> {
+fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
     let column = Scalars::read(argument, value)?;
     column.fit_exactly(argument, leading).map(|()| column)
 }
@@ -209,17 +186,11 @@ fn column<'py>(
 /// The track of `six_wheel.odometry` under this name.
 pub fn build_track<'py>(keywords: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let py = keywords.py();
-    py.import(intern!(py, "six_wheel.odometry"))?
-        .getattr(name)?
-        .call((), Some(keywords))
+    py.import(intern!(py, "six_wheel.odometry"))?.getattr(name)?.call((), Some(keywords))
 }
 
 /// The readings of one joint kind, a single row.
-pub fn row<'py>(
-    argument: &str,
-    value: &Bound<'py, PyAny>,
-    width: usize,
-) -> PyResult<Option<Rows<'py>>> {
+pub fn row<'py>(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Option<Rows<'py>>> {
     if value.is_none() && argument == "steering" {
         return steering_left_out(width);
     }

@@ -7,9 +7,7 @@ use std::str::FromStr;
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::odometry::preintegrated::{
-    Column, DIMENSIONS, Replayed, Residual, Rules, Tangent,
-};
+use six_wheel_core::odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
 use six_wheel_core::odometry::{Preintegrated as Core, Recording, Settings};
 use six_wheel_core::{Error, Method};
 
@@ -26,12 +24,7 @@ type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
 type Named = Vec<(String, Vec<Column>)>;
 /// Error, its derivatives by two poses, and those by what may change.
-type Factor<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Matrix<'py>,
-    Matrix<'py>,
-    Bound<'py, PyDict>,
-);
+type Factor<'py> = (Bound<'py, PyArray1<f64>>, Matrix<'py>, Matrix<'py>, Bound<'py, PyDict>);
 
 /// Wheel motion between two instants, as one factor of a graph.
 ///
@@ -157,14 +150,7 @@ impl Preintegrated {
             }
             let parts = ["steering", "wheel_angles", "stamps"].map(|part| steering.getattr(part));
             let [steering, wheels, stamps] = parts;
-            return self.add(
-                py,
-                &steering?,
-                Some(&wheels?),
-                Some(&stamps?),
-                yaw_rate,
-                attitude,
-            );
+            return self.add(py, &steering?, Some(&wheels?), Some(&stamps?), yaw_rate, attitude);
         };
         let rover = self.core.rover();
         let (count, joints) = (rover.wheels().len(), rover.steered().len());
@@ -186,9 +172,7 @@ impl Preintegrated {
         let stamps = column("stamp", stamp)?;
         let rates = yaw_rate.map(|rate| column("yaw_rate", rate)).transpose()?;
         let attitudes = Rows::read_beside("attitude", attitude, 4, leading)?;
-        let attitudes = attitudes
-            .as_ref()
-            .map(|rows| rows.flat().as_chunks::<4>().0);
+        let attitudes = attitudes.as_ref().map(|rows| rows.flat().as_chunks::<4>().0);
         let log = Recording {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.flat(),
@@ -282,11 +266,7 @@ impl Preintegrated {
     /// changes : dict of str to array_like
     ///     By names of `by_dimension` and `by_slip`, arrays of shape (wheels,), or one number for all; and
     ///     ``"gyroscope_bias"`` [rad/s].
-    fn corrected<'py>(
-        &mut self,
-        py: Python<'py>,
-        changes: &Bound<'py, PyDict>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn corrected<'py>(&mut self, py: Python<'py>, changes: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
         let (change, _) = self.change(py, changes)?;
         let (motion, yaw) = self.replayed(py)?.corrected(change);
         Ok(self.written(py, &motion, yaw))
@@ -338,10 +318,7 @@ impl Preintegrated {
         pose_j: &Bound<'py, PyAny>,
         changes: &Bound<'py, PyDict>,
     ) -> PyResult<Factor<'py>> {
-        let poses = [
-            self.pose_of("pose_i", pose_i)?,
-            self.pose_of("pose_j", pose_j)?,
-        ];
+        let poses = [self.pose_of("pose_i", pose_i)?, self.pose_of("pose_j", pose_j)?];
         let (change, wanted) = self.change(py, changes)?;
         let rows = self.rows();
         let replayed = self.replayed(py)?;
@@ -349,14 +326,8 @@ impl Preintegrated {
         let error: Vec<f64> = rows.iter().map(|&row| residual.error[row]).collect();
         let by_changes = PyDict::new(py);
         for (name, columns) in wanted {
-            let by: Vec<_> = columns
-                .iter()
-                .map(|&column| residual.by_motion * replayed.by(column))
-                .collect();
-            let table: Vec<Vec<f64>> = rows
-                .iter()
-                .map(|&row| by.iter().map(|one| one[row]).collect())
-                .collect();
+            let by: Vec<_> = columns.iter().map(|&column| residual.by_motion * replayed.by(column)).collect();
+            let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
             by_changes.set_item(name, PyArray2::from_vec2(py, &table)?)?;
         }
         let by_first = self.square(py, |i, k| residual.by_first[(i, k)])?;
@@ -384,11 +355,7 @@ impl Preintegrated {
     /// ----------
     /// other : Preintegrated
     ///     Of the same rover, its first sample the last one here.
-    fn merge(
-        &self,
-        py: Python<'_>,
-        #[pyo3(from_py_with = given::other)] other: Bound<'_, Self>,
-    ) -> PyResult<Self> {
+    fn merge(&self, py: Python<'_>, #[pyo3(from_py_with = given::other)] other: Bound<'_, Self>) -> PyResult<Self> {
         let other = other.try_borrow()?;
         let (ours, theirs) = (&self.core, &other.core);
         let merged = compute(py, theirs.len(), || ours.merge(theirs));
@@ -443,9 +410,7 @@ impl Preintegrated {
             [x, y, yaw] => format!("x={x:.4} m, y={y:.4} m, yaw={yaw:.4} rad"),
             all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),
         };
-        Ok(format!(
-            "Preintegrated({samples} samples, {duration} s, {place})"
-        ))
+        Ok(format!("Preintegrated({samples} samples, {duration} s, {place})"))
     }
 
     fn __copy__(&self, py: Python<'_>) -> Self {

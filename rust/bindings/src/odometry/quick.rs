@@ -17,11 +17,8 @@ impl Quick<5> for Update {
     type Class = Odometry;
 
     fn method() -> &'static Method<5> {
-        static METHOD: Method<5> = Method::new(
-            c"update",
-            [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"],
-            3,
-        );
+        static METHOD: Method<5> =
+            Method::new(c"update", [c"steering", c"wheel_angles", c"stamp", c"yaw", c"yaw_rate"], 3);
         &METHOD
     }
 

@@ -8,9 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::Error;
 use six_wheel_core::odometry::Settings;
-use six_wheel_core::odometry::spatial::{
-    Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3,
-};
+use six_wheel_core::odometry::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 
 use super::input::{Columns, build_track, encoders, optional, row};
 use super::readings_named;
@@ -79,11 +77,7 @@ pub struct Odometry3 {
 impl Odometry3 {
     fn widths(&self) -> [usize; 3] {
         let chain = &self.arm.get().chain;
-        [
-            chain.wheels().len(),
-            chain.steering().len(),
-            chain.joints().len(),
-        ]
+        [chain.wheels().len(), chain.steering().len(), chain.joints().len()]
     }
 
     fn state_of(&self, core: &Core, py: Python<'_>) -> Odometry3State {
@@ -91,11 +85,7 @@ impl Odometry3 {
     }
 
     /// Changes the core, and answers with the state after that.
-    fn change(
-        &self,
-        py: Python<'_>,
-        change: impl FnOnce(&mut Core) -> Result<(), Error>,
-    ) -> PyResult<Odometry3State> {
+    fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Core) -> Result<(), Error>) -> PyResult<Odometry3State> {
         let mut core = self.work.lock(py)?;
         change(&mut core).map_err(|error| raise(error, &[]))?;
         Ok(self.state_of(&core, py))
@@ -129,9 +119,7 @@ impl Odometry3 {
         ready(arm.py())?;
         let chain = &arm.get().chain;
         let wheels: Vec<&str> = chain.wheels().iter().map(|wheel| &*wheel.name).collect();
-        let steered: Vec<&str> = (0..chain.steering().len())
-            .map(|joint| chain.steered_name(joint))
-            .collect();
+        let steered: Vec<&str> = (0..chain.steering().len()).map(|joint| chain.steered_name(joint)).collect();
         let common = Settings {
             noise: noise.map(|noise| noise.get().0).unwrap_or_default(),
             readings: readings_named(readings)?,
@@ -148,17 +136,12 @@ impl Odometry3 {
         let usual = Settings3::default();
         let settings = Settings3 {
             common,
-            attitude_noise: optional("attitude_noise", attitude_noise)?
-                .unwrap_or(usual.attitude_noise),
+            attitude_noise: optional("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
             joint_noise: optional("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
         };
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).map_err(|error| raise(error, &[]))?;
-        Ok(Self {
-            work: Shared::new(core),
-            arm: arm.clone().unbind(),
-            ground: ground.map(Bound::unbind),
-        })
+        Ok(Self { work: Shared::new(core), arm: arm.clone().unbind(), ground: ground.map(Bound::unbind) })
     }
 
     /// Takes in one sample.
@@ -208,10 +191,7 @@ impl Odometry3 {
         let [wheels, steered, free] = self.widths();
         let steering = row("steering", steering, steered)?;
         let wheels = row("wheel_angles", wheel_angles, wheels)?;
-        let joints = joints
-            .map(|joints| row("joints", joints, free))
-            .transpose()?
-            .flatten();
+        let joints = joints.map(|joints| row("joints", joints, free)).transpose()?.flatten();
         let attitude = attitude.map(input::attitude_of).transpose()?;
         let sample = Sample3 {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
@@ -273,18 +253,14 @@ impl Odometry3 {
         let log = Columns::read(wheel_angles, steering, stamps, errors, [count, steered])?;
         let leading = log.wheels.leading.as_slice();
         let joints = Rows::read_beside("joints", joints, free, leading)?;
-        let attitudes = attitude
-            .map(|attitude| attitudes(attitude, leading))
-            .transpose()?;
+        let attitudes = attitude.map(|attitude| attitudes(attitude, leading)).transpose()?;
         let rates = log.optional("yaw_rate", yaw_rate)?;
         let recording = Recording3 {
             steering: log.angles(),
             wheels: log.wheels.flat(),
             stamps: log.stamps.flat(),
             joints: joints.as_ref().map(Rows::flat),
-            attitudes: attitudes
-                .as_ref()
-                .map(|(numbers, width)| (numbers.flat(), *width)),
+            attitudes: attitudes.as_ref().map(|(numbers, width)| (numbers.flat(), *width)),
             yaw_rates: rates.as_ref().map(Scalars::flat),
         };
         let rows = log.wheels.count();
@@ -303,8 +279,7 @@ impl Odometry3 {
         };
         let mut core = self.work.lock(py)?;
         let work = &mut *core;
-        compute(py, rows, || work.run(recording, log.is_strict, track))
-            .map_err(|error| raise(error, leading))?;
+        compute(py, rows, || work.run(recording, log.is_strict, track)).map_err(|error| raise(error, leading))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
         let keywords = PyDict::new(py);
@@ -358,16 +333,8 @@ impl Odometry3 {
     /// covariance : array_like, shape (6,), (6, 6), (3,) or (3, 3), optional
     ///     Of x, y, z and about the axes of the world, or of x, y and yaw; default 0.
     #[pyo3(signature = (pose, covariance=None))]
-    fn set_pose(
-        &self,
-        py: Python<'_>,
-        pose: &Bound<'_, PyAny>,
-        covariance: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
-        let (pose, matrix) = (
-            self::pose("pose", pose)?,
-            self::covariance(covariance, 0.0)?,
-        );
+    fn set_pose(&self, py: Python<'_>, pose: &Bound<'_, PyAny>, covariance: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (pose, matrix) = (self::pose("pose", pose)?, self::covariance(covariance, 0.0)?);
         self.change(py, |core| core.set_pose(pose, matrix))?;
         Ok(())
     }

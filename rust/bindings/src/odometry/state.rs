@@ -161,11 +161,7 @@ fn whole([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [[f64; 3]; 3] {
 }
 
 /// A covariance of x, y and yaw in ROS order: x, y, z, roll, pitch, yaw.
-fn spatial<'py>(
-    py: Python<'py>,
-    planar: &[[f64; 3]; 3],
-    unmeasured: f64,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn spatial<'py>(py: Python<'py>, planar: &[[f64; 3]; 3], unmeasured: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
     const PLACES: [usize; 3] = [0, 1, 5];
     let mut matrix = [[0.0; 6]; 6];
     for (i, row) in planar.iter().enumerate() {
@@ -249,18 +245,13 @@ impl OdometryState {
     #[getter]
     fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
         let worst = worst_wheel(&self.residual)?;
-        Some(PyString::new(
-            py,
-            &self.rover.get().core.wheels()[worst].name,
-        ))
+        Some(PyString::new(py, &self.rover.get().core.wheels()[worst].name))
     }
 
     /// Flags of the sample, a `Health`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?
-            .getattr("Health")?
-            .call1((self.health,))
+        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
     }
 
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).

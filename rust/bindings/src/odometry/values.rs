@@ -75,14 +75,8 @@ impl Noise {
         yaw_rate: Option<&Bound<'_, PyAny>>,
         period: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let is_guess = [speed, steering, slip, side_slip]
-            .iter()
-            .all(Option::is_none);
-        let mut noise = if is_guess {
-            CoreNoise::default()
-        } else {
-            CoreNoise::READINGS
-        };
+        let is_guess = [speed, steering, slip, side_slip].iter().all(Option::is_none);
+        let mut noise = if is_guess { CoreNoise::default() } else { CoreNoise::READINGS };
         let given = [
             ("speed", speed, &mut noise.speed),
             ("steering", steering, &mut noise.steering),
@@ -156,18 +150,14 @@ impl Noise {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {
         self.numbers()
             .into_iter()
             .chain([("period", self.0.period.unwrap_or(-1.0))])
-            .fold(0, |hash: u64, (_, value)| {
-                hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
-            })
+            .fold(0, |hash: u64, (_, value)| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
@@ -215,9 +205,8 @@ impl Encoder {
         modulus: Option<&Bound<'_, PyAny>>,
         offset: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let optional = |argument, value: Option<&Bound<'_, PyAny>>| {
-            value.map(|value| number(argument, value)).transpose()
-        };
+        let optional =
+            |argument, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
         let encoder = CoreEncoder {
             resolution: optional("resolution", resolution)?,
             gear: optional("gear", gear)?.unwrap_or(1.0),
@@ -259,14 +248,8 @@ impl Encoder {
     }
 
     fn __repr__(&self) -> String {
-        let optional =
-            |value: Option<f64>| value.map_or("None".into(), |value| format!("{value:?}"));
-        let CoreEncoder {
-            resolution,
-            gear,
-            modulus,
-            offset,
-        } = self.0;
+        let optional = |value: Option<f64>| value.map_or("None".into(), |value| format!("{value:?}"));
+        let CoreEncoder { resolution, gear, modulus, offset } = self.0;
         format!(
             "Encoder(resolution={}, gear={gear:?}, modulus={}, offset={offset:?})",
             optional(resolution),
@@ -275,27 +258,13 @@ impl Encoder {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().0 == self.0)
+        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {
-        let CoreEncoder {
-            resolution,
-            gear,
-            modulus,
-            offset,
-        } = self.0;
-        let numbers = [
-            resolution.unwrap_or(0.0),
-            gear,
-            modulus.unwrap_or(0.0),
-            offset,
-        ];
-        numbers.iter().fold(0, |hash: u64, value| {
-            hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits())
-        })
+        let CoreEncoder { resolution, gear, modulus, offset } = self.0;
+        let numbers = [resolution.unwrap_or(0.0), gear, modulus.unwrap_or(0.0), offset];
+        numbers.iter().fold(0, |hash: u64, value| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

@@ -18,15 +18,9 @@ pub struct Seen<'py> {
 impl<'py> Seen<'py> {
     pub fn of(state: &Bound<'py, PyAny>) -> PyResult<Self> {
         let Some(pose) = state.getattr_opt("pose")? else {
-            return Ok(Self {
-                pose: state.clone(),
-                twist: None,
-                steering: None,
-                frame: None,
-            });
+            return Ok(Self { pose: state.clone(), twist: None, steering: None, frame: None });
         };
-        let given =
-            |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
+        let given = |name: &str| Ok::<_, PyErr>(state.getattr_opt(name)?.filter(|value| !value.is_none()));
         Ok(Self {
             pose,
             twist: given("twist")?,
@@ -41,11 +35,9 @@ pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) ->
         return Ok(());
     };
     match &map.get().frame {
-        Some(own) if own != frame => Err(refuse(
-            "costmap",
-            &format!("be in the frame of the state, {frame:?}"),
-            &format!("{own:?}"),
-        )),
+        Some(own) if own != frame => {
+            Err(refuse("costmap", &format!("be in the frame of the state, {frame:?}"), &format!("{own:?}")))
+        }
         _ => Ok(()),
     }
 }
@@ -53,17 +45,11 @@ pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) ->
 /// A whole number that is not negative.
 pub fn whole(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
     let index = value.call_method0("__index__").map_err(|_| {
-        let got = value
-            .repr()
-            .map_or_else(|_| "an object".into(), |repr| repr.to_string());
+        let got = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
         ArgumentTypeError::new_err(format!("{argument} must be a whole number, got {got}"))
     })?;
     index.extract::<u64>().map_err(|_| {
-        let rule = if argument == "seed" {
-            "be 0 to 2^64 - 1"
-        } else {
-            "be a whole number from 0 on"
-        };
+        let rule = if argument == "seed" { "be 0 to 2^64 - 1" } else { "be a whole number from 0 on" };
         refuse(argument, rule, &index.to_string())
     })
 }
@@ -73,29 +59,19 @@ pub fn size(count: u64) -> usize {
 }
 
 pub fn precision(dtype: &Bound<'_, PyAny>) -> PyResult<Precision> {
-    let name = dtype
-        .py()
-        .import("numpy")?
-        .getattr("dtype")?
-        .call1((dtype,));
+    let name = dtype.py().import("numpy")?.getattr("dtype")?.call1((dtype,));
     let name = name.and_then(|dtype| dtype.getattr("name")?.extract::<String>());
     match name.as_deref() {
         Ok("float32") => Ok(Precision::Single),
         Ok("float64") => Ok(Precision::Double),
-        _ => Err(refuse(
-            "dtype",
-            "be float32 or float64",
-            &dtype.repr()?.to_string(),
-        )),
+        _ => Err(refuse("dtype", "be float32 or float64", &dtype.repr()?.to_string())),
     }
 }
 
 pub fn read_weights(given: &Bound<'_, PyDict>) -> PyResult<Weights> {
     let mut values = Weights::default().values();
     for (key, value) in given.iter() {
-        let name: String = key
-            .extract()
-            .map_err(|_| refuse("weights", "have names", "another key"))?;
+        let name: String = key.extract().map_err(|_| refuse("weights", "have names", "another key"))?;
         let Some(place) = Weights::NAMES.iter().position(|known| *known == name) else {
             let rule = format!("be of {}", Weights::NAMES.join(", "));
             return Err(refuse("weights", &rule, &format!("{name:?}")));

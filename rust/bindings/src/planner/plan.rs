@@ -68,11 +68,7 @@ impl MppiPlan {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let twist: [f64; 3] = self.twist.bind(py).extract()?;
         let [vx, vy, omega] = twist;
-        let why = if self.reason.is_empty() {
-            String::new()
-        } else {
-            format!(", reason={:?}", self.reason)
-        };
+        let why = if self.reason.is_empty() { String::new() } else { format!(", reason={:?}", self.reason) };
         let (cost, effective) = (self.cost, self.effective_samples);
         Ok(format!(
             "MppiPlan(twist=({vx:.4}, {vy:.4}, {omega:.4}), cost={cost:.4}, effective_samples={effective:.1}{why})"

@@ -8,9 +8,7 @@ use six_wheel_core::profiles::Wheels;
 use six_wheel_core::{Error, Rover as CoreRover, Twist};
 
 use super::made::class;
-use crate::convert::{
-    Rows, Scalars, compute, memory, number, numbers, raise, refuse, scalar_or_array,
-};
+use crate::convert::{Rows, Scalars, compute, memory, number, numbers, raise, refuse, scalar_or_array};
 use crate::rover::Rover;
 
 /// A core error without rows.
@@ -77,17 +75,10 @@ impl<'py> Keywords<'py> {
         Ok(duration)
     }
 
-    pub fn previous(
-        &self,
-        rover: &Rover,
-        value: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Vec<f64>>> {
-        let angles = value
-            .map(|value| row("previous", value, rover.joints()))
-            .transpose()?;
+    pub fn previous(&self, rover: &Rover, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<Vec<f64>>> {
+        let angles = value.map(|value| row("previous", value, rover.joints())).transpose()?;
         if let Some(angles) = &angles {
-            self.0
-                .set_item("previous", PyTuple::new(self.0.py(), angles)?)?;
+            self.0.set_item("previous", PyTuple::new(self.0.py(), angles)?)?;
         }
         Ok(angles)
     }
@@ -97,16 +88,8 @@ impl<'py> Keywords<'py> {
 pub fn one_of(duration: Option<f64>, limited: bool, limits: &str) -> PyResult<()> {
     match (duration.is_some(), limited) {
         (true, false) | (false, true) => Ok(()),
-        (true, true) => Err(refuse(
-            "duration",
-            &format!("not come with {limits}"),
-            "both",
-        )),
-        (false, false) => Err(refuse(
-            "duration",
-            &format!("be given, or {limits}"),
-            "neither",
-        )),
+        (true, true) => Err(refuse("duration", &format!("not come with {limits}"), "both")),
+        (false, false) => Err(refuse("duration", &format!("be given, or {limits}"), "neither")),
     }
 }
 
@@ -122,8 +105,7 @@ pub fn states<'py>(
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let rows = times.flat().len();
     let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);
-    let (mut steering, mut rates, mut accelerations) =
-        (zeros(joints)?, zeros(joints)?, zeros(joints)?);
+    let (mut steering, mut rates, mut accelerations) = (zeros(joints)?, zeros(joints)?, zeros(joints)?);
     let mut speeds = zeros(wheels)?;
     let mut twists: Vec<f64> = memory::room(memory::count(&[rows, 3])?)?;
     let mut scrubs: Vec<f64> = memory::room(rows)?;

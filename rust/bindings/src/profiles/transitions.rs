@@ -2,9 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::profiles::{
-    self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise,
-};
+use six_wheel_core::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 
 use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
 use super::made::{Made, class, known_by_its_call};
@@ -96,20 +94,14 @@ impl BodyTransition {
         let end = twist("end_twist", end_twist)?;
         let duration = keywords.duration(duration)?;
         let shape: Shape = keywords.word("shape", shape)?;
-        let linear = [
-            keywords.limit("acceleration", acceleration)?,
-            keywords.limit("jerk", jerk)?,
-        ];
+        let linear = [keywords.limit("acceleration", acceleration)?, keywords.limit("jerk", jerk)?];
         let angular = [
             keywords.limit("angular_acceleration", angular_acceleration)?,
             keywords.limit("angular_jerk", angular_jerk)?,
         ];
         let synchronise: Synchronise = keywords.word("synchronise", synchronise)?;
         let previous = keywords.previous(rover.get(), previous)?;
-        let limited = [linear, angular]
-            .concat()
-            .iter()
-            .any(|limit| *limit != f64::INFINITY);
+        let limited = [linear, angular].concat().iter().any(|limit| *limit != f64::INFINITY);
         let names = "acceleration, angular_acceleration, jerk or angular_jerk";
         one_of(duration, limited, names)?;
         let (core, previous) = (&rover.get().core, previous.as_deref());
@@ -126,9 +118,7 @@ impl BodyTransition {
             core: core.map_err(plain)?,
             made: Made {
                 maker: "body_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?)
-                    .into_pyobject(py)?
-                    .unbind(),
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),
             },
         })
@@ -141,9 +131,7 @@ impl BodyTransition {
     /// times : float or array_like, shape (...)
     ///     [s]; before the start and after the end it holds what is there.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        states(py, self.core.rover(), times, |time, wheels| {
-            Some(self.core.at(time, wheels))
-        })
+        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -162,11 +150,7 @@ value_methods!(ModuleTransition);
 known_by_its_call!(ModuleTransition);
 
 /// The pair (steering, speeds).
-fn modules(
-    argument: &str,
-    rover: &Rover,
-    value: &Bound<'_, PyAny>,
-) -> PyResult<(Vec<f64>, Vec<f64>)> {
+fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
     let pair: Vec<Bound<'_, PyAny>> = value
         .try_iter()
         .and_then(Iterator::collect)
@@ -237,8 +221,7 @@ impl ModuleTransition {
         let shape: Shape = keywords.word("shape", shape)?;
         let limits = ModuleLimits {
             steering_rate: keywords.limit("steering_rate", steering_rate)?,
-            steering_acceleration: keywords
-                .limit("steering_acceleration", steering_acceleration)?,
+            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
             steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
             wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
             wheel_jerk: keywords.limit("wheel_jerk", wheel_jerk)?,
@@ -251,17 +234,11 @@ impl ModuleTransition {
             wheel_acceleration: f64::INFINITY,
             wheel_jerk: f64::INFINITY,
         };
-        one_of(
-            duration,
-            limits != unlimited,
-            "limits of the steering or the wheels",
-        )?;
+        one_of(duration, limits != unlimited, "limits of the steering or the wheels")?;
         let view = |(steering, speeds): &(Vec<f64>, Vec<f64>)| {
             PyResult::Ok((PyTuple::new(py, steering)?, PyTuple::new(py, speeds)?))
         };
-        let arguments = (&rover, view(&from)?, view(&to)?)
-            .into_pyobject(py)?
-            .unbind();
+        let arguments = (&rover, view(&from)?, view(&to)?).into_pyobject(py)?.unbind();
         let [start, end] = [&from, &to].map(|(steering, speeds)| Modules { steering, speeds });
         let rover = &rover.get().core;
         let core = match duration {
@@ -270,11 +247,7 @@ impl ModuleTransition {
         };
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made {
-                maker: "module_transition",
-                arguments,
-                keywords: keywords.0.unbind(),
-            },
+            made: Made { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
         })
     }
 
@@ -368,8 +341,7 @@ impl IcrTransition {
         let end = twist("end_twist", end_twist)?;
         let limits = IcrLimits {
             steering_rate: keywords.limit("steering_rate", Some(steering_rate))?,
-            steering_acceleration: keywords
-                .limit("steering_acceleration", steering_acceleration)?,
+            steering_acceleration: keywords.limit("steering_acceleration", steering_acceleration)?,
             steering_jerk: keywords.limit("steering_jerk", steering_jerk)?,
             wheel_speed: keywords.limit("wheel_speed", wheel_speed)?,
             wheel_acceleration: keywords.limit("wheel_acceleration", wheel_acceleration)?,
@@ -377,20 +349,12 @@ impl IcrTransition {
             angular_acceleration: keywords.limit("angular_acceleration", angular_acceleration)?,
         };
         let previous = keywords.previous(rover.get(), previous)?;
-        let core = core::IcrTransition::new(
-            &rover.get().core,
-            start.into(),
-            end.into(),
-            &limits,
-            previous.as_deref(),
-        );
+        let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
         Ok(Self {
             core: core.map_err(plain)?,
             made: Made {
                 maker: "icr_transition",
-                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?)
-                    .into_pyobject(py)?
-                    .unbind(),
+                arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),
             },
         })
@@ -421,20 +385,11 @@ impl IcrTransition {
     /// times : float or array_like, shape (...)
     ///     [s]; before the start and after the end it holds what is there.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        states(py, self.core.rover(), times, |time, wheels| {
-            Some(self.core.at(time, wheels))
-        })
+        states(py, self.core.rover(), times, |time, wheels| Some(self.core.at(time, wheels)))
     }
 
     fn __repr__(&self) -> String {
-        let phase = |phase: &core::Phase| {
-            format!(
-                "{} {:.4} s ({})",
-                phase.action.name(),
-                phase.duration,
-                phase.reason
-            )
-        };
+        let phase = |phase: &core::Phase| format!("{} {:.4} s ({})", phase.action.name(), phase.duration, phase.reason);
         let phases: Vec<String> = self.core.phases().iter().map(phase).collect();
         let stops = match self.core.stops() {
             0 => "no stop".into(),
@@ -442,9 +397,6 @@ impl IcrTransition {
             stops => format!("{stops} stops"),
         };
         let duration = self.core.duration();
-        format!(
-            "<icr_transition of {duration:.4} s, {stops}: {}>",
-            phases.join(", ")
-        )
+        format!("<icr_transition of {duration:.4} s, {stops}: {}>", phases.join(", "))
     }
 }

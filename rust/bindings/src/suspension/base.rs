@@ -29,24 +29,13 @@ pub struct Suspension {
 impl Suspension {
     /// The face of a chain that a subclass makes.
     pub fn of(chain: Chain) -> Self {
-        Self {
-            motion: Prepared::new(&chain),
-            chain,
-            made: None,
-        }
+        Self { motion: Prepared::new(&chain), chain, made: None }
     }
 
     /// The face of a chain, and how it is made again.
-    fn made(
-        chain: Result<Chain, Error>,
-        name: &'static str,
-        arguments: Bound<'_, PyDict>,
-    ) -> PyResult<Self> {
+    fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
         let chain = chain.map_err(|error| raise(error, &[]))?;
-        Ok(Self {
-            made: Some((name, arguments.unbind())),
-            ..Self::of(chain)
-        })
+        Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
 }
 
@@ -203,12 +192,7 @@ impl Suspension {
     #[staticmethod]
     fn zoe(py: Python<'_>) -> PyResult<Self> {
         let arguments = PyDict::new(py);
-        let numbers = [
-            ("wheelbase", 1.91),
-            ("track_width", 1.64),
-            ("drop", 0.119),
-            ("wheel_radius", 0.325),
-        ];
+        let numbers = [("wheelbase", 1.91), ("track_width", 1.64), ("drop", 0.119), ("wheel_radius", 0.325)];
         for (argument, value) in numbers {
             arguments.set_item(argument, value)?;
         }
@@ -275,17 +259,10 @@ impl Suspension {
             .iter()
             .zip(rows.triples())
             .enumerate()
-            .map(|(k, (name, centre))| {
-                (
-                    name.as_str(),
-                    *centre,
-                    steered.contains(&k).then_some(range),
-                )
-            })
+            .map(|(k, (name, centre))| (name.as_str(), *centre, steered.contains(&k).then_some(range)))
             .collect();
         let arguments = PyDict::new(py);
-        let places: Vec<(f64, f64, f64)> =
-            rows.triples().iter().map(|&[x, y, z]| (x, y, z)).collect();
+        let places: Vec<(f64, f64, f64)> = rows.triples().iter().map(|&[x, y, z]| (x, y, z)).collect();
         arguments.set_item("centres", places)?;
         arguments.set_item("wheel_radius", radius)?;
         arguments.set_item("names", &names)?;
@@ -318,9 +295,7 @@ impl Suspension {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Self>()
-            .is_ok_and(|other| other.get().chain == self.chain)
+        other.cast::<Self>().is_ok_and(|other| other.get().chain == self.chain)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
@@ -337,11 +312,7 @@ impl Suspension {
             return reduce(slf.as_any(), &PyTuple::empty(py), &PyDict::new(py));
         };
         let make = py.get_type::<Self>().getattr(*name)?;
-        let partial = py.import("functools")?.call_method(
-            intern!(py, "partial"),
-            (make,),
-            Some(arguments.bind(py)),
-        )?;
+        let partial = py.import("functools")?.call_method(intern!(py, "partial"), (make,), Some(arguments.bind(py)))?;
         (partial, PyTuple::empty(py)).into_pyobject(py)
     }
 }

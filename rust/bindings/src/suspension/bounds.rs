@@ -9,9 +9,7 @@ use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Pl
 
 use super::RockerBogie;
 use crate::batch::any_workers;
-use crate::convert::{
-    Out, Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together,
-};
+use crate::convert::{Out, Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together};
 use crate::given;
 use crate::terrain::Terrain;
 
@@ -78,35 +76,18 @@ impl Bounds {
 }
 
 /// Reads sizes, one or one per pose, default 0.
-fn sizes<'py>(
-    py: Python<'py>,
-    argument: &'static str,
-    value: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Scalars<'py>> {
+fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py, PyAny>>) -> PyResult<Scalars<'py>> {
     let none = PyFloat::new(py, 0.0);
     let sizes = Scalars::read(argument, value.unwrap_or(none.as_any()))?;
     let wrong = |size: &&f64| !(size.is_finite() && **size >= 0.0);
     match sizes.flat().iter().find(wrong) {
-        Some(size) => Err(refuse(
-            argument,
-            "be finite and not negative",
-            &format!("{size:?}"),
-        )),
+        Some(size) => Err(refuse(argument, "be finite and not negative", &format!("{size:?}"))),
         None => Ok(sizes),
     }
 }
 
 /// What `out=` takes, in this order.
-const RESULTS: [&str; 8] = [
-    "z",
-    "roll",
-    "pitch",
-    "tilt",
-    "clearance",
-    "rocker",
-    "bogies",
-    "wheel_drop",
-];
+const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
 
 /// Shape of one of them.
 fn shape(leading: &[usize], k: usize) -> Vec<usize> {
@@ -135,28 +116,17 @@ impl RockerBogie {
         within: Option<(f64, f64, f64)>,
     ) -> PyResult<Question<'_>> {
         if !(map_error.is_finite() && map_error >= 0.0) {
-            return Err(refuse(
-                "map_error",
-                "be finite and not negative",
-                &format!("{map_error:?}"),
-            ));
+            return Err(refuse("map_error", "be finite and not negative", &format!("{map_error:?}")));
         }
         let plans = match (belly, within) {
             (None, None) => self.usual_plans().map(Cow::Borrowed),
             (_, Some((attitude, rocker, bogie))) => {
-                let within = Within {
-                    attitude,
-                    rocker,
-                    bogie,
-                };
+                let within = Within { attitude, rocker, bogie };
                 self.plan(belly, within).map(|plan| Cow::Owned(vec![plan]))
             }
             (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
         };
-        Ok(Question {
-            plans: plans.map_err(|error| raise(error, &[]))?,
-            error: map_error,
-        })
+        Ok(Question { plans: plans.map_err(|error| raise(error, &[]))?, error: map_error })
     }
 
     fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
@@ -256,11 +226,7 @@ impl RockerBogie {
         poses.check_finite("poses")?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
         let mut position = sizes(py, "position_margin", position_margin)?;
-        together([
-            named("poses", &mut poses),
-            named("yaw_margin", &mut yaw),
-            named("position_margin", &mut position),
-        ])?;
+        together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
         let leading = poses.leading.as_slice();
         let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
         let (yaw, position) = (kept(&yaw)?, kept(&position)?);
@@ -269,48 +235,19 @@ impl RockerBogie {
         let count = rows.len();
         let out = Out::<8>::read(out, RESULTS)?;
         let result = |k| out.result(py, k, &shape(leading, k), false);
-        let (mut zs, mut roll, mut pitch, mut tilt) =
-            (result(0)?, result(1)?, result(2)?, result(3)?);
-        let (mut clearance, mut rocker, mut bogies, mut drop) =
-            (result(4)?, result(5)?, result(6)?, result(7)?);
-        let mut sides = [
-            memory::filled([0.0; 2], count)?,
-            memory::filled([0.0; 2], count)?,
-        ];
+        let (mut zs, mut roll, mut pitch, mut tilt) = (result(0)?, result(1)?, result(2)?, result(3)?);
+        let (mut clearance, mut rocker, mut bogies, mut drop) = (result(4)?, result(5)?, result(6)?, result(7)?);
+        let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
         let (z, rolls, pitches, tilts) = (zs.pairs(), roll.pairs(), pitch.pairs(), tilt.pairs());
         let (belly, turns, drops) = (clearance.pairs(), rocker.pairs(), drop.pairs());
         let pairs = bogies.flat().as_chunks_mut::<4>().0;
         compute(py, count.max(ground.heights().len() / 1000), || {
-            let map = Ground {
-                pyramid: ground.pyramid()?,
-                error: question.error,
-            };
-            let margins = Margins {
-                yaw: &yaw,
-                position: &position,
-            };
+            let map = Ground { pyramid: ground.pyramid()?, error: question.error };
+            let margins = Margins { yaw: &yaw, position: &position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
-            let blocks = [
-                z,
-                rolls,
-                pitches,
-                tilts,
-                belly,
-                turns,
-                &mut *left,
-                &mut *right,
-                drops,
-            ];
-            core::bounds(
-                &question.plans,
-                map,
-                rows,
-                margins,
-                blocks,
-                &mut status,
-                workers,
-            );
+            let blocks = [z, rolls, pitches, tilts, belly, turns, &mut *left, &mut *right, drops];
+            core::bounds(&question.plans, map, rows, margins, blocks, &mut status, workers);
             for ((pair, left), right) in pairs.iter_mut().zip(&*left).zip(&*right) {
                 *pair = [left[0], left[1], right[0], right[1]];
             }

@@ -9,8 +9,7 @@ use six_wheel_core::{Error, RockerBogie as Core};
 use super::RockerBogie;
 use crate::batch::any_workers;
 use crate::convert::{
-    Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text,
-    together,
+    Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text, together,
 };
 use crate::given;
 
@@ -34,10 +33,7 @@ impl<'py> Joints<'py> {
     }
 
     /// Reads the angles of one sample.
-    pub fn read_one(
-        rho: &Bound<'py, PyAny>,
-        beta: &Bound<'py, PyAny>,
-    ) -> PyResult<(f64, [f64; 2])> {
+    pub fn read_one(rho: &Bound<'py, PyAny>, beta: &Bound<'py, PyAny>) -> PyResult<(f64, [f64; 2])> {
         let mut joints = Self::read(rho, beta)?;
         together(joints.both())?;
         if !joints.beta.is_single() {
@@ -79,11 +75,7 @@ impl RockerBogie {
     fn by_name<'py>(
         &self,
         py: Python<'py>,
-        angles: (
-            &Bound<'py, PyAny>,
-            &Bound<'py, PyAny>,
-            Option<&Bound<'py, PyAny>>,
-        ),
+        angles: (&Bound<'py, PyAny>, &Bound<'py, PyAny>, Option<&Bound<'py, PyAny>>),
         names: &[&str],
         last: [usize; 2],
         kernel: Kernel,
@@ -91,23 +83,15 @@ impl RockerBogie {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (rho, beta, psi) = angles;
         let mut joints = Joints::read(rho, beta)?;
-        let mut psi = psi
-            .map(|psi| Rows::read("psi", psi, self.steered().len()))
-            .transpose()?;
+        let mut psi = psi.map(|psi| Rows::read("psi", psi, self.steered().len())).transpose()?;
         let all = joints.both().into_iter().chain(given("psi", &mut psi));
         let leading = together(all)?;
         let rows = joints.with_steering(psi.as_ref(), self.steered().len())?;
-        let shape: Vec<usize> = [names.len()]
-            .into_iter()
-            .chain(leading.iter().copied())
-            .chain(last)
-            .collect();
+        let shape: Vec<usize> = [names.len()].into_iter().chain(leading.iter().copied()).chain(last).collect();
         let mut block = Output::fresh(py, &shape)?;
         let target = block.flat();
-        compute(py, joints.beta.count(), || {
-            kernel(&self.0, &rows, target, workers)
-        })
-        .map_err(|error| joints.raise(error))?;
+        compute(py, joints.beta.count(), || kernel(&self.0, &rows, target, workers))
+            .map_err(|error| joints.raise(error))?;
         let block = block.finish()?;
         let arrays = PyDict::new(py);
         for (i, name) in names.iter().enumerate() {

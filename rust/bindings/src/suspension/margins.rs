@@ -47,12 +47,7 @@ pub fn slopes<const N: usize>(
         let shape: Vec<usize> = stand.leading.iter().chain(last).copied().collect();
         Output::fresh(py, &shape)
     };
-    let mut outputs = [
-        output(&[N])?,
-        output(&[N])?,
-        output(&[joints, N])?,
-        output(&[N])?,
-    ];
+    let mut outputs = [output(&[N])?, output(&[N])?, output(&[joints, N])?, output(&[N])?];
     let [tipping, clear, turns, tilts] = outputs.each_mut().map(|output| output.flat());
     let count = stand.stands.len();
     let rows = [(tipping, N), (clear, N), (turns, joints * N), (tilts, N)];

@@ -2,8 +2,7 @@
 
 use pyo3::prelude::*;
 use six_wheel_core::bounds::{
-    Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose,
-    tilt, tip_over_angle,
+    Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt, tip_over_angle,
 };
 use six_wheel_core::ground::Settler;
 
@@ -102,9 +101,7 @@ impl Feasible {
 fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
     let limits = match limits {
         Some(limits) => limits.clone(),
-        None => py
-            .import("six_wheel.bounding")?
-            .call_method0("StandLimits")?,
+        None => py.import("six_wheel.bounding")?.call_method0("StandLimits")?,
     };
     let read = |name: &str| match limits.getattr(name) {
         Ok(value) => number(name, &value),
@@ -179,9 +176,7 @@ impl RockerBogie {
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
-        let judge = this
-            .belly(belly)
-            .and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
+        let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
         let judge = judge.map_err(|error| raise(error, &[]))?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let out = Out::<3>::read(out, ["margin", "tilt", "clearance"])?;
@@ -190,19 +185,13 @@ impl RockerBogie {
             out.result(py, 1, leading, false)?,
             out.result(py, 2, leading, false)?,
         ];
-        compute(py, rows.len().max(ground.heights().len() / 1000), || {
-            judge.judge(rows, &mut verdicts, workers)
-        })
-        .map_err(|error| raise(error, &[]))?;
-        let truths = |value: fn(&Verdict) -> bool| {
-            scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading)
-        };
+        compute(py, rows.len().max(ground.heights().len() / 1000), || judge.judge(rows, &mut verdicts, workers))
+            .map_err(|error| raise(error, &[]))?;
+        let truths =
+            |value: fn(&Verdict) -> bool| scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading);
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
         let reason_codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
-        let (ok, exact) = (
-            truths(|verdict| verdict.reason as u8 == 0)?,
-            truths(|verdict| verdict.exact)?,
-        );
+        let (ok, exact) = (truths(|verdict| verdict.reason as u8 == 0)?, truths(|verdict| verdict.exact)?);
         let [margins, tilts, clear] = outputs.each_mut().map(|output| output.flat());
         let rooms = margins.iter_mut().zip(tilts).zip(clear);
         for (verdict, ((margin, tilt), clearance)) in verdicts.iter().zip(rooms) {
@@ -275,22 +264,12 @@ impl Suspension {
         let workers = any_workers(threads, None)?;
         for (name, value) in [("mass", mass), ("gravity", gravity)] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(refuse(
-                    name,
-                    "be finite and positive",
-                    &format!("{value:?}"),
-                ));
+                return Err(refuse(name, "be finite and positive", &format!("{value:?}")));
             }
         }
         let (chain, stand) = (&slf.get().chain, stand.get());
-        if !stand.suspension.bind(py).is(slf)
-            && stand.suspension.get().chain.wheels().len() != chain.wheels().len()
-        {
-            return Err(refuse(
-                "stand",
-                "be one of this suspension",
-                "one of another",
-            ));
+        if !stand.suspension.bind(py).is(slf) && stand.suspension.get().chain.wheels().len() != chain.wheels().len() {
+            return Err(refuse("stand", "be one of this suspension", "one of another"));
         }
         let centre = match centre_of_mass {
             Some(centre) => {
@@ -311,13 +290,7 @@ impl Suspension {
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let count = stand.stands.len();
         let leading = stand.leading.as_slice();
-        let names = [
-            "loads",
-            "tip_over_angle",
-            "clearance",
-            "joint_margins",
-            "tilt",
-        ];
+        let names = ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"];
         let out = Out::<5>::read(out, names)?;
         let number = |k| out.result(py, k, leading, false);
         let mut carried = out.result(py, 0, &joined(leading, wheels), false)?;
@@ -348,33 +321,29 @@ impl Suspension {
             (tilts.flat(), 1),
         ];
         compute(py, count, || {
-            workers.rows(
-                count,
-                outputs,
-                |k, [carried, margins, tipping, clear, tilts]| {
-                    let one = &stand.stands[k];
-                    carried.fill(f64::NAN);
-                    margins.fill(f64::NAN);
-                    (tipping[0], clear[0], tilts[0]) = (f64::NAN, f64::NAN, f64::NAN);
-                    let Some(placed) = stand.placed(k) else {
-                        return Ok(());
-                    };
-                    if let Some(shares) = loads(chain, one, &placed, centre) {
-                        for (load, share) in carried.iter_mut().zip(shares) {
-                            *load = share * mass * gravity;
-                        }
+            workers.rows(count, outputs, |k, [carried, margins, tipping, clear, tilts]| {
+                let one = &stand.stands[k];
+                carried.fill(f64::NAN);
+                margins.fill(f64::NAN);
+                (tipping[0], clear[0], tilts[0]) = (f64::NAN, f64::NAN, f64::NAN);
+                let Some(placed) = stand.placed(k) else {
+                    return Ok(());
+                };
+                if let Some(shares) = loads(chain, one, &placed, centre) {
+                    for (load, share) in carried.iter_mut().zip(shares) {
+                        *load = share * mass * gravity;
                     }
-                    for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
-                        *margin = value;
-                    }
-                    let angle = tip_over_angle(chain, one, &placed, centre);
-                    let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
-                    tipping[0] = angle.unwrap_or(f64::NAN);
-                    clear[0] = clearance.unwrap_or(f64::NAN);
-                    tilts[0] = tilt(&placed);
-                    Ok(())
-                },
-            )
+                }
+                for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
+                    *margin = value;
+                }
+                let angle = tip_over_angle(chain, one, &placed, centre);
+                let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
+                tipping[0] = angle.unwrap_or(f64::NAN);
+                clear[0] = clearance.unwrap_or(f64::NAN);
+                tilts[0] = tilt(&placed);
+                Ok(())
+            })
         })
         .map_err(|error| raise(error, &stand.leading))?;
         Ok(Stability {

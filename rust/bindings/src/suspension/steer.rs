@@ -7,9 +7,7 @@ use six_wheel_core::suspension::WHEELS;
 use super::RockerBogie;
 use super::chain::Joints;
 use crate::batch::any_workers;
-use crate::convert::{
-    Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
-};
+use crate::convert::{Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together};
 use crate::given;
 use crate::rover::Rover;
 
@@ -60,12 +58,7 @@ impl RockerBogie {
     /// ------
     /// ValueError
     ///     If an angle is not finite or a shape does not fit.
-    fn planar(
-        &self,
-        py: Python<'_>,
-        rho: &Bound<'_, PyAny>,
-        beta: &Bound<'_, PyAny>,
-    ) -> PyResult<Rover> {
+    fn planar(&self, py: Python<'_>, rho: &Bound<'_, PyAny>, beta: &Bound<'_, PyAny>) -> PyResult<Rover> {
         let (rho, beta) = Joints::read_one(rho, beta)?;
         Rover::named(py, self.0.planar(rho, beta))
     }
@@ -186,26 +179,18 @@ impl RockerBogie {
         };
         let (mut speeds, mut yaw_rates) = (read("speed", speed)?, read("yaw_rate", yaw_rate)?);
         let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
-            value
-                .map(|value| Rows::read(argument, value, width))
-                .transpose()
+            value.map(|value| Rows::read(argument, value, width)).transpose()
         };
         let mut previous = optional("previous", previous, steered)?;
         let mut rolling = optional("previous_speeds", previous_speeds, WHEELS.len())?;
         let all = joints
             .both()
             .into_iter()
-            .chain([
-                named("speed", &mut speeds),
-                named("yaw_rate", &mut yaw_rates),
-            ])
+            .chain([named("speed", &mut speeds), named("yaw_rate", &mut yaw_rates)])
             .chain(given("previous", &mut previous))
             .chain(given("previous_speeds", &mut rolling));
         let leading = together(all)?;
-        let (previous, rolling) = (
-            previous.as_ref().map(Rows::flat),
-            rolling.as_ref().map(Rows::flat),
-        );
+        let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
         let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
         let output = |width| Output::fresh(py, &joined(&leading, width));
@@ -220,26 +205,22 @@ impl RockerBogie {
             (&mut radii[..], 1),
         ];
         compute(py, motions.len(), || {
-            workers.rows(
-                motions.len(),
-                targets,
-                |k, [angles, speeds, scrubs, radius]| {
-                    let (speed, yaw_rate, (rho, beta)) = motions[k];
-                    let row = |width: usize| k * width..(k + 1) * width;
-                    let inputs = Inputs {
-                        previous: previous.map(|angles| &angles[row(steered)]),
-                        previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
-                        steering_rates: None,
-                    };
-                    let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
-                    let command = command.map_err(|error| error.at_row(k))?;
-                    angles.copy_from_slice(&command.steering);
-                    speeds.copy_from_slice(&command.wheel_speeds);
-                    scrubs.copy_from_slice(&command.scrub);
-                    radius[0] = command.turning_radius;
-                    Ok(())
-                },
-            )
+            workers.rows(motions.len(), targets, |k, [angles, speeds, scrubs, radius]| {
+                let (speed, yaw_rate, (rho, beta)) = motions[k];
+                let row = |width: usize| k * width..(k + 1) * width;
+                let inputs = Inputs {
+                    previous: previous.map(|angles| &angles[row(steered)]),
+                    previous_speeds: rolling.map(|speeds| &speeds[row(WHEELS.len())]),
+                    steering_rates: None,
+                };
+                let command = self.0.steer(speed, yaw_rate, rho, beta, inputs);
+                let command = command.map_err(|error| error.at_row(k))?;
+                angles.copy_from_slice(&command.steering);
+                speeds.copy_from_slice(&command.wheel_speeds);
+                scrubs.copy_from_slice(&command.scrub);
+                radius[0] = command.turning_radius;
+                Ok(())
+            })
         })
         .map_err(|error| joints.raise(error))?;
         let array = |output: Output<'py>| PyResult::Ok(output.finish()?.into_any().unbind());

@@ -43,9 +43,7 @@ pub(crate) struct Face {
 impl Face {
     /// The nearest point.
     fn point(&self, wanted: &Vector3<f64>) -> Vector3<f64> {
-        let along = |[direction, row]: &[[f64; 3]; 2]| {
-            Vector3::from(*direction) * Vector3::from(*row).dot(wanted)
-        };
+        let along = |[direction, row]: &[[f64; 3]; 2]| Vector3::from(*direction) * Vector3::from(*row).dot(wanted);
         self.span.iter().map(along).sum()
     }
 
@@ -62,9 +60,7 @@ impl Face {
     }
 
     fn matrix(&self) -> Matrix3<f64> {
-        let product = |[direction, row]: &[[f64; 3]; 2]| {
-            Vector3::from(*direction) * Vector3::from(*row).transpose()
-        };
+        let product = |[direction, row]: &[[f64; 3]; 2]| Vector3::from(*direction) * Vector3::from(*row).transpose();
         self.span.iter().map(product).sum()
     }
 }
@@ -89,8 +85,7 @@ pub(crate) fn components(keep: Keep) -> &'static [usize] {
 
 impl Faces {
     pub fn new(rover: &Rover) -> Self {
-        let size = Cholesky::new(rover.metric)
-            .map_or_else(Matrix3::identity, |factor| factor.l().transpose());
+        let size = Cholesky::new(rover.metric).map_or_else(Matrix3::identity, |factor| factor.l().transpose());
         let all = [Keep::Curvature, Keep::Speed, Keep::YawRate, Keep::Nearest];
         Self {
             kept: all.map(|keep| faces(rover, &size, keep)),
@@ -111,12 +106,7 @@ fn faces(rover: &Rover, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
     let Some(to_twist) = size.try_inverse() else {
         return Vec::new();
     };
-    let maker = Maker {
-        rover,
-        size,
-        to_twist,
-        kept: components(keep),
-    };
+    let maker = Maker { rover, size, to_twist, kept: components(keep) };
     let mut found: Vec<Face> = Vec::new();
     let mut planes = banks;
     let mut add = |planes: &[Vector3<f64>]| {
@@ -214,11 +204,7 @@ impl Maker<'_> {
             0 => (0..3).map(unit).collect(),
             1 => {
                 let row = rows[0];
-                let twist = self
-                    .to_twist
-                    .transpose()
-                    .try_inverse()
-                    .map_or(row, |back| back * row);
+                let twist = self.to_twist.transpose().try_inverse().map_or(row, |back| back * row);
                 // Twists that are zero but for two components: what does not couple stays apart.
                 let pivot = twist.iamax();
                 let mut basis: Vec<Vector3<f64>> = Vec::new();
@@ -234,10 +220,7 @@ impl Maker<'_> {
                 basis
             }
             2 => {
-                let crossed = rows
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(k, a)| rows[k + 1..].iter().map(move |b| a.cross(b)));
+                let crossed = rows.iter().enumerate().flat_map(|(k, a)| rows[k + 1..].iter().map(move |b| a.cross(b)));
                 let longest = crossed.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
                 longest.map(|row| row.normalize()).into_iter().collect()
             }
@@ -249,13 +232,7 @@ impl Maker<'_> {
     fn without_rounding(&self, twist: Vector3<f64>) -> Vector3<f64> {
         let lengths = Vector3::new(1.0, 1.0, self.rover.size);
         let largest = twist.component_mul(&lengths).amax();
-        twist.zip_map(&lengths, |part, length| {
-            if part.abs() * length <= VANISHED * largest {
-                0.0
-            } else {
-                part
-            }
-        })
+        twist.zip_map(&lengths, |part, length| if part.abs() * length <= VANISHED * largest { 0.0 } else { part })
     }
 
     /// Whether a plane holds all of a face, to rounding.
@@ -273,9 +250,7 @@ impl Maker<'_> {
             return face;
         }
         let planes = self.rover.limit_planes();
-        let open = planes
-            .iter()
-            .filter(|(_, rows)| !rows.iter().any(|row| self.holds(row, &face)));
+        let open = planes.iter().filter(|(_, rows)| !rows.iter().any(|row| self.holds(row, &face)));
         face.open = open.map(|(joint, _)| *joint).collect();
         face
     }
@@ -303,24 +278,16 @@ impl Rover {
     pub(super) fn nearest(&self, wanted: Twist, keep: Keep) -> Option<Twist> {
         let faces = self.faces();
         let target = Vector3::from(wanted);
-        let size = faces.size.iter().fold(0.0, |most: f64, row| {
-            most.max(Vector3::from(*row).dot(&target).abs())
-        });
+        let size = faces.size.iter().fold(0.0, |most: f64, row| most.max(Vector3::from(*row).dot(&target).abs()));
         let mut best: Option<(f64, Vector3<f64>)> = None;
-        let nearer = |distance: f64, best: &Option<(f64, _)>| {
-            best.as_ref().is_none_or(|(least, _)| distance < *least)
-        };
+        let nearer = |distance: f64, best: &Option<(f64, _)>| best.as_ref().is_none_or(|(least, _)| distance < *least);
         for face in faces.of(keep) {
             let distance = face.distance(&target);
             if !nearer(distance, &best) {
                 continue;
             }
             let mut found = face.point(&target);
-            if face.bound
-                && components(keep)
-                    .iter()
-                    .any(|&k| (found[k] - target[k]).abs() > AGREED * size)
-            {
+            if face.bound && components(keep).iter().any(|&k| (found[k] - target[k]).abs() > AGREED * size) {
                 continue;
             }
             // What is left of a component that vanishes is rounding, and rounding has no direction.
@@ -330,11 +297,7 @@ impl Rover {
                 found = if vanishes { Vector3::zeros() } else { found };
             } else {
                 for (part, length) in found.iter_mut().zip(lengths) {
-                    *part = if part.abs() * length <= VANISHED * size {
-                        0.0
-                    } else {
-                        *part
-                    };
+                    *part = if part.abs() * length <= VANISHED * size { 0.0 } else { *part };
                 }
                 if !self.is_possible(found.into()) {
                     continue;

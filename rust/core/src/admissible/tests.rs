@@ -43,17 +43,14 @@ fn closest(rover: &Rover, wanted: Twist, conditions: &[Condition]) -> Option<Twi
         point += inverse * gradient;
     }
     let size = start.amax();
-    let agree = scaled
-        .iter()
-        .all(|(row, value)| (row.dot(&point) - value).abs() <= 1e-9 * size);
+    let agree = scaled.iter().all(|(row, value)| (row.dot(&point) - value).abs() <= 1e-9 * size);
     let lengths = Vector3::new(1.0, 1.0, rover.size);
-    let found = (to_twist * point).zip_map(&lengths, |part, length| {
-        if part.abs() * length <= VANISHED * size {
-            0.0
-        } else {
-            part
-        }
-    });
+    let found = (to_twist * point).zip_map(
+        &lengths,
+        |part, length| {
+            if part.abs() * length <= VANISHED * size { 0.0 } else { part }
+        },
+    );
     agree.then(|| found.into())
 }
 
@@ -103,9 +100,7 @@ fn project(rover: &Rover, wanted: Twist, keep: Keep) -> Option<Twist> {
         return Some(wanted);
     }
     match (keep, nearest(rover, wanted, keep)) {
-        (Keep::Curvature, None) => {
-            nearest(rover, wanted, Keep::Nearest).map(|found| shrink(found, wanted))
-        }
+        (Keep::Curvature, None) => nearest(rover, wanted, Keep::Nearest).map(|found| shrink(found, wanted)),
         (_, found) => found,
     }
 }
@@ -115,10 +110,7 @@ pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
     pub fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -148,10 +140,7 @@ impl Numbers {
                     SteeringRange::symmetric(limit)?
                 } else {
                     let lower = self.between(-1.5, 0.5);
-                    SteeringRange {
-                        lower,
-                        upper: lower + self.between(0.1, 2.5),
-                    }
+                    SteeringRange { lower, upper: lower + self.between(0.1, 2.5) }
                 };
                 wheel = wheel.steered(range);
                 if self.chance(0.2) {
@@ -178,11 +167,7 @@ impl Numbers {
     pub fn twist(&mut self) -> Twist {
         let size = 10_f64.powf(self.between(-3.0, 3.0));
         let mut part = || {
-            if self.chance(0.1) {
-                0.0
-            } else {
-                self.between(-size, size)
-            }
+            if self.chance(0.1) { 0.0 } else { self.between(-size, size) }
         };
         let (vx, vy, omega) = (part(), part(), part());
         Twist { vx, vy, omega }
@@ -201,17 +186,10 @@ fn the_faces_of_any_layout_lead_to_the_nearest_twist() -> Result<(), Error> {
             let found = rover.project(wanted, keep).ok();
             let size = distance(&rover, wanted, Twist::default());
             let (Some(expected), Some(found)) = (expected, found) else {
-                assert_eq!(
-                    expected.is_some(),
-                    found.is_some(),
-                    "{rover:?} {wanted:?} {keep:?}"
-                );
+                assert_eq!(expected.is_some(), found.is_some(), "{rover:?} {wanted:?} {keep:?}");
                 continue;
             };
-            assert!(
-                rover.is_possible(found),
-                "{wanted:?} {keep:?}: {found:?} not {expected:?} {rover:?}"
-            );
+            assert!(rover.is_possible(found), "{wanted:?} {keep:?}: {found:?} not {expected:?} {rover:?}");
             // To rounding, of one face; of two that are equally near, either will do.
             let further = distance(&rover, found, wanted) - distance(&rover, expected, wanted);
             let apart = distance(&rover, found, expected);
@@ -238,11 +216,7 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
                 continue;
             };
             let mut projected = vec![[0.0; 3]; twists.len()];
-            let workers = batch::Workers {
-                level: batch::Level::best(),
-                fresh: k % 2 == 0,
-                ..batch::Workers::PLAIN
-            };
+            let workers = batch::Workers { level: batch::Level::best(), fresh: k % 2 == 0, ..batch::Workers::PLAIN };
             batch::project(&rover, &twists, keep, &mut projected, workers)?;
             assert_eq!(projected, found, "{keep:?} {rover:?}");
             for (twist, found) in twists.iter().zip(&found) {
@@ -251,11 +225,7 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
             }
             // What came out is possible, at an end of a range or not, and the next are close to it.
             let shift = |part: &mut f64| *part *= 1.0 + 1e-9 * numbers.between(-2.0, 2.0);
-            found
-                .iter()
-                .flatten()
-                .zip(twists.iter_mut().flatten())
-                .for_each(|(from, to)| *to = *from);
+            found.iter().flatten().zip(twists.iter_mut().flatten()).for_each(|(from, to)| *to = *from);
             if k > 1 {
                 twists.iter_mut().flatten().for_each(shift);
             }
@@ -263,11 +233,7 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
             batch::admissible(&rover, &twists, &mut answers, workers)?;
             for (twist, answer) in twists.iter().zip(answers) {
                 let twist = Twist::from(*twist);
-                assert_eq!(
-                    answer,
-                    rover.check(twist, None).is_ok(),
-                    "{twist:?} {rover:?}"
-                );
+                assert_eq!(answer, rover.check(twist, None).is_ok(), "{twist:?} {rover:?}");
                 assert_eq!(answer, batch::admissible_one(&rover, twist)?);
             }
         }
@@ -277,10 +243,7 @@ fn registers_and_single_twists_are_projected_as_by_the_plain_core() -> Result<()
 
 #[test]
 fn wheels_that_are_nearly_parallel_have_no_plane_in_common() -> Result<(), Error> {
-    let (a, mut b) = (
-        Wheel::new("a", 0.0, 0.2, 0.1),
-        Wheel::new("b", 0.0, -0.2, 0.1),
-    );
+    let (a, mut b) = (Wheel::new("a", 0.0, 0.2, 0.1), Wheel::new("b", 0.0, -0.2, 0.1));
     b.heading = 5e-7;
     let rover = Rover::new(vec![a, b])?;
     let found = rover.project((Vector3::new(1.0, 0.3, 0.5)).into(), Keep::Nearest)?;

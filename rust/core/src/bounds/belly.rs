@@ -45,8 +45,7 @@ impl Belly {
         if is {
             return Ok(Self { x, half_width, z });
         }
-        let rule =
-            "be rear and front edge in order, a positive half width and a height, all finite";
+        let rule = "be rear and front edge in order, a positive half width and a height, all finite";
         Err(Error::value("belly", rule, numbers(&all)))
     }
 
@@ -76,14 +75,8 @@ impl Belly {
     ///
     /// In a cell the ground less a plane is a saddle: it is highest on the rim of what it is looked at on. So the
     /// nodes below the rectangle decide, and its edges, along which it is a parabola in every cell.
-    pub fn clearance(
-        &self,
-        ground: &Terrain,
-        origin: Vector3<f64>,
-        rotation: &Matrix3<f64>,
-    ) -> Option<f64> {
-        self.lowest(ground, origin, rotation)
-            .map(|(least, _)| least)
+    pub fn clearance(&self, ground: &Terrain, origin: Vector3<f64>, rotation: &Matrix3<f64>) -> Option<f64> {
+        self.lowest(ground, origin, rotation).map(|(least, _)| least)
     }
 
     /// [`Self::clearance`], and where it is.
@@ -95,14 +88,8 @@ impl Belly {
     ) -> Option<(f64, Lowest)> {
         let corner = |x: f64, y: f64| origin + rotation * Vector3::new(x, y, self.z);
         let ([rear, front], w) = (self.x, self.half_width);
-        let corners = [
-            corner(rear, -w),
-            corner(front, -w),
-            corner(front, w),
-            corner(rear, w),
-        ];
-        let places =
-            corners.map(|corner| Vector2::from(ground.grid_from_world(corner.x, corner.y)));
+        let corners = [corner(rear, -w), corner(front, -w), corner(front, w), corner(rear, w)];
+        let places = corners.map(|corner| Vector2::from(ground.grid_from_world(corner.x, corner.y)));
         if !places.iter().all(|place| ground.on_grid(place.x, place.y)) {
             return None;
         }
@@ -112,14 +99,11 @@ impl Belly {
         let inverse = axes.try_inverse().filter(|_| facing_down)?;
         let rises = [corners[1].z - corners[0].z, corners[3].z - corners[0].z];
         let mut least: Option<(f64, Lowest)> = None;
-        let lower =
-            |least: &Option<(f64, Lowest)>, gap: f64| least.is_none_or(|(known, _)| gap < known);
+        let lower = |least: &Option<(f64, Lowest)>, gap: f64| least.is_none_or(|(known, _)| gap < known);
         let bounds = |axis: usize| {
             let values = places.map(|place| place[axis]);
             let low = values.iter().fold(f64::INFINITY, |low, v| low.min(*v));
-            let high = values
-                .iter()
-                .fold(f64::NEG_INFINITY, |high, v| high.max(*v));
+            let high = values.iter().fold(f64::NEG_INFINITY, |high, v| high.max(*v));
             (low, high)
         };
         let ((u0, u1), (v0, v1)) = (bounds(0), bounds(1));
@@ -144,11 +128,7 @@ impl Belly {
         }
         for k in 0..4 {
             let next = (k + 1) % 4;
-            let found = along(
-                ground,
-                [places[k], places[next]],
-                [corners[k].z, corners[next].z],
-            )?;
+            let found = along(ground, [places[k], places[next]], [corners[k].z, corners[next].z])?;
             if lower(&least, found.gap) {
                 let way = corners[next] - corners[k];
                 let (point, line) = (corners[k] + way * found.share, found.line);
@@ -173,11 +153,7 @@ struct Place {
 fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> Option<Place> {
     let way = to - from;
     let [rows, columns] = ground.shape();
-    let mut least = Place {
-        gap: f64::INFINITY,
-        share: 0.0,
-        line: None,
-    };
+    let mut least = Place { gap: f64::INFINITY, share: 0.0, line: None };
     let mut take = |gap: f64, share: f64, line: Option<usize>| {
         if gap < least.gap {
             least = Place { gap, share, line };
@@ -191,11 +167,7 @@ fn along(ground: &Terrain, [from, to]: [Vector2<f64>; 2], heights: [f64; 2]) -> 
         for axis in 0..2 {
             if way[axis] != 0.0 {
                 let ahead = way[axis].signum();
-                let place = if ahead > 0.0 {
-                    at[axis].floor() + 1.0
-                } else {
-                    at[axis].ceil() - 1.0
-                };
+                let place = if ahead > 0.0 { at[axis].floor() + 1.0 } else { at[axis].ceil() - 1.0 };
                 let mut cross = (place - from[axis]) / way[axis];
                 if cross <= t {
                     cross = (place + ahead - from[axis]) / way[axis];
@@ -242,43 +214,30 @@ mod tests {
 
     #[test]
     fn clearance_is_that_of_dense_sampling() -> Result<(), Error> {
-        let heights: Vec<f64> = (0_u32..1600)
-            .map(|k| f64::from(k.wrapping_mul(2_654_435_761) >> 16 & 255) / 2000.0)
-            .collect();
-        let ground = Terrain::new(
-            Heights::Double(heights.into()),
-            40,
-            [0.1, 0.12],
-            [0.0, 0.0],
-            0.3,
-        )?;
+        let heights: Vec<f64> =
+            (0_u32..1600).map(|k| f64::from(k.wrapping_mul(2_654_435_761) >> 16 & 255) / 2000.0).collect();
+        let ground = Terrain::new(Heights::Double(heights.into()), 40, [0.1, 0.12], [0.0, 0.0], 0.3)?;
         let belly = Belly::new([-0.5, 0.7], 0.4, 0.3)?;
         for k in 0..20 {
             let yaw = f64::from(k) * 0.7;
             let rotation = nalgebra::Rotation3::from_euler_angles(0.1, -0.15, yaw).into_inner();
             let [x, y] = ground.world_from_grid(20.3, 19.1);
             let origin = Vector3::new(x, y, 0.1);
-            let exact = belly
-                .clearance(&ground, origin, &rotation)
-                .unwrap_or(f64::NAN);
+            let exact = belly.clearance(&ground, origin, &rotation).unwrap_or(f64::NAN);
             let mut dense = f64::INFINITY;
             for i in 0..=400 {
                 for j in 0..=400 {
                     let x = -0.5 + 1.2 * f64::from(i) / 400.0;
                     let y = -0.4 + 0.8 * f64::from(j) / 400.0;
                     let point = origin + rotation * Vector3::new(x, y, 0.3);
-                    let sample =
-                        ground.sample(point.x, point.y, crate::terrain::Interpolation::Bilinear);
+                    let sample = ground.sample(point.x, point.y, crate::terrain::Interpolation::Bilinear);
                     if let crate::terrain::Sample::Known { height, .. } = sample {
                         dense = dense.min(point.z - height);
                     }
                 }
             }
             // Samples 3 mm apart on slopes of up to 2.
-            assert!(
-                exact <= dense + 1e-12 && exact > dense - 6e-3,
-                "{k} {exact} {dense}"
-            );
+            assert!(exact <= dense + 1e-12 && exact > dense - 6e-3, "{k} {exact} {dense}");
         }
         Ok(())
     }

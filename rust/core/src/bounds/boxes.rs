@@ -21,11 +21,7 @@ pub struct Within {
 impl Within {
     /// Where [`Self::default`] is too narrow. Wider boxes bound fewer poses: their intervals leave them more often.
     pub fn wide() -> Self {
-        Self {
-            attitude: 25_f64.to_radians(),
-            rocker: 20_f64.to_radians(),
-            bogie: 38_f64.to_radians(),
-        }
+        Self { attitude: 25_f64.to_radians(), rocker: 20_f64.to_radians(), bogie: 38_f64.to_radians() }
     }
 }
 
@@ -35,11 +31,7 @@ impl Default for Within {
     /// (A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars rover
     /// mobility trends during the first seven years, IEEE Aerospace Conference 2020.)
     fn default() -> Self {
-        Self {
-            attitude: 15_f64.to_radians(),
-            rocker: 7_f64.to_radians(),
-            bogie: 17_f64.to_radians(),
-        }
+        Self { attitude: 15_f64.to_radians(), rocker: 7_f64.to_radians(), bogie: 17_f64.to_radians() }
     }
 }
 
@@ -57,11 +49,7 @@ const ROUNDING: f64 = 1e-6;
 
 impl Patch {
     fn new(centre: [f64; 2], half: [f64; 2]) -> Self {
-        Self {
-            centre,
-            half,
-            reach: centre[0].hypot(centre[1]) + half[0].hypot(half[1]),
-        }
+        Self { centre, half, reach: centre[0].hypot(centre[1]) + half[0].hypot(half[1]) }
     }
 
     fn between([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Self {
@@ -76,19 +64,15 @@ impl Patch {
         let half = [0, 1].map(|axis| self.half[axis] / counts[axis] as f64);
         std::array::from_fn(|k| {
             let place = [k % lengthwise, k / lengthwise];
-            let centre = [0, 1].map(|axis| {
-                self.centre[axis] - self.half[axis] + half[axis] * (2 * place[axis] + 1) as f64
-            });
+            let centre =
+                [0, 1].map(|axis| self.centre[axis] - self.half[axis] + half[axis] * (2 * place[axis] + 1) as f64);
             Self::new(centre, half)
         })
     }
 
     /// The same on the right.
     pub fn mirrored(self) -> Self {
-        Self {
-            centre: [self.centre[0], -self.centre[1]],
-            ..self
-        }
+        Self { centre: [self.centre[0], -self.centre[1]], ..self }
     }
 }
 
@@ -120,10 +104,7 @@ fn sinusoids([c0, c1]: [f64; 2], [s0, s1]: [f64; 2], low: f64, high: f64) -> [f6
 /// Where a box of the body `[x] [y] [z]`, may be seen from above, at any roll and pitch up to `largest`.
 fn seen([x, y, z]: [[f64; 2]; 3], largest: f64) -> [[f64; 2]; 2] {
     let tilted = sinusoids(z, y, -largest, largest);
-    [
-        sinusoids(x, tilted, -largest, largest),
-        sinusoids(y, [-z[1], -z[0]], -largest, largest),
-    ]
+    [sinusoids(x, tilted, -largest, largest), sinusoids(y, [-z[1], -z[0]], -largest, largest)]
 }
 
 fn widened([low, high]: [f64; 2], by: f64) -> [f64; 2] {
@@ -132,10 +113,7 @@ fn widened([low, high]: [f64; 2], by: f64) -> [f64; 2] {
 
 /// Place of a vector `(x, z)` turned by up to `largest` about +y.
 fn swung([x, _, z]: [f64; 3], largest: f64) -> [[f64; 2]; 2] {
-    [
-        sinusoid(x, z, -largest, largest),
-        sinusoid(z, -x, -largest, largest),
-    ]
+    [sinusoid(x, z, -largest, largest), sinusoid(z, -x, -largest, largest)]
 }
 
 fn sum([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {

@@ -45,11 +45,7 @@ impl Allowed {
             }
         }
         if !self.clearance.is_finite() {
-            return Err(Error::value(
-                "clearance",
-                "be finite",
-                number(self.clearance),
-            ));
+            return Err(Error::value("clearance", "be finite", number(self.clearance)));
         }
         Ok(())
     }
@@ -112,20 +108,12 @@ pub struct Verdict {
 
 impl Verdict {
     /// Nothing is known.
-    pub const UNKNOWN: Self = Self {
-        reason: Reason::NotSettled,
-        margin: f64::NAN,
-        tilt: f64::NAN,
-        clearance: f64::NAN,
-        exact: false,
-    };
+    pub const UNKNOWN: Self =
+        Self { reason: Reason::NotSettled, margin: f64::NAN, tilt: f64::NAN, clearance: f64::NAN, exact: false };
 
     /// Nothing is known, for this reason.
     fn refused(reason: Reason) -> Self {
-        Self {
-            reason,
-            ..Self::UNKNOWN
-        }
+        Self { reason, ..Self::UNKNOWN }
     }
 }
 
@@ -170,28 +158,18 @@ impl<'a> Judge<'a> {
     fn left(&self, [roll, pitch, tilt, clearance, rocker, bogie, drop]: [f64; 7]) -> (Reason, f64) {
         let allowed = &self.allowed;
         let share = |size: f64, limit: f64| {
-            if limit.is_finite() {
-                1.0 - size / limit
-            } else {
-                1.0
-            }
+            if limit.is_finite() { 1.0 - size / limit } else { 1.0 }
         };
         let all = [
             (Reason::Roll, share(roll, allowed.roll)),
             (Reason::Pitch, share(pitch, allowed.pitch)),
             (Reason::Tilt, share(tilt, allowed.tilt)),
-            (
-                Reason::Clearance,
-                (clearance - allowed.clearance) / self.radius,
-            ),
+            (Reason::Clearance, (clearance - allowed.clearance) / self.radius),
             (Reason::Rocker, share(rocker, allowed.rocker)),
             (Reason::Bogie, share(bogie, allowed.bogie)),
             (Reason::WheelDrop, share(drop, allowed.wheel_drop)),
         ];
-        all.into_iter()
-            .fold((Reason::Ok, f64::INFINITY), |least, one| {
-                if one.1 < least.1 { one } else { least }
-            })
+        all.into_iter().fold((Reason::Ok, f64::INFINITY), |least, one| if one.1 < least.1 { one } else { least })
     }
 
     /// Decided by the bounds of a pose, or not.
@@ -199,35 +177,15 @@ impl<'a> Judge<'a> {
         let [_, roll, pitch, tilt, clearance, rocker, left, right, drop] = *bound;
         let most = |[low, high]: [f64; 2]| low.abs().max(high.abs());
         let least = |[low, high]: [f64; 2]| low.max(-high).max(0.0);
-        let worst = [
-            most(roll),
-            most(pitch),
-            tilt[1],
-            clearance[0],
-            most(rocker),
-            most(left).max(most(right)),
-            drop[1],
-        ];
-        let verdict = |reason, margin| Verdict {
-            reason,
-            margin,
-            tilt: tilt[1],
-            clearance: clearance[0],
-            exact: false,
-        };
+        let worst =
+            [most(roll), most(pitch), tilt[1], clearance[0], most(rocker), most(left).max(most(right)), drop[1]];
+        let verdict = |reason, margin| Verdict { reason, margin, tilt: tilt[1], clearance: clearance[0], exact: false };
         let (_, margin) = self.left(worst);
         if margin >= 0.0 {
             return Some(verdict(Reason::Ok, margin));
         }
-        let best = [
-            least(roll),
-            least(pitch),
-            tilt[0],
-            clearance[1],
-            least(rocker),
-            least(left).max(least(right)),
-            drop[0],
-        ];
+        let best =
+            [least(roll), least(pitch), tilt[0], clearance[1], least(rocker), least(left).max(least(right)), drop[0]];
         let (reason, margin) = self.left(best);
         (margin < 0.0).then(|| verdict(reason, margin))
     }
@@ -259,26 +217,12 @@ impl<'a> Judge<'a> {
             left.abs().max(right.abs()),
             wheel_drop(chain, &placed, &self.level),
         ]);
-        Verdict {
-            reason: if margin >= 0.0 { Reason::Ok } else { reason },
-            margin,
-            tilt,
-            clearance,
-            exact: true,
-        }
+        Verdict { reason: if margin >= 0.0 { Reason::Ok } else { reason }, margin, tilt, clearance, exact: true }
     }
 
     /// Whether the rover may stand at every pose, which is finite. Fails if there is no memory for the pyramid.
-    pub fn judge(
-        &self,
-        poses: &[[f64; 3]],
-        verdicts: &mut [Verdict],
-        workers: Workers,
-    ) -> Result<(), Error> {
-        let ground = Ground {
-            pyramid: self.settler.ground.pyramid()?,
-            error: self.error,
-        };
+    pub fn judge(&self, poses: &[[f64; 3]], verdicts: &mut [Verdict], workers: Workers) -> Result<(), Error> {
+        let ground = Ground { pyramid: self.settler.ground.pyramid()?, error: self.error };
         let share = poses.len().div_ceil(workers.threads.max(1)).max(64);
         let parts = poses.chunks(share).zip(verdicts.chunks_mut(share));
         let lanes = worth_lanes(poses.len());
@@ -288,25 +232,11 @@ impl<'a> Judge<'a> {
         })
     }
 
-    fn some(
-        &self,
-        ground: Ground<'_>,
-        poses: &[[f64; 3]],
-        verdicts: &mut [Verdict],
-        lanes: bool,
-        level: Level,
-    ) {
-        let workers = Workers {
-            threads: 1,
-            level,
-            fresh: false,
-        };
+    fn some(&self, ground: Ground<'_>, poses: &[[f64; 3]], verdicts: &mut [Verdict], lanes: bool, level: Level) {
+        let workers = Workers { threads: 1, level, fresh: false };
         let mut table = Box::new([[[0.0; 2]; BLOCK]; COUNT]);
         let mut worth = [Knowledge::Beyond; BLOCK];
-        let margins = Margins {
-            yaw: &[0.0],
-            position: &[0.0],
-        };
+        let margins = Margins { yaw: &[0.0], position: &[0.0] };
         let mut open = Vec::with_capacity(2 * BLOCK);
         for first in (0..poses.len()).step_by(BLOCK) {
             let some = &poses[first..poses.len().min(first + BLOCK)];

@@ -54,26 +54,16 @@ pub(super) fn widest<S: Simd>([a, b]: Interval<S>) -> Lanes<S> {
 /// An interval times one that is positive.
 #[inline(always)]
 pub(super) fn times<S: Simd>([low, high]: Interval<S>, [least, most]: Interval<S>) -> Interval<S> {
-    [
-        (low * least).min(low * most),
-        (high * least).max(high * most),
-    ]
+    [(low * least).min(low * most), (high * least).max(high * most)]
 }
 
 /// The interval of an even function that only rises, or only falls, away from 0: from its values at the ends of an
 /// interval, and at 0.
 #[inline(always)]
-pub(super) fn even<S: Simd>(
-    [low, high]: Interval<S>,
-    [a, b]: Interval<S>,
-    middle: Lanes<S>,
-) -> Interval<S> {
+pub(super) fn even<S: Simd>([low, high]: Interval<S>, [a, b]: Interval<S>, middle: Lanes<S>) -> Interval<S> {
     let around = (low * high).below(all(low.simd(), 0.0));
     let (least, most) = (a.min(b), a.max(b));
-    [
-        around.select(least.min(middle), least),
-        around.select(most.max(middle), most),
-    ]
+    [around.select(least.min(middle), least), around.select(most.max(middle), most)]
 }
 
 /// Whether an interval is inside another.

@@ -45,13 +45,7 @@ pub struct Margins<'a> {
 
 impl Margins<'_> {
     fn at(self, k: usize) -> [f64; 2] {
-        [self.yaw, self.position].map(|values| {
-            if values.len() == 1 {
-                values[0]
-            } else {
-                values[k]
-            }
-        })
+        [self.yaw, self.position].map(|values| if values.len() == 1 { values[0] } else { values[k] })
     }
 }
 
@@ -76,9 +70,7 @@ pub fn bounds(
         poses: &poses[k * share..][..worth.len()],
         margins,
         first: k * share,
-        blocks: blocks
-            .each_mut()
-            .map(|block| block.next().unwrap_or_default()),
+        blocks: blocks.each_mut().map(|block| block.next().unwrap_or_default()),
         worth,
     });
     // A job does not fail.
@@ -115,11 +107,7 @@ impl Kernel for Job<'_> {
 
 /// How far a point one metre from the origin goes over an interval of yaw [m].
 fn chord(margin: f64) -> f64 {
-    if margin == 0.0 {
-        0.0
-    } else {
-        2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin()
-    }
+    if margin == 0.0 { 0.0 } else { 2.0 * (0.5 * margin.min(std::f64::consts::PI)).sin() }
 }
 
 /// A number per lane, on its way between registers and memory.
@@ -169,11 +157,7 @@ impl Job<'_> {
                     column[lane] = value;
                 }
             }
-            [
-                load(simd, &columns[0]),
-                load(simd, &columns[1]),
-                load(simd, &columns[2]),
-            ]
+            [load(simd, &columns[0]), load(simd, &columns[1]), load(simd, &columns[2])]
         } else {
             let poses = &self.poses[rows[0]..][..S::F64_LANES];
             Lanes::unbraid(simd, poses.as_flattened())
@@ -205,10 +189,7 @@ impl Job<'_> {
         for (k, (block, [low, high])) in quantities {
             // No tilt is less than none.
             let least = if k == TILT { more } else { low };
-            let interval = [
-                bounded.select(low.max(least) - more, unknown),
-                bounded.select(high + more, unknown),
-            ];
+            let interval = [bounded.select(low.max(least) - more, unknown), bounded.select(high + more, unknown)];
             if apart {
                 let mut ends = [[0.0; 2]; MOST];
                 Lanes::zip(interval, ends.as_flattened_mut());
@@ -288,29 +269,18 @@ struct Place<S: Vector> {
 
 impl<S: Vector> Place<S> {
     #[inline(always)]
-    fn new(
-        simd: S,
-        pyramid: &Pyramid,
-        [x, y, yaw]: [Lanes<S>; 3],
-        [chord, margin]: [Lanes<S>; 2],
-    ) -> Self {
+    fn new(simd: S, pyramid: &Pyramid, [x, y, yaw]: [Lanes<S>; 3], [chord, margin]: [Lanes<S>; 2]) -> Self {
         let turn = pyramid.turn();
         let (turned_cos, turned_sin) = (all(simd, turn.cos), all(simd, turn.sin));
         let (sin, cos) = sin_cos(simd, yaw);
-        let (cos, sin) = (
-            turned_cos * cos + turned_sin * sin,
-            turned_cos * sin - turned_sin * cos,
-        );
+        let (cos, sin) = (turned_cos * cos + turned_sin * sin, turned_cos * sin - turned_sin * cos);
         let [x0, y0] = pyramid.origin();
         let (x, y) = (x - all(simd, x0), y - all(simd, y0));
         let [dx, dy] = pyramid.spacing();
         let [across, along] = [all(simd, 1.0 / dx), all(simd, 1.0 / dy)];
         let [columns, rows] = pyramid.cells();
         Self {
-            origin: [
-                (turned_cos * x + turned_sin * y) * across,
-                (turned_cos * y - turned_sin * x) * along,
-            ],
+            origin: [(turned_cos * x + turned_sin * y) * across, (turned_cos * y - turned_sin * x) * along],
             ahead: [cos * across, sin * along],
             left: [-sin * across, cos * along],
             chord: [chord * across, chord * along],
@@ -342,23 +312,14 @@ impl<S: Vector> Place<S> {
             first[axis] = ((low - less).max(zero).min(end) + round) - round;
             last[axis] = ((high - less).max(zero).min(end) + round) - round;
         }
-        let boxes = Boxes {
-            first,
-            last,
-            on_map,
-        };
+        let boxes = Boxes { first, last, on_map };
         // SAFETY: both ends, the second not below the first, are between 0 and the last cell.
         (unsafe { pyramid.spans(&boxes, span) }, on_map)
     }
 
     /// Lowest and highest ground in patches, and which lanes have them on the map and know their heights.
     #[inline(always)]
-    fn extremes(
-        &self,
-        ground: Ground<'_>,
-        patches: &[Patch],
-        [on_map, known]: [&mut Mask<S>; 2],
-    ) -> Interval<S> {
+    fn extremes(&self, ground: Ground<'_>, patches: &[Patch], [on_map, known]: [&mut Mask<S>; 2]) -> Interval<S> {
         let simd = self.simd;
         let mut span = nothing(simd);
         for patch in patches {
@@ -370,10 +331,7 @@ impl<S: Vector> Place<S> {
         let (zero, error) = (all(simd, 0.0), all(simd, ground.error));
         let here = all(simd, f64::NEG_INFINITY).below(lowest);
         *known = *known & here;
-        [
-            here.select(lowest, zero) - error,
-            here.select(-minus_highest, zero) + error,
-        ]
+        [here.select(lowest, zero) - error, here.select(-minus_highest, zero) + error]
     }
 }
 
@@ -418,16 +376,7 @@ impl<S: Vector> Seen<S> {
                 *span = [span[0] - mean, span[1] - mean];
             }
         }
-        let under = Under {
-            mean,
-            summit: summit - mean,
-            floor: floor - mean,
-        };
-        Self {
-            wheels,
-            under,
-            on_map,
-            known,
-        }
+        let under = Under { mean, summit: summit - mean, floor: floor - mean };
+        Self { wheels, under, on_map, known }
     }
 }

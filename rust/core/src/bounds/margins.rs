@@ -56,14 +56,7 @@ pub fn margins_by_pose(
 ) -> Option<MarginSlopes<3>> {
     let state = by_pose(chain, placed, stand)?;
     let by = By::Pose;
-    let answer = Answer {
-        ground,
-        chain,
-        stand,
-        placed,
-        by,
-        state,
-    };
+    let answer = Answer { ground, chain, stand, placed, by, state };
     Some(answer.margins(centre, belly))
 }
 
@@ -79,14 +72,7 @@ pub fn margins_by_dimension(
 ) -> Option<MarginSlopes<DIMENSIONS>> {
     let state = by_dimension(chain, of, placed, stand)?;
     let by = By::Dimension(of);
-    let answer = Answer {
-        ground,
-        chain,
-        stand,
-        placed,
-        by,
-        state,
-    };
+    let answer = Answer { ground, chain, stand, placed, by, state };
     Some(answer.margins(centre, belly))
 }
 
@@ -97,9 +83,7 @@ impl<const N: usize> Answer<'_, N> {
             tilt: self.tilt(),
             joints: self.joints(),
             tip_over_angle: self.tip_over_angle(centre).unwrap_or(nothing),
-            clearance: belly
-                .and_then(|belly| self.clearance(&belly))
-                .unwrap_or(nothing),
+            clearance: belly.and_then(|belly| self.clearance(&belly)).unwrap_or(nothing),
         }
     }
 
@@ -131,11 +115,7 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     /// How a point moves that answers to the state like this, beside what it does by itself.
-    fn with_state(
-        &self,
-        mut moved: [Vector3<f64>; N],
-        slopes: &[Vector3<f64>],
-    ) -> [Vector3<f64>; N] {
+    fn with_state(&self, mut moved: [Vector3<f64>; N], slopes: &[Vector3<f64>]) -> [Vector3<f64>; N] {
         for (slope, state) in slopes.iter().zip(&self.state) {
             for (point, by) in moved.iter_mut().zip(state) {
                 *point += slope * *by;
@@ -157,12 +137,7 @@ impl<const N: usize> Answer<'_, N> {
     }
 
     /// How a point fixed to the carrier of a wheel moves, and a direction from there.
-    fn carried(
-        &self,
-        wheel: usize,
-        point: Vector3<f64>,
-        direction: Vector3<f64>,
-    ) -> [[Vector3<f64>; N]; 2] {
+    fn carried(&self, wheel: usize, point: Vector3<f64>, direction: Vector3<f64>) -> [[Vector3<f64>; N]; 2] {
         let here = self.placed.point_slopes(wheel, point);
         let there = self.placed.point_slopes(wheel, point + direction);
         let mut turns = there;
@@ -181,10 +156,7 @@ impl<const N: usize> Answer<'_, N> {
                 moved[..N.min(DIMENSIONS - 1)].copy_from_slice(&shift[..N.min(DIMENSIONS - 1)]);
             }
         }
-        [
-            self.with_state(moved, &here[3..]),
-            self.with_state(turned, &turns[3..]),
-        ]
+        [self.with_state(moved, &here[3..]), self.with_state(turned, &turns[3..])]
     }
 
     /// How the touching point of a wheel moves.
@@ -261,17 +233,13 @@ impl<const N: usize> Answer<'_, N> {
                 Some(moved.map(|moved| moved.dot(&up) / up.z))
             }
             Lowest::Edge { point, way, line } => {
-                let Sample::Known { gradient, .. } =
-                    self.ground
-                        .sample(point.x, point.y, Interpolation::Bilinear)
+                let Sample::Known { gradient, .. } = self.ground.sample(point.x, point.y, Interpolation::Bilinear)
                 else {
                     return None;
                 };
                 let upwards = Vector3::new(-gradient[0], -gradient[1], 1.0);
                 Some(self.body(point).map(|moved| {
-                    let along = line.map_or(0.0, |axis| {
-                        -self.in_grid(moved)[axis] / self.in_grid(way)[axis]
-                    });
+                    let along = line.map_or(0.0, |axis| -self.in_grid(moved)[axis] / self.in_grid(way)[axis]);
                     (moved + way * along).dot(&upwards)
                 }))
             }

@@ -54,11 +54,8 @@ impl Pyramid {
             if nodes.iter().any(|height| height.is_nan()) {
                 return UNKNOWN;
             }
-            let [low, minus_high] = nodes
-                .iter()
-                .fold([f64::INFINITY; 2], |[low, minus_high], h| {
-                    [low.min(*h), minus_high.min(-*h)]
-                });
+            let [low, minus_high] =
+                nodes.iter().fold([f64::INFINITY; 2], |[low, minus_high], h| [low.min(*h), minus_high.min(-*h)]);
             [rounded_down(low), rounded_down(minus_high)]
         };
         let count = cells[0] * cells[1];
@@ -79,8 +76,7 @@ impl Pyramid {
                 let [row, next] = [row, next].map(|row| below + row * cells[0]);
                 for column in 0..cells[0] {
                     let across = (column + step).min(cells[0] - 1);
-                    let [a, b, c, d] = [row + column, row + across, next + column, next + across]
-                        .map(|k| windows[k]);
+                    let [a, b, c, d] = [row + column, row + across, next + column, next + across].map(|k| windows[k]);
                     windows.push(least(least(a, b), least(c, d)));
                 }
             }
@@ -132,10 +128,7 @@ impl Pyramid {
         let count = all(simd, (self.cells[0] * self.cells[1]) as f64);
         let level = size.exponent().mul_add(count, all(simd, ZEROTH));
         let columns = all(simd, self.cells[0] as f64);
-        let end = [
-            ((x_last + one) - size).max(x),
-            ((y_last + one) - size).max(y),
-        ];
+        let end = [((x_last + one) - size).max(x), ((y_last + one) - size).max(y)];
         let (first, last) = (y.mul_add(columns, level), end[1].mul_add(columns, level));
         // SAFETY: the windows begin at cells between the ends of the box.
         let (a, b, c, d) = unsafe {
@@ -180,27 +173,17 @@ impl Pyramid {
                 (last + end[0]).pairs(&self.windows),
             )
         };
-        let span = span
-            .least_pairs(a.least_pairs(b))
-            .least_pairs(c.least_pairs(d));
+        let span = span.least_pairs(a.least_pairs(b)).least_pairs(c.least_pairs(d));
         let longer = boxes.on_map & (size + size).below(long);
         if !longer.any() {
             return span;
         }
         // One more in the middle of both long sides, unless that is not enough either.
         let wide = height.below(width);
-        let middle = [
-            wide.select((x + size).min(end[0]), x),
-            wide.select(y, (y + size).min(end[1])),
-        ];
-        let other = [
-            wide.select(middle[0], end[0]),
-            wide.select(end[1], middle[1]),
-        ];
-        let [first, last] = [
-            middle[1].mul_add(columns, level) + middle[0],
-            other[1].mul_add(columns, level) + other[0],
-        ];
+        let middle = [wide.select((x + size).min(end[0]), x), wide.select(y, (y + size).min(end[1]))];
+        let other = [wide.select(middle[0], end[0]), wide.select(end[1], middle[1])];
+        let [first, last] =
+            [middle[1].mul_add(columns, level) + middle[0], other[1].mul_add(columns, level) + other[0]];
         // SAFETY: as above.
         let (a, b) = unsafe { (first.pairs(&self.windows), last.pairs(&self.windows)) };
         let span = span.least_pairs(a.least_pairs(b));
@@ -246,11 +229,7 @@ fn least(a: Extremes, b: Extremes) -> Extremes {
 /// The largest single that is not above a double.
 fn rounded_down(height: f64) -> f32 {
     let near = height as f32;
-    if f64::from(near) > height {
-        near.next_down()
-    } else {
-        near
-    }
+    if f64::from(near) > height { near.next_down() } else { near }
 }
 
 #[cfg(test)]
@@ -271,11 +250,7 @@ mod tests {
             let Self(pyramid, ends) = self;
             let [first, last] = ends.map(|end| end.map(|cell| all(simd, cell)));
             let on_map = all(simd, 0.0).at_most(all(simd, 0.0));
-            let boxes = Boxes {
-                first,
-                last,
-                on_map,
-            };
+            let boxes = Boxes { first, last, on_map };
             // SAFETY: the test asks for boxes of the map.
             let span = unsafe { pyramid.spans(&boxes, nothing(simd)) };
             span.unpair().map(|end| end.last(simd))
@@ -290,17 +265,9 @@ mod tests {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (seed >> 8) as usize % below
         };
-        let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1])
-            .map(|_| draw(1000) as f64 / 7.0 - 60.0)
-            .collect();
+        let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1]).map(|_| draw(1000) as f64 / 7.0 - 60.0).collect();
         heights[40 * SHAPE[1] + 77] = f64::NAN;
-        let ground = Terrain::new(
-            Heights::Double(heights.clone().into()),
-            SHAPE[1],
-            [1.0, 1.0],
-            [0.0, 0.0],
-            0.0,
-        )?;
+        let ground = Terrain::new(Heights::Double(heights.clone().into()), SHAPE[1], [1.0, 1.0], [0.0, 0.0], 0.0)?;
         let pyramid = Pyramid::new(&ground)?;
         for _ in 0..3000 {
             let longest = [1, 3, 8, 40, 140][draw(5)];
@@ -315,17 +282,9 @@ mod tests {
             let known = nodes.clone().all(|height| !height.is_nan());
             let least = nodes.clone().fold(f64::INFINITY, f64::min);
             let most = nodes.fold(f64::NEG_INFINITY, f64::max);
-            let expected = if known {
-                [rounded_down(least), rounded_down(-most)].map(f64::from)
-            } else {
-                [f64::NEG_INFINITY; 2]
-            };
-            let look = || {
-                Look(
-                    &pyramid,
-                    [[left, low], [right, high]].map(|end| end.map(|k| k as f64)),
-                )
-            };
+            let expected =
+                if known { [rounded_down(least), rounded_down(-most)].map(f64::from) } else { [f64::NEG_INFINITY; 2] };
+            let look = || Look(&pyramid, [[left, low], [right, high]].map(|end| end.map(|k| k as f64)));
             for level in Level::available() {
                 let found = level.run_any(look());
                 assert_eq!(found, expected, "{level:?} {ends:?}");

@@ -52,11 +52,7 @@ impl Lever {
             phi,
             along,
             off,
-            range: if range[0] < range[1] {
-                range.map(f64::sin)
-            } else {
-                [f64::INFINITY, f64::NEG_INFINITY]
-            },
+            range: if range[0] < range[1] { range.map(f64::sin) } else { [f64::INFINITY, f64::NEG_INFINITY] },
         }
     }
 }
@@ -79,11 +75,7 @@ impl Side {
         let (wheel, joint) = (dimensions.rocker_to_wheel, dimensions.rocker_to_bogie);
         let in_front = dimensions.bogie == Bogie::InFront;
         let bogie = Lever::new(ahead, behind, ahead);
-        let mut rocker = if in_front {
-            Lever::new(joint, wheel, wheel)
-        } else {
-            Lever::new(wheel, joint, wheel)
-        };
+        let mut rocker = if in_front { Lever::new(joint, wheel, wheel) } else { Lever::new(wheel, joint, wheel) };
         let names = dimensions.vectors().map(|(name, _)| name);
         for (lever, name) in [(bogie, names[3]), (rocker, names[1])] {
             if !lever.inverse_length.is_finite() {
@@ -100,11 +92,6 @@ impl Side {
             let largest = (1.0 - share * share).sqrt();
             rocker.range = [rocker.range[0].max(-largest), rocker.range[1].min(largest)];
         }
-        Ok(Self {
-            bogie,
-            rocker,
-            in_front,
-            coupled,
-        })
+        Ok(Self { bogie, rocker, in_front, coupled })
     }
 }

@@ -11,12 +11,7 @@ use crate::suspension::{Chain, MAX_WHEELS, Placed};
 /// the weight in `centre` of the body: as many equations as wheels. A joint at its stop takes any moment, and a
 /// wheel in the air carries nothing. None where they do not determine the loads. A negative load would have to
 /// pull.
-pub fn loads(
-    chain: &Chain,
-    stand: &Stand,
-    placed: &Placed<'_>,
-    centre: [f64; 3],
-) -> Option<[f64; MAX_WHEELS]> {
+pub fn loads(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]) -> Option<[f64; MAX_WHEELS]> {
     let count = chain.wheels().len();
     let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let mut matrix = Matrix6::zeros();
@@ -36,9 +31,7 @@ pub fn loads(
         }
     }
     // An equation too many for every wheel too few: that of the joint which its stop holds.
-    let mut held: Vec<usize> = (0..states - 3)
-        .filter(|&joint| stand.stops[joint] != 0)
-        .collect();
+    let mut held: Vec<usize> = (0..states - 3).filter(|&joint| stand.stops[joint] != 0).collect();
     for wheel in (0..6).filter(|&wheel| wheel >= count || !stand.touches(wheel)) {
         let row = if wheel >= count || states < 6 && held.is_empty() {
             (states..6).find(|&row| matrix.row(row).iter().all(|value| *value == 0.0))
@@ -51,10 +44,7 @@ pub fn loads(
     }
     let found = matrix.lu().solve(&right)?;
     let shares: [f64; MAX_WHEELS] = std::array::from_fn(|wheel| found[wheel]);
-    shares
-        .iter()
-        .all(|share| share.is_finite())
-        .then_some(shares)
+    shares.iter().all(|share| share.is_finite()).then_some(shares)
 }
 
 /// The least angle by which the rover has to be turned about a line through two of its contacts until its weight
@@ -62,12 +52,7 @@ pub fn loads(
 ///
 /// (E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators, ICRA 1996, for a
 /// rover at rest.)
-pub fn tip_over_angle(
-    chain: &Chain,
-    stand: &Stand,
-    placed: &Placed<'_>,
-    centre: [f64; 3],
-) -> Option<f64> {
+pub fn tip_over_angle(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]) -> Option<f64> {
     tip_over_edge(chain, stand, placed, centre).map(|edge| edge.angle)
 }
 
@@ -83,17 +68,11 @@ pub(super) struct Edge {
 }
 
 /// See [`tip_over_angle`].
-pub(super) fn tip_over_edge(
-    chain: &Chain,
-    stand: &Stand,
-    placed: &Placed<'_>,
-    centre: [f64; 3],
-) -> Option<Edge> {
+pub(super) fn tip_over_edge(chain: &Chain, stand: &Stand, placed: &Placed<'_>, centre: [f64; 3]) -> Option<Edge> {
     let weight = placed.origin + placed.rotation * Vector3::from(centre);
     let touching = (0..chain.wheels().len()).filter(|&wheel| stand.touches(wheel));
-    let mut points: Vec<(Vector3<f64>, usize)> = touching
-        .map(|wheel| (stand.point(chain, placed, wheel), wheel))
-        .collect();
+    let mut points: Vec<(Vector3<f64>, usize)> =
+        touching.map(|wheel| (stand.point(chain, placed, wheel), wheel)).collect();
     let hull = hull(&mut points)?;
     let mut least: Option<Edge> = None;
     for (k, (from, first)) in hull.iter().enumerate() {
@@ -104,11 +83,7 @@ pub(super) fn tip_over_edge(
         // Counter-clockwise seen from above: the weight is to the left of the edge.
         let angle = edge.dot(&line.cross(&down)).atan2(line.dot(&down));
         if least.is_none_or(|least| angle < least.angle) {
-            least = Some(Edge {
-                angle,
-                wheels: [*first, second],
-                points: [*from, to],
-            });
+            least = Some(Edge { angle, wheels: [*first, second], points: [*from, to] });
         }
     }
     least.filter(|least| least.angle.is_finite())
@@ -154,7 +129,7 @@ pub fn tilt(placed: &Placed<'_>) -> f64 {
 /// How far, in the body, the wheel that has come down most is below its place at angles 0 [m].
 pub fn wheel_drop(chain: &Chain, placed: &Placed<'_>, level: &[f64; MAX_WHEELS]) -> f64 {
     let up = placed.rotation.column(2);
-    let drops = (0..chain.wheels().len())
-        .map(|wheel| level[wheel] - up.dot(&(placed.wheel(wheel).centre - placed.origin)));
+    let drops =
+        (0..chain.wheels().len()).map(|wheel| level[wheel] - up.dot(&(placed.wheel(wheel).centre - placed.origin)));
     drops.fold(f64::NEG_INFINITY, f64::max)
 }

@@ -4,9 +4,7 @@
 
 use pulp::Simd;
 
-use super::interval::{
-    Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest,
-};
+use super::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
 use super::kernel::Under;
 use super::side::{Lever, Side};
 use super::{Knowledge, Plan, Room};
@@ -52,11 +50,7 @@ impl Side {
     /// Sine of phi - t of the rocker, from the heights of its wheel and of the bogie's axis.
     #[inline(always)]
     fn tilt<S: Simd>(&self, wheel: Lanes<S>, joint: Lanes<S>) -> Lanes<S> {
-        let rise = if self.in_front {
-            joint - wheel
-        } else {
-            wheel - joint
-        };
+        let rise = if self.in_front { joint - wheel } else { wheel - joint };
         rise * all(wheel.simd(), self.rocker.inverse_length)
     }
 
@@ -64,25 +58,13 @@ impl Side {
     #[inline(always)]
     fn raise<S: Simd>(&self, [single, ahead, behind]: [Interval<S>; 3]) -> Raised<S> {
         let by_bogie = all(single[0].simd(), self.bogie.inverse_length);
-        let bogie = [
-            (ahead[0] - behind[1]) * by_bogie,
-            (ahead[1] - behind[0]) * by_bogie,
-        ];
+        let bogie = [(ahead[0] - behind[1]) * by_bogie, (ahead[1] - behind[0]) * by_bogie];
         let joint = [
-            self.bogie
-                .below(ahead[0], (ahead[0] - behind[0]) * by_bogie),
-            self.bogie
-                .below(ahead[1], (ahead[1] - behind[1]) * by_bogie),
+            self.bogie.below(ahead[0], (ahead[0] - behind[0]) * by_bogie),
+            self.bogie.below(ahead[1], (ahead[1] - behind[1]) * by_bogie),
         ];
-        let opposed = [
-            self.tilt(single[0], joint[1]),
-            self.tilt(single[1], joint[0]),
-        ];
-        let rocker = if self.in_front {
-            [opposed[1], opposed[0]]
-        } else {
-            opposed
-        };
+        let opposed = [self.tilt(single[0], joint[1]), self.tilt(single[1], joint[0])];
+        let rocker = if self.in_front { [opposed[1], opposed[0]] } else { opposed };
         let axis = [
             self.rocker.below(single[0], self.tilt(single[0], joint[0])),
             self.rocker.below(single[1], self.tilt(single[1], joint[1])),
@@ -91,10 +73,7 @@ impl Side {
             axis,
             bogie,
             rocker,
-            turned: [
-                self.bogie.below(ahead[1], bogie[1]),
-                self.bogie.below(ahead[0], bogie[0]),
-            ],
+            turned: [self.bogie.below(ahead[1], bogie[1]), self.bogie.below(ahead[0], bogie[0])],
             sure: inside(bogie, self.bogie.range) & inside(rocker, self.rocker.range),
         }
     }
@@ -104,23 +83,13 @@ impl Side {
     fn angles<S: Simd>(&self, raised: &Raised<S>, single: Interval<S>) -> [Interval<S>; 2] {
         let simd = single[0].simd();
         let (phi_bogie, phi_rocker) = (all(simd, self.bogie.phi), all(simd, self.rocker.phi));
-        let rocker = [
-            phi_rocker - asin(raised.rocker[1]),
-            phi_rocker - asin(raised.rocker[0]),
-        ];
-        let bogie = [
-            phi_bogie - asin(raised.bogie[1]),
-            phi_bogie - asin(raised.bogie[0]),
-        ];
+        let rocker = [phi_rocker - asin(raised.rocker[1]), phi_rocker - asin(raised.rocker[0])];
+        let bogie = [phi_bogie - asin(raised.bogie[1]), phi_bogie - asin(raised.bogie[0])];
         if !self.coupled {
             return [rocker, [bogie[0] - rocker[1], bogie[1] - rocker[0]]];
         }
         // Least where the bogie is turned least and the rocker, by its wheel, most.
-        let wheel = if self.in_front {
-            [single[1], single[0]]
-        } else {
-            single
-        };
+        let wheel = if self.in_front { [single[1], single[0]] } else { single };
         [
             rocker,
             [
@@ -146,27 +115,17 @@ impl Plan {
         for (reduced, &pair) in reduced.iter_mut().zip(&self.roles) {
             let scaled = times(wheels[pair], inverse_cos);
             let (offset, radius) = (all(simd, self.offsets[pair]), all(simd, self.radius));
-            *reduced = [
-                rise[0].mul_add(offset, scaled[0] + radius),
-                rise[1].mul_add(offset, scaled[1] + radius),
-            ];
+            *reduced = [rise[0].mul_add(offset, scaled[0] + radius), rise[1].mul_add(offset, scaled[1] + radius)];
         }
         reduced
     }
 
     /// Both sides at inclinations in an interval.
     #[inline(always)]
-    fn sides<S: Simd>(
-        &self,
-        wheels: &[[Interval<S>; 3]; 2],
-        tan: Interval<S>,
-    ) -> [[Interval<S>; 3]; 2] {
+    fn sides<S: Simd>(&self, wheels: &[[Interval<S>; 3]; 2], tan: Interval<S>) -> [[Interval<S>; 3]; 2] {
         let one = all(tan[0].simd(), 1.0);
         let inverse_cos = even(tan, both!(end in tan => end.mul_add(end, one).sqrt()), one);
-        [
-            self.reduced(&wheels[0], minus(tan), inverse_cos),
-            self.reduced(&wheels[1], tan, inverse_cos),
-        ]
+        [self.reduced(&wheels[0], minus(tan), inverse_cos), self.reduced(&wheels[1], tan, inverse_cos)]
     }
 
     /// Intervals of all quantities, and what has to hold for them to be bounds.
@@ -193,10 +152,7 @@ impl Plan {
             // No inclination of up to 30 degrees has these heights: a steeper one may have.
             sure = sure & (held | !proved);
             let take = proved & held;
-            tan = [
-                take.select(narrower[0], tan[0]),
-                take.select(narrower[1], tan[1]),
-            ];
+            tan = [take.select(narrower[0], tan[0]), take.select(narrower[1], tan[1])];
         }
         let [left, right] = self.sides(wheels, tan);
         let (raised_left, raised_right) = (self.side.raise(left), self.side.raise(right));
@@ -208,14 +164,8 @@ impl Plan {
         let cos_side = even(tan, inverse, one);
         let sin_side = [tan[0] * inverse[0], tan[1] * inverse[1]];
         let slack = all(simd, self.slack);
-        let lean = [
-            (left[0] + right[0]) * half - slack,
-            (left[1] + right[1]) * half + slack,
-        ];
-        let rocker = [
-            (left[0] - right[1]) * half - slack,
-            (left[1] - right[0]) * half + slack,
-        ];
+        let lean = [(left[0] + right[0]) * half - slack, (left[1] + right[1]) * half + slack];
+        let rocker = [(left[0] - right[1]) * half - slack, (left[1] - right[0]) * half + slack];
         let ends = both!(end in lean => sin_cos(simd, end));
         let sin_lean = [ends[0].0, ends[1].0];
         let cos_lean = even(lean, [ends[0].1, ends[1].1], one);
@@ -227,10 +177,7 @@ impl Plan {
             even(sin_lean, both!(sin in sin_lean => sin * sin), zero),
         );
         // 1 - cos(tilt)^2, cos(tilt) = cos(g) cos(lean).
-        let tilt = [
-            asin((one - a[0]).mul_add(b[0], a[0]).sqrt()),
-            asin((one - a[1]).mul_add(b[1], a[1]).sqrt()),
-        ];
+        let tilt = [asin((one - a[0]).mul_add(b[0], a[0]).sqrt()), asin((one - a[1]).mul_add(b[1], a[1]).sqrt())];
         let posture = Posture {
             axis: both!(end in sum(raised_left.axis, raised_right.axis) => end * half),
             sin_lean,
@@ -255,22 +202,8 @@ impl Plan {
             & inside(bogie_left, self.bogie_limit)
             & inside(bogie_right, self.bogie_limit);
         (
-            [
-                z,
-                roll,
-                pitch,
-                tilt,
-                clearance,
-                rocker,
-                bogie_left,
-                bogie_right,
-                drop,
-            ],
-            [
-                (sure, Knowledge::Unsolved),
-                (boxed, Knowledge::Beyond),
-                (free, Knowledge::AtStop),
-            ],
+            [z, roll, pitch, tilt, clearance, rocker, bogie_left, bogie_right, drop],
+            [(sure, Knowledge::Unsolved), (boxed, Knowledge::Beyond), (free, Knowledge::AtStop)],
         )
     }
 
@@ -292,12 +225,7 @@ impl Plan {
     /// From the lowest corner of the belly to the highest ground under it, and from its middle, at its highest, to
     /// the lowest ground there.
     #[inline(always)]
-    fn clearance<S: Simd>(
-        &self,
-        posture: &Posture<S>,
-        sin_side: Lanes<S>,
-        under: Under<S>,
-    ) -> Interval<S> {
+    fn clearance<S: Simd>(&self, posture: &Posture<S>, sin_side: Lanes<S>, under: Under<S>) -> Interval<S> {
         let simd = sin_side.simd();
         let plate = self.plate;
         let rear = self.point(posture, plate.x[0], plate.z);
@@ -309,11 +237,7 @@ impl Plan {
 
     /// Sines and cosines of the ends of the rockers' and the bogies' angles in the body, left and right.
     #[inline(always)]
-    fn turned<S: Simd>(
-        &self,
-        rocker: Interval<S>,
-        bogies: [Interval<S>; 2],
-    ) -> [[Turned<S>; 2]; 2] {
+    fn turned<S: Simd>(&self, rocker: Interval<S>, bogies: [Interval<S>; 2]) -> [[Turned<S>; 2]; 2] {
         let simd = rocker[0].simd();
         let slack = all(simd, 2.0 * self.slack);
         let left = both!(end in rocker => sin_cos(simd, end));
@@ -322,10 +246,7 @@ impl Plan {
         let loose = [-slack, slack];
         let on_left = sum(sum(rocker, bogies[0]), loose);
         let on_right = sum(sum(minus(rocker), bogies[1]), loose);
-        [
-            [left, both!(end in on_left => sin_cos(simd, end))],
-            [right, both!(end in on_right => sin_cos(simd, end))],
-        ]
+        [[left, both!(end in on_left => sin_cos(simd, end))], [right, both!(end in on_right => sin_cos(simd, end))]]
     }
 
     /// How much a vector of `vectors` ends lower than when it is level.
@@ -345,11 +266,7 @@ impl Plan {
         let mut most = [all(simd, f64::NEG_INFINITY); 2];
         for [rocker, carried] in turned {
             let joint = self.fall(1, rocker);
-            let falls = [
-                self.fall(0, rocker),
-                sum(joint, self.fall(2, carried)),
-                sum(joint, self.fall(3, carried)),
-            ];
+            let falls = [self.fall(0, rocker), sum(joint, self.fall(2, carried)), sum(joint, self.fall(3, carried))];
             for fall in falls {
                 most = [most[0].max(fall[0]), most[1].max(fall[1])];
             }
@@ -374,22 +291,13 @@ impl Plan {
     /// Stretched from level to what it is, the ground leads the rover from where all wheels are in their boxes to
     /// where it stands. It cannot leave them on the way while the bounds, which hold inside, say that it is inside.
     #[inline(always)]
-    fn boxed<S: Simd>(
-        &self,
-        turned: &[[Turned<S>; 2]; 2],
-        pitch: Lanes<S>,
-        roll: Lanes<S>,
-    ) -> Mask<S> {
+    fn boxed<S: Simd>(&self, turned: &[[Turned<S>; 2]; 2], pitch: Lanes<S>, roll: Lanes<S>) -> Mask<S> {
         let simd = pitch.simd();
         let still = [all(simd, 0.0); 2];
         let mut fits = self.rooms[3].holds(still, pitch, roll);
         for [rocker, carried] in turned {
             let joint = self.swing(1, rocker);
-            let moved = [
-                self.swing(0, rocker),
-                sum(joint, self.swing(2, carried)),
-                sum(joint, self.swing(3, carried)),
-            ];
+            let moved = [self.swing(0, rocker), sum(joint, self.swing(2, carried)), sum(joint, self.swing(3, carried))];
             for (moved, &pair) in moved.into_iter().zip(&self.roles) {
                 fits = fits & self.rooms[pair].holds(moved, pitch, roll);
             }

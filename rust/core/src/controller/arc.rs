@@ -32,11 +32,7 @@ pub struct Wave {
 impl Wave {
     fn new(from: Vector2<f64>, across: Vector2<f64>) -> Self {
         let (a, b) = (from.norm_squared(), across.norm_squared());
-        Self {
-            mean: f64::midpoint(a, b),
-            cos: (a - b) / 2.0,
-            sin: from.dot(&across),
-        }
+        Self { mean: f64::midpoint(a, b), cos: (a - b) / 2.0, sin: from.dot(&across) }
     }
 }
 
@@ -52,17 +48,11 @@ pub struct Bound {
 impl Bound {
     /// Both at most as large.
     fn max(self, other: Self) -> Self {
-        Self {
-            along: self.along.max(other.along),
-            across: self.across.max(other.across),
-        }
+        Self { along: self.along.max(other.along), across: self.across.max(other.across) }
     }
 
     fn plus(self, other: Self, share: f64) -> Self {
-        Self {
-            along: self.along + share * other.along,
-            across: self.across + share * other.across,
-        }
+        Self { along: self.along + share * other.along, across: self.across + share * other.across }
     }
 }
 
@@ -105,21 +95,9 @@ impl Piece {
             return [-height, height, height];
         }
         // Half a wave has one turning point, and one zero, at most.
-        let low = if t0 < 0.0 && t1 > 0.0 {
-            -height()
-        } else {
-            v0.min(v1)
-        };
-        let high = if t0 > 0.0 && t1 < 0.0 {
-            height()
-        } else {
-            v0.max(v1)
-        };
-        let steep = if v0 * v1 < 0.0 {
-            height()
-        } else {
-            t0.abs().max(t1.abs())
-        };
+        let low = if t0 < 0.0 && t1 > 0.0 { -height() } else { v0.min(v1) };
+        let high = if t0 > 0.0 && t1 < 0.0 { height() } else { v0.max(v1) };
+        let steep = if v0 * v1 < 0.0 { height() } else { t0.abs().max(t1.abs()) };
         [low, high, steep]
     }
 
@@ -248,11 +226,7 @@ impl Arc {
             let spoke = &self.spokes[i];
             let at = |(sin, cos): (f64, f64)| spoke.from * cos + spoke.across * sin;
             let (a, b) = (at(first), at(last));
-            if spoke.cross == 0.0 {
-                0.0
-            } else {
-                a.perp(&b).atan2(a.dot(&b))
-            }
+            if spoke.cross == 0.0 { 0.0 } else { a.perp(&b).atan2(a.dot(&b)) }
         })
     }
 
@@ -261,11 +235,7 @@ impl Arc {
         let (sin, cos) = angle.sin_cos();
         rover.steered().iter().map(move |&i| {
             let spoke = &self.spokes[i];
-            if spoke.cross == 0.0 {
-                0.0
-            } else {
-                spoke.cross / (spoke.from * cos + spoke.across * sin).norm_squared()
-            }
+            if spoke.cross == 0.0 { 0.0 } else { spoke.cross / (spoke.from * cos + spoke.across * sin).norm_squared() }
         })
     }
 
@@ -273,19 +243,12 @@ impl Arc {
     pub fn bounds(&self, start: f64, end: f64) -> Bounds {
         let piece = Piece::new(start, end);
         let yaw = piece.bound(&self.yaw);
-        let mut bounds = Bounds {
-            linear: piece.bound(&self.linear),
-            yaw,
-            ..Bounds::default()
-        };
+        let mut bounds = Bounds { linear: piece.bound(&self.linear), yaw, ..Bounds::default() };
         for spoke in &self.spokes {
             let [low, high, steep] = piece.of(&spoke.wave);
             let rim = piece.bound_of(&spoke.wave, low, high);
             let rim = rim.plus(yaw, spoke.scrub);
-            let turning = Bound {
-                along: rim.along / spoke.radius,
-                across: rim.across / spoke.radius,
-            };
+            let turning = Bound { along: rim.along / spoke.radius, across: rim.across / spoke.radius };
             if spoke.castor {
                 bounds.castors = bounds.castors.max(turning.along);
             } else {

@@ -38,18 +38,11 @@ pub struct Cap {
 }
 
 impl Cap {
-    const NONE: Self = Self {
-        value: f64::INFINITY,
-        reason: 0,
-    };
+    const NONE: Self = Self { value: f64::INFINITY, reason: 0 };
 
     /// The lower of two.
     fn or(self, value: f64, reason: u32) -> Self {
-        if value < self.value {
-            Self { value, reason }
-        } else {
-            self
-        }
+        if value < self.value { Self { value, reason } } else { self }
     }
 }
 
@@ -92,11 +85,7 @@ fn times(a: f64, b: f64) -> f64 {
 
 /// The limit over what it is shared by: infinite for nothing.
 fn over(limit: f64, share: f64) -> f64 {
-    if share > 0.0 {
-        limit / share
-    } else {
-        f64::INFINITY
-    }
+    if share > 0.0 { limit / share } else { f64::INFINITY }
 }
 
 /// The highest speed in a direction.
@@ -106,10 +95,7 @@ pub fn fastest(limits: &Limits, bounds: &Bounds) -> Cap {
     Cap::NONE
         .or(over(limits.speed, bounds.linear.along), reason::SPEED)
         .or(over(limits.yaw_rate, bounds.yaw.along), reason::YAW_RATE)
-        .or(
-            over(limits.lateral_acceleration, lateral).sqrt(),
-            reason::LATERAL_ACCELERATION,
-        )
+        .or(over(limits.lateral_acceleration, lateral).sqrt(), reason::LATERAL_ACCELERATION)
         .or(over(limits.wheel_speed, wheels), reason::WHEEL_SPEED)
 }
 
@@ -141,10 +127,7 @@ impl Envelope {
             turning,
             fastest,
             speed,
-            turn: [Cap {
-                value: 0.0,
-                reason: 0,
-            }; 2],
+            turn: [Cap { value: 0.0, reason: 0 }; 2],
             rates: [Cap::NONE; 2],
             change: Cap::NONE,
             way: bounds.linear.along,
@@ -174,9 +157,7 @@ impl Envelope {
             let turned = times(speed * across, change)
                 + times(speed * along, rate * rate)
                 + 2.0 * times(steepest, times(rate, across));
-            envelope.change = envelope
-                .change
-                .or(over(row.jerk - turned, along), row.jerk_reason);
+            envelope.change = envelope.change.or(over(row.jerk - turned, along), row.jerk_reason);
         }
         envelope
     }
@@ -209,10 +190,7 @@ impl Envelope {
     /// rest.
     pub fn holds_speed(&self, speed: Motion) -> bool {
         let sign = if speed.value < 0.0 { -1.0 } else { 1.0 };
-        let forward = Motion {
-            value: speed.value * sign,
-            rate: speed.rate * sign,
-        };
+        let forward = Motion { value: speed.value * sign, rate: speed.rate * sign };
         let stop = forward.stop(self.change.value);
         let rate = self.rates[usize::from(forward.rate > 0.0)].value;
         (forward.rate.abs() <= rate * ROUNDING || self.change.value.is_infinite())
@@ -253,10 +231,7 @@ fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], speed: f
     let joints = [limits.steering_rate, limits.steering_acceleration];
     let mut rate = Cap::NONE
         .or(over(joints[0], first), reason::STEERING_RATE)
-        .or(
-            over(joints[1] / 2.0, second).sqrt(),
-            reason::STEERING_ACCELERATION,
-        );
+        .or(over(joints[1] / 2.0, second).sqrt(), reason::STEERING_ACCELERATION);
     for row in rows {
         let across = times(speed, row.bound.across);
         let least = row.change[0].min(row.change[1]);

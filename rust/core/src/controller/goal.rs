@@ -45,15 +45,8 @@ impl Mode {
     fn of(self, twist: Twist) -> Twist {
         match self {
             Self::Free | Self::FrontOnly => twist,
-            Self::Crab => Twist {
-                omega: 0.0,
-                ..twist
-            },
-            Self::Spin => Twist {
-                vx: 0.0,
-                vy: 0.0,
-                ..twist
-            },
+            Self::Crab => Twist { omega: 0.0, ..twist },
+            Self::Spin => Twist { vx: 0.0, vy: 0.0, ..twist },
         }
     }
 }
@@ -96,12 +89,7 @@ pub fn polar(metric: &Matrix3<f64>, twist: Twist) -> Option<(f64, Vector3<f64>)>
 
 impl Goal {
     fn rest(reasons: u32) -> Self {
-        Self {
-            twist: Twist::ZERO,
-            direction: Vector3::x(),
-            speed: 0.0,
-            reasons,
-        }
+        Self { twist: Twist::ZERO, direction: Vector3::x(), speed: 0.0, reasons }
     }
 
     /// The goal of a command, or none if it is too large to be meant. `period` is the time [s] over which the
@@ -120,11 +108,7 @@ impl Goal {
             Err(error) if error.kind == crate::error::ErrorKind::Value => return None,
             Err(_) => Twist::ZERO,
         };
-        let mut reasons = if projected == wanted {
-            0
-        } else {
-            reason::PROJECTED
-        };
+        let mut reasons = if projected == wanted { 0 } else { reason::PROJECTED };
         if projected.vx != meant.vx || projected.omega != meant.omega {
             reasons |= reason::STEERING_LIMIT;
         }
@@ -148,9 +132,7 @@ impl Goal {
         for _ in 0..ROUNDS {
             let Some(period) = period else { break };
             let arc = arc_of(scaled(asked, share), period);
-            let (Some((length, along)), true) =
-                (polar(&rover.metric, arc), rover.check(arc, None).is_ok())
-            else {
+            let (Some((length, along)), true) = (polar(&rover.metric, arc), rover.check(arc, None).is_ok()) else {
                 break;
             };
             let cap = highest(along);
@@ -161,12 +143,7 @@ impl Goal {
             reasons |= cap.reason;
             share *= cap.value / length;
         }
-        Some(Self {
-            twist,
-            direction,
-            speed,
-            reasons,
-        })
+        Some(Self { twist, direction, speed, reasons })
     }
 }
 
@@ -176,10 +153,6 @@ fn scaled(twist: Twist, share: f64) -> Twist {
 
 /// The twist that leads in one arc where this one would lead if its axes did not turn along.
 fn arc_of(twist: Twist, period: f64) -> Twist {
-    let end = Pose {
-        x: twist.vx * period,
-        y: twist.vy * period,
-        yaw: twist.omega * period,
-    };
+    let end = Pose { x: twist.vx * period, y: twist.vy * period, yaw: twist.omega * period };
     end.log(period)
 }

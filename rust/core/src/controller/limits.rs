@@ -93,8 +93,7 @@ impl Limits {
             };
             return Err(Error::value(name, rule, number(value)));
         }
-        let given =
-            given.map(|value| value.map(|value| if value < HUGE { value } else { f64::INFINITY }));
+        let given = given.map(|value| value.map(|value| if value < HUGE { value } else { f64::INFINITY }));
         let mut values = given.map(|value| value.unwrap_or(f64::INFINITY));
         for (slower, faster) in [(3, 2), (6, 5)] {
             values[slower] = given[slower].unwrap_or(values[faster]);
@@ -147,11 +146,7 @@ mod tests {
         while v > 0.0 {
             // Ease off once what is left is what easing off takes.
             let ease = a < 0.0 && v <= a * a / (2.0 * jerk);
-            a = if ease {
-                (a + jerk * dt).min(-1e-4)
-            } else {
-                (a - jerk * dt).max(-deceleration)
-            };
+            a = if ease { (a + jerk * dt).min(-1e-4) } else { (a - jerk * dt).max(-deceleration) };
             way += v * dt;
             v += a * dt;
         }
@@ -168,10 +163,7 @@ mod tests {
             (0.2, -0.5, 0.5, 2.0),
             (2.0, 1.0, 3.0, 0.7),
         ] {
-            let (way, expected) = (
-                stop(speed, rate, deceleration, jerk),
-                simulated(speed, rate, deceleration, jerk),
-            );
+            let (way, expected) = (stop(speed, rate, deceleration, jerk), simulated(speed, rate, deceleration, jerk));
             // The steps: about v dt and the tail of the easing.
             assert!((way - expected).abs() < 2e-3 * expected, "{way} {expected}");
         }

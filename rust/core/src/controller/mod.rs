@@ -99,12 +99,7 @@ impl Controller {
     /// At rest, the joints at `steering`, or at the first measured angles, or at 0.
     ///
     /// Fails if an option or limit makes no sense, by itself or for this rover.
-    pub fn new(
-        rover: &Rover,
-        limits: Limits,
-        options: Options,
-        steering: Option<&[f64]>,
-    ) -> Result<Self, Error> {
+    pub fn new(rover: &Rover, limits: Limits, options: Options, steering: Option<&[f64]>) -> Result<Self, Error> {
         options.check()?;
         let (model, joints) = options.model(rover, &limits)?;
         let count = rover.steered().len();
@@ -191,9 +186,8 @@ impl Controller {
         self.twist = Twist::ZERO;
         self.reasons = 0;
         self.last_step = 0.0;
-        if let Some((twist, (speed, direction))) = self
-            .moving
-            .and_then(|twist| Some((twist, goal::polar(&self.rover.metric, twist)?)))
+        if let Some((twist, (speed, direction))) =
+            self.moving.and_then(|twist| Some((twist, goal::polar(&self.rover.metric, twist)?)))
         {
             self.settle(direction);
             self.speed = Motion::at(speed);
@@ -222,19 +216,14 @@ impl Controller {
             return Ok(false);
         }
         let period = self.options.period.filter(|_| self.options.discretise);
-        let finite = <[f64; 3]>::from(twist)
-            .iter()
-            .all(|value| value.abs() < HUGE);
+        let finite = <[f64; 3]>::from(twist).iter().all(|value| value.abs() < HUGE);
         let (rover, limits, scratch) = (&self.rover, &self.limits, &mut self.scratch);
-        let goal = finite
-            .then(|| Goal::new(rover, limits, scratch, [mode, held], period, twist))
-            .flatten();
+        let goal = finite.then(|| Goal::new(rover, limits, scratch, [mode, held], period, twist)).flatten();
         let Some(goal) = goal else {
             self.ignored |= reason::NOT_FINITE;
             return Ok(false);
         };
-        let same =
-            |last: &Command| last.goal.direction == goal.direction && last.goal.speed == goal.speed;
+        let same = |last: &Command| last.goal.direction == goal.direction && last.goal.speed == goal.speed;
         self.rerouted |= !self.command.as_ref().is_some_and(same);
         self.ignored &= !reason::NOT_FINITE;
         self.command = Some(Command { goal, stamp });
@@ -339,10 +328,7 @@ impl Controller {
         for (value, &joint) in previous.iter_mut().zip(&self.joints) {
             *value = self.steering[joint];
         }
-        let inputs = Inputs {
-            previous: Some(&previous[..count]),
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous: Some(&previous[..count]), ..Inputs::default() };
         let angles = &mut angles[..count];
         self.rover.solve(twist, inputs, angles, &mut self.ratios);
         let joints = match into {
@@ -412,9 +398,5 @@ fn room(rover: &Rover, mut limits: Limits, options: &Options) -> Room {
             }
         }
     }
-    Room {
-        limits,
-        steering_share,
-        fastest_turn: LARGEST_TURN / options.max_step,
-    }
+    Room { limits, steering_share, fastest_turn: LARGEST_TURN / options.max_step }
 }

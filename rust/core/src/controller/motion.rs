@@ -47,21 +47,14 @@ impl Motion {
         let stop = self.stop(change);
         // Braking already, and just in time.
         let brakes = (goal - stop).abs() <= ROUNDING * ((stop - self.value).abs() + goal.abs());
-        let way = if brakes && self.rate != 0.0 {
-            self.rate
-        } else {
-            goal - stop
-        };
+        let way = if brakes && self.rate != 0.0 { self.rate } else { goal - stop };
         if way == 0.0 {
             return there;
         }
         let sign = way.signum();
         let limit = rates[usize::from(way > 0.0)];
         let (gap, rate) = ((goal - self.value) * sign, self.rate * sign);
-        let moved = |way: f64, rate: f64| Self {
-            value: sign.mul_add(way, self.value),
-            rate: sign * rate,
-        };
+        let moved = |way: f64, rate: f64| Self { value: sign.mul_add(way, self.value), rate: sign * rate };
         // Squares of speeds, beyond which there is no number: no limit that any motion meets.
         let fastest = change * gap + rate * rate / 2.0;
         if change.is_infinite() || !fastest.is_finite() {
@@ -73,24 +66,12 @@ impl Motion {
         }
         // Braking distances of the three speeds, and the fastest one from which it can still stop in time.
         let braking = |rate: f64| rate * rate / (2.0 * change);
-        let peak = if brakes && rate > 0.0 {
-            rate
-        } else {
-            limit.min(fastest.max(0.0).sqrt())
-        };
+        let peak = if brakes && rate > 0.0 { rate } else { limit.min(fastest.max(0.0).sqrt()) };
         let too_fast = rate > peak;
         let first = (peak - rate).abs() / change;
-        let first_way = if too_fast {
-            braking(rate) - braking(peak)
-        } else {
-            braking(peak) - braking(rate)
-        };
+        let first_way = if too_fast { braking(rate) - braking(peak) } else { braking(peak) - braking(rate) };
         let cruise_way = (gap - first_way - braking(peak)).max(0.0);
-        let cruise = if cruise_way > 0.0 && peak > 0.0 {
-            cruise_way / peak
-        } else {
-            0.0
-        };
+        let cruise = if cruise_way > 0.0 && peak > 0.0 { cruise_way / peak } else { 0.0 };
         let end = first + cruise + peak / change;
         if dt >= end * (1.0 - ROUNDING) {
             there
@@ -99,18 +80,11 @@ impl Motion {
             let way = dt * (rate + slope * dt / 2.0);
             (moved(way, slope.mul_add(dt, rate)), Held::Change)
         } else if dt < first + cruise {
-            let held = if peak < limit {
-                Held::Change
-            } else {
-                Held::Rate
-            };
+            let held = if peak < limit { Held::Change } else { Held::Rate };
             (moved(peak.mul_add(dt - first, first_way), peak), held)
         } else {
             let left = end - dt;
-            let rest = Self {
-                value: goal - sign * change * left * left / 2.0,
-                rate: sign * change * left,
-            };
+            let rest = Self { value: goal - sign * change * left * left / 2.0, rate: sign * change * left };
             (rest, Held::Change)
         }
     }

@@ -35,11 +35,7 @@ impl FromStr for Align {
         match name {
             "cosine" => Ok(Self::Cosine),
             "hold" => Ok(Self::Hold),
-            _ => Err(Error::value(
-                "align",
-                "be 'cosine', 'hold' or None",
-                format!("{name:?}"),
-            )),
+            _ => Err(Error::value("align", "be 'cosine', 'hold' or None", format!("{name:?}"))),
         }
     }
 }
@@ -100,17 +96,9 @@ impl Options {
 
     /// The rover as the controller drives it: inside the steering limit, and in its mode. Its joints are those
     /// that are returned beside it.
-    pub(super) fn model(
-        &self,
-        rover: &Rover,
-        limits: &Limits,
-    ) -> Result<(Rover, Vec<usize>), Error> {
+    pub(super) fn model(&self, rover: &Rover, limits: &Limits) -> Result<(Rover, Vec<usize>), Error> {
         let mut wheels = rover.wheels().to_vec();
-        let places = rover
-            .steered()
-            .iter()
-            .map(|&i| wheels[i].x)
-            .collect::<Vec<_>>();
+        let places = rover.steered().iter().map(|&i| wheels[i].x).collect::<Vec<_>>();
         let middle = places.iter().sum::<f64>() / places.len() as f64;
         let mut joints = Vec::new();
         for (joint, &i) in rover.steered().iter().enumerate() {
@@ -137,16 +125,10 @@ fn narrow(wheel: &mut Wheel, limit: f64) -> Result<(), Error> {
         return Ok(());
     };
     if limit > range.upper.max(-range.lower) {
-        let rule = format!(
-            "lie inside the steering range, {range}, of wheel {:?}",
-            wheel.name
-        );
+        let rule = format!("lie inside the steering range, {range}, of wheel {:?}", wheel.name);
         return Err(Error::value("steering_limit", rule, number(limit)));
     }
-    let narrowed = SteeringRange {
-        lower: range.lower.max(-limit),
-        upper: range.upper.min(limit),
-    };
+    let narrowed = SteeringRange { lower: range.lower.max(-limit), upper: range.upper.min(limit) };
     narrowed.check()?;
     wheel.pivot = Pivot::Steered(narrowed);
     Ok(())

@@ -51,9 +51,7 @@ impl Controller {
         if self.envelope.turn[1].value.is_infinite() {
             self.turn.rate = 0.0; // it may jump
         }
-        let (angle, off) = self
-            .arc
-            .angle_to(self.metric(), self.turn.value, goal.direction);
+        let (angle, off) = self.arc.angle_to(self.metric(), self.turn.value, goal.direction);
         let here = off <= SAME && angle.sin().abs() <= SAME;
         if here && self.turn.rate == 0.0 {
             let sign = angle.cos().signum();
@@ -63,21 +61,14 @@ impl Controller {
             return self.align_to(goal);
         }
         let steered = self.rover.steered().iter();
-        if steered
-            .map(|&i| &self.rover.wheels()[i])
-            .any(|w| w.trail != 0.0)
-        {
+        if steered.map(|&i| &self.rover.wheels()[i]).any(|w| w.trail != 0.0) {
             return Route::Blocked(reason::ALIGNING);
         }
         if off > SAME && self.turn.rate != 0.0 {
             return Route::Wait;
         }
         let cosine = self.direction().dot(&(self.rover.metric * goal.direction));
-        let signs = if cosine < REVERSE {
-            [-1.0, 1.0]
-        } else {
-            [1.0, -1.0]
-        };
+        let signs = if cosine < REVERSE { [-1.0, 1.0] } else { [1.0, -1.0] };
         for sign in signs {
             let end = self.turn_to(goal.direction * sign);
             if self.reaches(end) {

@@ -24,13 +24,7 @@ impl Controller {
     ///
     /// Fails, without effect, if a stamp is not finite or later than the last step, or a time is not finite or not
     /// later than the one before it.
-    pub fn run(
-        &mut self,
-        stamps: &[f64],
-        twists: &[[f64; 3]],
-        times: &[f64],
-        out: Steps<'_>,
-    ) -> Result<(), Error> {
+    pub fn run(&mut self, stamps: &[f64], twists: &[[f64; 3]], times: &[f64], out: Steps<'_>) -> Result<(), Error> {
         let mut last = self.clock;
         for (row, &time) in times.iter().enumerate() {
             finite("times", &[time]).map_err(|error| error.at_row(row))?;

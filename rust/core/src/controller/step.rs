@@ -22,11 +22,7 @@ struct Bridle {
 }
 
 impl Bridle {
-    const NONE: Self = Self {
-        speed: f64::INFINITY,
-        rates: [f64::INFINITY; 2],
-        reasons: 0,
-    };
+    const NONE: Self = Self { speed: f64::INFINITY, rates: [f64::INFINITY; 2], reasons: 0 };
 }
 
 impl Controller {
@@ -92,14 +88,9 @@ impl Controller {
     fn stops_at_once(&self) -> bool {
         let steering = &self.room.limits;
         let envelope = &self.envelope;
-        [
-            steering.steering_rate,
-            steering.steering_acceleration,
-            envelope.rates[0].value,
-            envelope.change.value,
-        ]
-        .iter()
-        .all(|limit| limit.is_infinite())
+        [steering.steering_rate, steering.steering_acceleration, envelope.rates[0].value, envelope.change.value]
+            .iter()
+            .all(|limit| limit.is_infinite())
     }
 
     /// The goal of the last command, unless that is too old.
@@ -186,10 +177,7 @@ impl Controller {
         let onwards = self.route == Route::Align;
         let (mut there, mut moved, mut reasons) = (true, false, 0);
         for (k, angle) in self.steering.iter_mut().enumerate() {
-            let motion = Motion {
-                value: *angle,
-                rate: self.steering_rates[k],
-            };
+            let motion = Motion { value: *angle, rate: self.steering_rates[k] };
             let target = match self.joints.iter().position(|&joint| joint == k) {
                 _ if onwards => self.targets[k],
                 Some(place) => {
@@ -229,18 +217,12 @@ impl Controller {
     fn look_ahead(&mut self, end: f64, target: f64, dt: f64) -> Bridle {
         let here = self.turn.value;
         let left = self.envelope.end - here;
-        let present = if self.envelope.turning && left * (end - here) > 0.0 {
-            self.envelope.promise(here, dt)
-        } else {
-            -1.0
-        };
+        let present =
+            if self.envelope.turning && left * (end - here) > 0.0 { self.envelope.promise(here, dt) } else { -1.0 };
         let used = present < 0.0 || (here - self.entered).abs() >= left.abs();
         let enough = self.envelope.speed >= target.abs();
         if enough && !used {
-            return Bridle {
-                speed: self.ahead,
-                ..Bridle::NONE
-            };
+            return Bridle { speed: self.ahead, ..Bridle::NONE };
         }
         if enough && present >= 0.0 && left.abs() >= (end - here).abs() {
             return Bridle::NONE;
@@ -286,17 +268,9 @@ impl Controller {
         };
         let cap = whole.fastest.value;
         self.ahead = cap;
-        let reasons = if cap < needed {
-            whole.fastest.reason
-        } else {
-            0
-        };
+        let reasons = if cap < needed { whole.fastest.reason } else { 0 };
         if best.is_some() {
-            return Bridle {
-                speed: cap,
-                rates: [f64::INFINITY; 2],
-                reasons,
-            };
+            return Bridle { speed: cap, rates: [f64::INFINITY; 2], reasons };
         }
         Bridle {
             speed: cap,
@@ -385,11 +359,7 @@ impl Controller {
         if self.speed == Motion::at(target) {
             return 0;
         }
-        let sign = if value < 0.0 || (value == 0.0 && target < 0.0) {
-            -1.0
-        } else {
-            1.0
-        };
+        let sign = if value < 0.0 || (value == 0.0 && target < 0.0) { -1.0 } else { 1.0 };
         let highest = self.envelope.speed.min(bridle.speed).max(0.0); // never below rest, where a stop would have no end
         let mut reasons = 0;
         let mut goal = target * sign;
@@ -399,10 +369,7 @@ impl Controller {
         }
         let rates = [0, 1].map(|k| self.envelope.rates[k].value.min(bridle.rates[k]));
         let change = self.envelope.change.value;
-        let forward = Motion {
-            value: value * sign,
-            rate: rate * sign,
-        };
+        let forward = Motion { value: value * sign, rate: rate * sign };
         let (moved, held) = forward.approach(goal.max(0.0), rates, change, dt);
         let slower = usize::from(moved.rate > 0.0);
         reasons |= match held {
@@ -418,10 +385,7 @@ impl Controller {
             // At rest, and on in the other sense with the next step.
             reasons |= self.envelope.rates[0].reason | self.envelope.change.reason;
         }
-        self.speed = Motion {
-            value: moved.value * sign + 0.0,
-            rate: moved.rate * sign + 0.0,
-        };
+        self.speed = Motion { value: moved.value * sign + 0.0, rate: moved.rate * sign + 0.0 };
         reasons
     }
 }

@@ -53,19 +53,13 @@ impl Gradients {
 fn sums(products: &[Vector3<f64>; PRODUCTS], turning: bool) -> [Sum; 3] {
     [0, 1, 2].map(|part| {
         let parts = products.iter().map(|product| product[part]).enumerate();
-        let counts =
-            |(place, share): &(usize, f64)| *share != 0.0 && (turning || place % GIVEN < GIVEN - 1);
+        let counts = |(place, share): &(usize, f64)| *share != 0.0 && (turning || place % GIVEN < GIVEN - 1);
         parts.filter(counts).collect()
     })
 }
 
 /// What every product is multiplied by.
-fn products(
-    rover: &Rover,
-    readings: &[Reading; MAX_WHEELS],
-    i: usize,
-    quantity: Quantity,
-) -> [Vector3<f64>; PRODUCTS] {
+fn products(rover: &Rover, readings: &[Reading; MAX_WHEELS], i: usize, quantity: Quantity) -> [Vector3<f64>; PRODUCTS] {
     let mut products = [Vector3::zeros(); PRODUCTS];
     let ask = |sin, cos| {
         let mut all = [Vector3::zeros(); GIVEN];
@@ -80,10 +74,7 @@ fn products(
         products[..GIVEN].copy_from_slice(&ask(0.0, 1.0));
         return products;
     }
-    let ([along, back], [left, right]) = (
-        [ask(0.0, 1.0), ask(0.0, -1.0)],
-        [ask(1.0, 0.0), ask(-1.0, 0.0)],
-    );
+    let ([along, back], [left, right]) = ([ask(0.0, 1.0), ask(0.0, -1.0)], [ask(1.0, 0.0), ask(-1.0, 0.0)]);
     for given in 0..GIVEN {
         products[given] = (along[given] + back[given]) / 2.0;
         products[GIVEN + given] = (along[given] - back[given]) / 2.0;
@@ -116,11 +107,7 @@ fn gradient(
     let linearised = Linearised {
         rover,
         readings: &readings[..count],
-        measured: Measured {
-            steering: &[],
-            speeds: &speeds[..count],
-            steering_rates: Some(&rates[..joints]),
-        },
+        measured: Measured { steering: &[], speeds: &speeds[..count], steering_rates: Some(&rates[..joints]) },
         solution: rover.solution.unwrap_or_else(Matrix3::zeros),
         twist: Vector3::new(one(1), one(2), one(3)),
         weights: None,

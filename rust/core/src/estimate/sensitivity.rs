@@ -89,8 +89,7 @@ impl Change {
                 change.side_slip = lever * sin;
             }
             Quantity::Steering | Quantity::Heading => {
-                let (along, across) =
-                    (wheel.x * cos + wheel.y * sin, wheel.y * cos - wheel.x * sin);
+                let (along, across) = (wheel.x * cos + wheel.y * sin, wheel.y * cos - wheel.x * sin);
                 change.rolling = Vector3::new(-sin, cos, along);
                 change.side_slip = Vector3::new(-cos, -sin, across);
             }
@@ -168,10 +167,7 @@ impl Linearised<'_> {
             _ => {}
         }
         let direction = match self.rover.mounts[i] {
-            Mount::Steered(..) => Direction {
-                sin: -reading.side_slip.x,
-                cos: reading.side_slip.y,
-            },
+            Mount::Steered(..) => Direction { sin: -reading.side_slip.x, cos: reading.side_slip.y },
             Mount::Fixed(_) | Mount::Castor(_) => Direction::from(wheel.heading),
         };
         let mut change = Change::of(wheel, direction, quantity);
@@ -196,13 +192,7 @@ impl Linearised<'_> {
             change.rolling = Vector3::zeros();
             change.rolled = 0.0;
         }
-        let along = respond(
-            &self.twist,
-            &reading.rolling,
-            reading.rolled,
-            &change.rolling,
-            change.rolled,
-        );
+        let along = respond(&self.twist, &reading.rolling, reading.rolled, &change.rolling, change.rolled);
         along * self.weight(i) + self.across(i, &change, quantity)
     }
 
@@ -210,25 +200,15 @@ impl Linearised<'_> {
     fn across(&self, i: usize, change: &Change, quantity: Quantity) -> Vector3<f64> {
         let respond = |k: usize, by: &Vector3<f64>, slipped: f64| {
             let reading = &self.readings[k];
-            let response = respond(
-                &self.twist,
-                &reading.side_slip,
-                reading.slipped,
-                by,
-                slipped,
-            );
+            let response = respond(&self.twist, &reading.side_slip, reading.slipped, by, slipped);
             response * self.weight(k)
         };
         let wheel = &self.rover.wheels()[i];
-        let is_shared =
-            matches!(self.rover.mounts[i], Mount::Fixed(_)) && wheel.roller_angle.is_none();
+        let is_shared = matches!(self.rover.mounts[i], Mount::Fixed(_)) && wheel.roller_angle.is_none();
         if quantity == Quantity::SideSlip || !is_shared {
             return respond(i, &change.side_slip, change.slipped);
         }
-        self.rover
-            .changes_with(i, change.side_slip)
-            .map(|(k, by)| respond(k, &by, 0.0))
-            .sum()
+        self.rover.changes_with(i, change.side_slip).map(|(k, by)| respond(k, &by, 0.0)).sum()
     }
 }
 
@@ -246,23 +226,12 @@ fn respond(
 
 impl Rover {
     /// What the readings of one instant say about the derivatives of their twist, all wheels alike.
-    pub fn sensitivity<T>(
-        &self,
-        measured: Measured<'_>,
-        ask: impl FnOnce(&Linearised<'_>) -> T,
-    ) -> Result<T, Error> {
+    pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
         let readings = self.read(measured, &mut readings);
         let solution = self.solution_for(readings, measured, Unseen::Refuse)?;
         let twist = self.solve_for_twist(&solution, readings, |_| 1.0);
-        Ok(ask(&Linearised {
-            rover: self,
-            readings,
-            measured,
-            solution,
-            twist: twist.into(),
-            weights: None,
-        }))
+        Ok(ask(&Linearised { rover: self, readings, measured, solution, twist: twist.into(), weights: None }))
     }
 }

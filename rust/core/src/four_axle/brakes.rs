@@ -65,11 +65,7 @@ impl FromStr for Pair {
         match name {
             "front" => Ok(Self::Front),
             "rear" => Ok(Self::Rear),
-            _ => Err(Error::value(
-                "pair",
-                "be 'front' or 'rear'",
-                format!("{name:?}"),
-            )),
+            _ => Err(Error::value("pair", "be 'front' or 'rear'", format!("{name:?}"))),
         }
     }
 }
@@ -85,10 +81,7 @@ pub struct Brakes {
 
 impl Brakes {
     /// Nothing turns on its pivot.
-    pub const LOCKED: Self = Self {
-        front: Brake::Locked,
-        rear: Brake::Locked,
-    };
+    pub const LOCKED: Self = Self { front: Brake::Locked, rear: Brake::Locked };
 
     /// The brake of a pair.
     pub fn of(self, pair: Pair) -> Brake {
@@ -102,14 +95,8 @@ impl Brakes {
     #[must_use]
     pub fn with(self, pair: Pair, brake: Brake) -> Self {
         match pair {
-            Pair::Front => Self {
-                front: brake,
-                ..self
-            },
-            Pair::Rear => Self {
-                rear: brake,
-                ..self
-            },
+            Pair::Front => Self { front: brake, ..self },
+            Pair::Rear => Self { rear: brake, ..self },
         }
     }
 
@@ -142,10 +129,9 @@ impl FourAxle {
         if mobility.degree() > 0 {
             return Ok(());
         }
-        let remedy = self.remedy(angles, pair).map_or_else(
-            || "beyond the steering range".into(),
-            |[left, right]| format!("({left:.6}, {right:.6})"),
-        );
+        let remedy = self
+            .remedy(angles, pair)
+            .map_or_else(|| "beyond the steering range".into(), |[left, right]| format!("({left:.6}, {right:.6})"));
         let rule = format!(
             "let the robot move with front and rear locked (axle lines without a common point: \
              driving slides {:.3} m per metre, smallest singular value {:.3}; beside the {} axles as they \
@@ -180,22 +166,14 @@ impl FourAxle {
     pub fn switch(&self, angles: &Axles, from: Brakes, to: Brakes) -> Result<Brakes, Error> {
         let pairs = [Pair::Rear, Pair::Front];
         let locks = |brakes| {
-            let wanted = pairs
-                .into_iter()
-                .filter(|pair| to.of(*pair) == Brake::Locked);
-            wanted
-                .into_iter()
-                .try_fold(brakes, |brakes, pair| self.lock(angles, brakes, pair))
+            let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Locked);
+            wanted.into_iter().try_fold(brakes, |brakes, pair| self.lock(angles, brakes, pair))
         };
         let releases = |brakes| {
             let wanted = pairs.into_iter().filter(|pair| to.of(*pair) == Brake::Free);
-            wanted
-                .into_iter()
-                .try_fold(brakes, |brakes, pair| self.release(angles, brakes, pair))
+            wanted.into_iter().try_fold(brakes, |brakes, pair| self.release(angles, brakes, pair))
         };
-        locks(from)
-            .and_then(releases)
-            .or_else(|refused| releases(from).and_then(locks).map_err(|_| refused))
+        locks(from).and_then(releases).or_else(|refused| releases(from).and_then(locks).map_err(|_| refused))
     }
 
     /// Angles of a pair nearest in slip at which it can be locked beside the other pair as it is.
@@ -209,10 +187,7 @@ impl FourAxle {
         ]));
         let (one, two) = (held.turn.column(2), held.turn.column(1));
         let slip = |motion: &Vector3<f64>| {
-            Vector2::new(
-                normals.row(left).transpose().dot(motion),
-                normals.row(right).transpose().dot(motion),
-            )
+            Vector2::new(normals.row(left).transpose().dot(motion), normals.row(right).transpose().dot(motion))
         };
         let motion = if held.values.y > RANK_TOLERANCE {
             one.into_owned()

@@ -56,11 +56,7 @@ impl Track {
         if reserved.iter().all(Result::is_ok) {
             return Ok(track);
         }
-        let error = Error::value(
-            "dt",
-            "leave few enough samples for the memory",
-            samples.to_string(),
-        );
+        let error = Error::value("dt", "leave few enough samples for the memory", samples.to_string());
         Err(error.of_kind(ErrorKind::Memory))
     }
 
@@ -109,42 +105,27 @@ impl FourAxle {
     ///
     /// Only brakes, durations and speeds of the steps count. A brake that may not change fails with the
     /// step's row.
-    pub fn simulate(
-        &self,
-        start: State,
-        sequence: &[Step],
-        dt: f64,
-    ) -> Result<(Track, State), Error> {
+    pub fn simulate(&self, start: State, sequence: &[Step], dt: f64) -> Result<(Track, State), Error> {
         let samples = self.check_sequence(start, sequence, dt)?;
         let mut track = Track::with_room(samples)?;
         let mut state = start;
         let mut time = 0.0;
         for (row, step) in sequence.iter().enumerate() {
-            let here = |error: Error| Error {
-                argument: format!("sequence[{row}]: {}", error.argument).into(),
-                ..error
-            };
-            state.brakes = self
-                .switch(&state.angles, state.brakes, step.brakes)
-                .map_err(here)?;
+            let here =
+                |error: Error| Error { argument: format!("sequence[{row}]: {}", error.argument).into(), ..error };
+            state.brakes = self.switch(&state.angles, state.brakes, step.brakes).map_err(here)?;
             if step.duration > 0.0 {
                 let lasting = self.must_last(&state.angles, state.brakes, &step.speeds);
-                let motion = self
-                    .velocities(&state.angles, state.brakes, &step.speeds, lasting)
-                    .map_err(here)?;
+                let motion = self.velocities(&state.angles, state.brakes, &step.speeds, lasting).map_err(here)?;
                 if track.times.is_empty() {
                     track.push(time, &state, &motion);
                 }
                 let count = (step.duration / dt).ceil().max(1.0);
                 let begin = time;
                 for k in 1..=count as usize {
-                    state = self
-                        .advance(state, &step.speeds, step.duration / count)
-                        .map_err(here)?;
+                    state = self.advance(state, &step.speeds, step.duration / count).map_err(here)?;
                     time = begin + step.duration * (k as f64 / count);
-                    let motion = self
-                        .velocities(&state.angles, state.brakes, &step.speeds, lasting)
-                        .map_err(here)?;
+                    let motion = self.velocities(&state.angles, state.brakes, &step.speeds, lasting).map_err(here)?;
                     track.push(time, &state, &motion);
                 }
             }
@@ -169,8 +150,7 @@ impl FourAxle {
                 let error = Error::value("duration", rule, number(step.duration));
                 return Err(error.at_row(row));
             }
-            self.check_speeds(&step.speeds)
-                .map_err(|error| error.at_row(row))?;
+            self.check_speeds(&step.speeds).map_err(|error| error.at_row(row))?;
             samples += (step.duration / dt).ceil().max(1.0);
         }
         if samples > MOST_SAMPLES {
@@ -191,27 +171,14 @@ impl FourAxle {
         let lasting = self.must_last(&state.angles, state.brakes, speeds);
         let held = Held { speeds, lasting };
         // From the origin: far from it, rounding would pass for a motion that is not smooth.
-        let here = State {
-            pose: Pose::default(),
-            ..state
-        };
+        let here = State { pose: Pose::default(), ..state };
         let whole = self.collocate(here, held, dt)?;
         let end = self.refine(here, whole, held, dt, HALVINGS)?;
-        Ok(State {
-            pose: state.pose.compose(end.pose),
-            ..end
-        })
+        Ok(State { pose: state.pose.compose(end.pose), ..end })
     }
 
     /// Halves a step until the halves agree with the whole.
-    fn refine(
-        &self,
-        state: State,
-        whole: Option<State>,
-        held: Held<'_>,
-        dt: f64,
-        left: usize,
-    ) -> Result<State, Error> {
+    fn refine(&self, state: State, whole: Option<State>, held: Held<'_>, dt: f64, left: usize) -> Result<State, Error> {
         let half = self.collocate(state, held, dt / 2.0)?;
         let end = match half {
             Some(middle) => self.collocate(middle, held, dt / 2.0)?,
@@ -224,8 +191,7 @@ impl FourAxle {
             return Ok(end);
         }
         if left == 0 {
-            let rule =
-                "keep the motion smooth (axles that come to share a point, or cease to, do not)";
+            let rule = "keep the motion smooth (axles that come to share a point, or cease to, do not)";
             return Err(Error::value("speeds", rule, format!("{:?}", held.speeds)));
         }
         let middle = self.refine(state, half, held, dt / 2.0, left - 1)?;
@@ -239,8 +205,7 @@ impl FourAxle {
     /// up.
     fn collocate(&self, state: State, held: Held<'_>, dt: f64) -> Result<Option<State>, Error> {
         let Gauss { weights, inner, .. } = gauss();
-        let rates =
-            |angles: &Axles| self.velocities(angles, state.brakes, held.speeds, held.lasting);
+        let rates = |angles: &Axles| self.velocities(angles, state.brakes, held.speeds, held.lasting);
         let mut motions = [rates(&state.angles)?; 3];
         let mut stages = [state.angles; 3];
         let mut settled = false;
@@ -269,22 +234,12 @@ impl FourAxle {
             dt * (row[0] * value(0) + row[1] * value(1) + row[2] * value(2))
         };
         let yaw = |row: &[f64; 3]| sum(row, &|k| motions[k].twist.omega);
-        let moved: [Vector2<f64>; 3] = std::array::from_fn(|k| {
-            Rotation2::new(yaw(&inner[k])) * Twist::linear(motions[k].twist)
-        });
-        let moved_by = Pose {
-            x: sum(&weights, &|k| moved[k].x),
-            y: sum(&weights, &|k| moved[k].y),
-            yaw: yaw(&weights),
-        };
-        let angles = std::array::from_fn(|axle| {
-            state.angles[axle] + sum(&weights, &|k| motions[k].pivot_rates[axle])
-        });
-        Ok(Some(State {
-            angles,
-            pose: state.pose.compose(moved_by),
-            ..state
-        }))
+        let moved: [Vector2<f64>; 3] =
+            std::array::from_fn(|k| Rotation2::new(yaw(&inner[k])) * Twist::linear(motions[k].twist));
+        let moved_by =
+            Pose { x: sum(&weights, &|k| moved[k].x), y: sum(&weights, &|k| moved[k].y), yaw: yaw(&weights) };
+        let angles = std::array::from_fn(|axle| state.angles[axle] + sum(&weights, &|k| motions[k].pivot_rates[axle]));
+        Ok(Some(State { angles, pose: state.pose.compose(moved_by), ..state }))
     }
 }
 

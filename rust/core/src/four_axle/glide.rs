@@ -45,11 +45,7 @@ impl FourAxle {
             let speeds = path.wheel_speeds(end, speed, rate);
             match path.duration(&speeds, speed, rate) {
                 Ok((duration, twist)) => {
-                    return Ok(Glide {
-                        speeds,
-                        duration,
-                        twist,
-                    });
+                    return Ok(Glide { speeds, duration, twist });
                 }
                 Err(refusal) => last = refusal,
             }
@@ -77,13 +73,7 @@ struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    fn new(
-        car: &'a FourAxle,
-        start: Axles,
-        twist: Twist,
-        pair: Pair,
-        goal: &Axles,
-    ) -> Result<Self, String> {
+    fn new(car: &'a FourAxle, start: Axles, twist: Twist, pair: Pair, goal: &Axles) -> Result<Self, String> {
         let other = pair.other().name();
         let mut end = start;
         for i in pair.axles() {
@@ -110,23 +100,11 @@ impl<'a> Path<'a> {
         }
         let from = Vector3::from(twist) / car.hinge_speed(twist);
         let to = Vector3::from(mobility.least());
-        let path = |to| Self {
-            car,
-            pair,
-            brakes: Brakes::LOCKED.with(pair, Brake::Free),
-            start,
-            from,
-            to,
-        };
+        let path = |to| Self { car, pair, brakes: Brakes::LOCKED.with(pair, Brake::Free), start, from, to };
         [path(to), path(-to)]
             .into_iter()
             .find(|path| path.leads_to(&end))
-            .ok_or_else(|| {
-                format!(
-                    "the {} axles would have to turn past a quarter turn, or stop",
-                    pair.name()
-                )
-            })
+            .ok_or_else(|| format!("the {} axles would have to turn past a quarter turn, or stop", pair.name()))
     }
 
     fn twist(&self, at: f64) -> Vector3<f64> {
@@ -154,15 +132,9 @@ impl<'a> Path<'a> {
         let rolls_on = (0..4).all(|i| {
             let along = |twist| self.car.along(i, &rows, twist);
             let turning = self.pair.axles().contains(&i);
-            along(&self.from).abs() > RANK_TOLERANCE
-                && (turning || along(&self.from) * along(&self.to) > 0.0)
+            along(&self.from).abs() > RANK_TOLERANCE && (turning || along(&self.from) * along(&self.to) > 0.0)
         });
-        rolls_on
-            && self
-                .pair
-                .axles()
-                .iter()
-                .all(|&i| (reached[i] - end[i]).abs() <= SLIP_TOLERANCE)
+        rolls_on && self.pair.axles().iter().all(|&i| (reached[i] - end[i]).abs() <= SLIP_TOLERANCE)
     }
 
     /// Angles and how fast they change along the way: `n . du = (e . u) dangle`.
@@ -172,8 +144,7 @@ impl<'a> Path<'a> {
         let twist = self.twist(at);
         let mut slopes = [0.0; 4];
         for i in self.pair.axles() {
-            slopes[i] =
-                rows[i].side_slip.dot(&(self.to - self.from)) / self.car.along(i, &rows, &twist);
+            slopes[i] = rows[i].side_slip.dot(&(self.to - self.from)) / self.car.along(i, &rows, &twist);
         }
         (angles, slopes)
     }
@@ -223,18 +194,9 @@ impl<'a> Path<'a> {
     }
 
     /// Share of the way per second, and the twist, with the wheels at these speeds.
-    fn progress(
-        &self,
-        at: f64,
-        speeds: &Drives,
-        speed: f64,
-        rate: f64,
-    ) -> Result<(f64, Twist), String> {
+    fn progress(&self, at: f64, speeds: &Drives, speed: f64, rate: f64) -> Result<(f64, Twist), String> {
         let (angles, slopes) = self.slopes(at);
-        let motion = self
-            .car
-            .velocities(&angles, self.brakes, speeds, true)
-            .map_err(|error| error.to_string())?;
+        let motion = self.car.velocities(&angles, self.brakes, speeds, true).map_err(|error| error.to_string())?;
         let steepest = steepest(&slopes);
         let pace = motion.pivot_rates[steepest] / slopes[steepest];
         let along = self.car.scaled_dot(&self.twist(at), motion.twist);
@@ -251,11 +213,5 @@ impl<'a> Path<'a> {
 }
 
 fn steepest(slopes: &Axles) -> usize {
-    (0..4).fold(0, |best, i| {
-        if slopes[i].abs() > slopes[best].abs() {
-            i
-        } else {
-            best
-        }
-    })
+    (0..4).fold(0, |best, i| if slopes[i].abs() > slopes[best].abs() { i } else { best })
 }

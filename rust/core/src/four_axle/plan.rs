@@ -89,13 +89,7 @@ struct Draft<'a> {
 
 impl FourAxle {
     /// Re-aims the axles for a curve [1/m]; 0 is straight ahead.
-    pub fn turn_sequence(
-        &self,
-        start: State,
-        curvature: f64,
-        steer: Steer,
-        pace: Pace,
-    ) -> Result<Plan, Error> {
+    pub fn turn_sequence(&self, start: State, curvature: f64, steer: Steer, pace: Pace) -> Result<Plan, Error> {
         finite("curvature", &[curvature])?;
         let abreast = match steer {
             Steer::Both => 0.0,
@@ -104,25 +98,15 @@ impl FourAxle {
         };
         let size = curvature.abs().max(1.0);
         let target = Twist::from([1.0, -curvature * abreast, curvature].map(|value| value / size));
-        let named = |error: Error| Error {
-            argument: "curvature".into(),
-            value: number(curvature),
-            ..error
-        };
+        let named = |error: Error| Error { argument: "curvature".into(), value: number(curvature), ..error };
         let goal = self.aim(target, &start.angles).map_err(named)?;
         self.plan(start, goal, pace)
     }
 
     /// Re-aims the axles at a point [m], standing if need be: (0, 0) to spin in place.
     pub fn aim_sequence(&self, start: State, icr: [f64; 2], pace: Pace) -> Result<Plan, Error> {
-        let named = |error: Error| Error {
-            argument: "icr".into(),
-            value: numbers(&icr),
-            ..error
-        };
-        let goal = self
-            .aim(super::turn_about(icr)?, &start.angles)
-            .map_err(named)?;
+        let named = |error: Error| Error { argument: "icr".into(), value: numbers(&icr), ..error };
+        let goal = self.aim(super::turn_about(icr)?, &start.angles).map_err(named)?;
         self.plan(start, goal, pace)
     }
 
@@ -138,17 +122,9 @@ impl FourAxle {
             return Err(Error::value("angles", rule, numbers(&start.angles)));
         }
         let twist = times(mobility.least(), speed);
-        let mut draft = Draft {
-            car: self,
-            state: start,
-            twist,
-            steps: Vec::new(),
-        };
+        let mut draft = Draft { car: self, state: start, twist, steps: Vec::new() };
         draft.go_on("drive", brakes, duration)?;
-        draft
-            .steps
-            .pop()
-            .ok_or_else(|| Error::value("duration", "make a step", number(duration)))
+        draft.steps.pop().ok_or_else(|| Error::value("duration", "make a step", number(duration)))
     }
 
     fn plan(&self, start: State, goal: Axles, pace: Pace) -> Result<Plan, Error> {
@@ -172,11 +148,7 @@ impl FourAxle {
                 for first in [Pair::Rear, Pair::Front] {
                     match self.under_way(start, &via, first, pace) {
                         Ok(steps) => {
-                            return Ok(Plan {
-                                steps,
-                                stops: false,
-                                reason,
-                            });
+                            return Ok(Plan { steps, stops: false, reason });
                         }
                         Err(refusal) => refusals.push(refusal),
                     }
@@ -187,41 +159,24 @@ impl FourAxle {
                 }
             }
         }
-        Ok(Plan {
-            steps: self.standing(start, goal, pace)?,
-            stops: true,
-            reason,
-        })
+        Ok(Plan { steps: self.standing(start, goal, pace)?, stops: true, reason })
     }
 
     /// Six steps for every leg: free, turn, lock the one pair, then the other. Pairs that stay are left out.
-    fn under_way(
-        &self,
-        start: State,
-        legs: &[Axles],
-        first: Pair,
-        pace: Pace,
-    ) -> Result<Vec<Step>, String> {
+    fn under_way(&self, start: State, legs: &[Axles], first: Pair, pace: Pace) -> Result<Vec<Step>, String> {
         let mobility = self.judge(&start.angles);
         if mobility.degree() != 1 || mobility.slip > SLIP_TOLERANCE {
             return Err("the axle lines do not share one point to begin with".into());
         }
-        let mut draft = Draft {
-            car: self,
-            state: start,
-            twist: times(mobility.least(), pace.speed),
-            steps: Vec::new(),
-        };
+        let mut draft =
+            Draft { car: self, state: start, twist: times(mobility.least(), pace.speed), steps: Vec::new() };
         for leg in legs {
             for pair in [first, first.other()] {
                 if !differ(&draft.state.angles, leg, pair) {
                     continue;
                 }
-                let glide =
-                    self.glide(draft.state.angles, draft.twist, pair, leg, pace.pivot_rate)?;
-                draft
-                    .turn(pair, leg, &glide, pace)
-                    .map_err(|error| error.to_string())?;
+                let glide = self.glide(draft.state.angles, draft.twist, pair, leg, pace.pivot_rate)?;
+                draft.turn(pair, leg, &glide, pace).map_err(|error| error.to_string())?;
             }
         }
         Ok(draft.steps)
@@ -230,27 +185,17 @@ impl FourAxle {
     /// Stop, turn one axle pair about its hinges while the other pair and its wheels hold the body, then the
     /// other.
     fn standing(&self, start: State, goal: Axles, pace: Pace) -> Result<Vec<Step>, Error> {
-        let mut draft = Draft {
-            car: self,
-            state: start,
-            twist: Twist::ZERO,
-            steps: Vec::new(),
-        };
+        let mut draft = Draft { car: self, state: start, twist: Twist::ZERO, steps: Vec::new() };
         draft.set("stop", start.brakes)?;
-        let turning: Vec<Pair> = [Pair::Rear, Pair::Front]
-            .into_iter()
-            .filter(|pair| differ(&start.angles, &goal, *pair))
-            .collect();
+        let turning: Vec<Pair> =
+            [Pair::Rear, Pair::Front].into_iter().filter(|pair| differ(&start.angles, &goal, *pair)).collect();
         for pair in &turning {
             let free = draft.state.brakes.with(*pair, Brake::Free);
             if *pair == Pair::Front && turning.len() == 2 {
                 // Handing over: where both pairs locked would be frozen, both free are held by their own
                 // axles.
                 let locked = draft.state.brakes.with(Pair::Rear, Brake::Locked);
-                if self
-                    .lock(&draft.state.angles, draft.state.brakes, Pair::Rear)
-                    .is_ok()
-                {
+                if self.lock(&draft.state.angles, draft.state.brakes, Pair::Rear).is_ok() {
                     draft.set("lock rear", locked)?;
                     draft.set("free front", locked.with(Pair::Front, Brake::Free))?;
                 } else {
@@ -281,9 +226,7 @@ impl Draft<'_> {
         let wheels = self.car.rover().wheels();
         let twist = Vector3::from(self.twist);
         let speeds = std::array::from_fn(|i| Some(rows[i].rolling.dot(&twist) / wheels[i].radius));
-        self.state.brakes = self
-            .car
-            .switch(&self.state.angles, self.state.brakes, brakes)?;
+        self.state.brakes = self.car.switch(&self.state.angles, self.state.brakes, brakes)?;
         if duration > 0.0 {
             self.state = self.car.advance(self.state, &speeds, duration)?;
         }
@@ -292,28 +235,16 @@ impl Draft<'_> {
     }
 
     fn record(&mut self, action: &str, duration: f64, speeds: Drives) {
-        self.steps.push(Step {
-            action: action.into(),
-            duration,
-            brakes: self.state.brakes,
-            speeds,
-            end: self.state,
-        });
+        self.steps.push(Step { action: action.into(), duration, brakes: self.state.brakes, speeds, end: self.state });
     }
 
     /// Frees a pair, lets its wheels turn it under way, and locks it.
     fn turn(&mut self, pair: Pair, goal: &Axles, glide: &Glide, pace: Pace) -> Result<(), Error> {
         let free = self.state.brakes.with(pair, Brake::Free);
         self.set(&format!("free {}", pair.name()), free)?;
-        self.state = self
-            .car
-            .advance(self.state, &glide.speeds, glide.duration)?;
+        self.state = self.car.advance(self.state, &glide.speeds, glide.duration)?;
         self.arrive(pair, goal);
-        self.record(
-            &format!("turn {}", pair.name()),
-            glide.duration,
-            glide.speeds,
-        );
+        self.record(&format!("turn {}", pair.name()), glide.duration, glide.speeds);
         self.twist = glide.twist;
         let locked = free.with(pair, Brake::Locked);
         self.go_on(&format!("lock {}", pair.name()), locked, pace.brake_time)
@@ -323,11 +254,7 @@ impl Draft<'_> {
     fn swing(&mut self, pair: Pair, goal: &Axles, rate: f64) -> Result<(), Error> {
         let wheels = self.car.rover().wheels();
         let way = |i: usize| goal[i] - self.state.angles[i];
-        let longest = pair
-            .axles()
-            .map(|i| way(i).abs())
-            .into_iter()
-            .fold(0.0, f64::max);
+        let longest = pair.axles().map(|i| way(i).abs()).into_iter().fold(0.0, f64::max);
         let duration = longest / rate;
         let mut speeds = [Some(0.0); 4];
         for i in pair.axles() {
@@ -347,9 +274,7 @@ impl Draft<'_> {
 }
 
 fn differ(from: &Axles, to: &Axles, pair: Pair) -> bool {
-    pair.axles()
-        .iter()
-        .any(|&i| (from[i] - to[i]).abs() > SAME_ANGLE)
+    pair.axles().iter().any(|&i| (from[i] - to[i]).abs() > SAME_ANGLE)
 }
 
 fn times(twist: Twist, factor: f64) -> Twist {

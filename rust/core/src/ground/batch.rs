@@ -103,15 +103,7 @@ pub(super) fn settle(
     left: &mut Vec<Left>,
 ) -> Option<()> {
     let plan = Plan::new(settler.chain, steered)?;
-    let job = Job {
-        settler,
-        plan: &plan,
-        poses,
-        steering,
-        steered,
-        stands,
-        left,
-    };
+    let job = Job { settler, plan: &plan, poses, steering, steered, stands, left };
     settler.level.run(job)
 }
 
@@ -209,13 +201,8 @@ impl Job<'_, '_> {
             let [x0, y0] = ground.origin();
             let place = ground.grid_axes([x - x0, y - y0]);
             let (sin, cos) = yaw.sin_cos();
-            let heading = [
-                sin * turn.cos - cos * turn.sin,
-                cos * turn.cos + sin * turn.sin,
-            ];
-            let numbers = [
-                place[0], place[1], heading[0], heading[1], FAR, 1.0, LOOK[1],
-            ];
+            let heading = [sin * turn.cos - cos * turn.sin, cos * turn.cos + sin * turn.sin];
+            let numbers = [place[0], place[1], heading[0], heading[1], FAR, 1.0, LOOK[1]];
             for (column, number) in chunk.columns.iter_mut().zip(numbers) {
                 column[row] = number;
             }
@@ -227,9 +214,7 @@ impl Job<'_, '_> {
                 }
             }
         }
-        chunk.columns[column::STATE..column::CONTACT]
-            .as_flattened_mut()
-            .fill(0.0);
+        chunk.columns[column::STATE..column::CONTACT].as_flattened_mut().fill(0.0);
         for wheel in 0..MAX_WHEELS {
             chunk.columns[column::CONTACT + 2 * wheel].fill(0.0);
             chunk.columns[column::CONTACT + 2 * wheel + 1].fill(1.0);
@@ -243,14 +228,8 @@ impl Job<'_, '_> {
         let columns = &chunk.columns;
         let zero = Lanes::splat(simd, 0.0);
         let mut here = Here {
-            origin: [
-                gather(simd, &columns[column::X], rows),
-                gather(simd, &columns[column::Y], rows),
-            ],
-            yaw: (
-                gather(simd, &columns[column::SIN], rows),
-                gather(simd, &columns[column::COS], rows),
-            ),
+            origin: [gather(simd, &columns[column::X], rows), gather(simd, &columns[column::Y], rows)],
+            yaw: (gather(simd, &columns[column::SIN], rows), gather(simd, &columns[column::COS], rows)),
             state: [zero; MAX_STATE],
             steering: [(zero, zero); MAX_WHEELS],
             contacts: [[zero; 2]; MAX_WHEELS],
@@ -321,22 +300,13 @@ impl Job<'_, '_> {
 
     /// A round of Newton's method for as many poses as there are lanes, or fewer.
     #[inline(always)]
-    fn round<S: Vector>(
-        &mut self,
-        simd: S,
-        chunk: &mut Chunk,
-        first: usize,
-        rows: &[u16],
-        phase: Phase,
-    ) {
+    fn round<S: Vector>(&mut self, simd: S, chunk: &mut Chunk, first: usize, rows: &[u16], phase: Phase) {
         let here = self.here(simd, chunk, rows);
         let extent = match phase {
             Phase::Far => Extent::Sampled,
             Phase::Whole => Extent::Whole,
             Phase::Both => Extent::Both,
-            Phase::Sure | Phase::Short => {
-                Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows))
-            }
+            Phase::Sure | Phase::Short => Extent::Near(gather(simd, &chunk.columns[column::LOOK], rows)),
         };
         let whole = matches!(extent, Extent::Whole | Extent::Both);
         let mut look = here.look(simd, self.plan, self.settler.ground, &extent);
@@ -346,15 +316,12 @@ impl Job<'_, '_> {
         for number in &step[2..] {
             turn = turn.max(number.abs());
         }
-        let (before, mut share) = (
-            gather(simd, &chunk.columns[column::WORST], rows),
-            gather(simd, &chunk.columns[column::SHARE], rows),
-        );
+        let (before, mut share) =
+            (gather(simd, &chunk.columns[column::WORST], rows), gather(simd, &chunk.columns[column::SHARE], rows));
         let (half, double) = (Lanes::splat(simd, 0.5), Lanes::splat(simd, 2.0));
-        share = before.below(look.worst).select(
-            (share * half).max(Lanes::splat(simd, 0.25)),
-            (share * double).min(Lanes::splat(simd, 1.0)),
-        );
+        share = before
+            .below(look.worst)
+            .select((share * half).max(Lanes::splat(simd, 0.25)), (share * double).min(Lanes::splat(simd, 1.0)));
         let most = Lanes::splat(simd, LARGEST_TURN);
         let scale = share * most.quotient(turn.max(most));
         let way = step[0].abs() + turn * Lanes::splat(simd, ARM);
@@ -364,9 +331,7 @@ impl Job<'_, '_> {
         for k in 1..MAX_STATE {
             state[k] = scale.mul_add(step[k], state[k]).min(limit).max(-limit);
         }
-        let tolerance = here.state[0]
-            .abs()
-            .mul_add(Lanes::splat(simd, 2e-15), Lanes::splat(simd, 2e-12));
+        let tolerance = here.state[0].abs().mul_add(Lanes::splat(simd, 2e-15), Lanes::splat(simd, 2e-12));
         let closed = truths(simd, look.worst.at_most(tolerance));
         let touches = truths(simd, look.touches);
         let clear = spread(look.clear);
@@ -433,15 +398,7 @@ impl Job<'_, '_> {
 
     /// Writes lanes that have just settled; those with a joint past its stop, and those that are not sure, are left.
     #[inline(always)]
-    fn settled<S: Vector>(
-        &mut self,
-        _: S,
-        chunk: &Chunk,
-        first: usize,
-        rows: &[u16],
-        here: &Here<S>,
-        look: &Look<S>,
-    ) {
+    fn settled<S: Vector>(&mut self, _: S, chunk: &Chunk, first: usize, rows: &[u16], here: &Here<S>, look: &Look<S>) {
         let mut states = [[0.0; MOST]; MAX_STATE];
         for (numbers, lanes) in states.iter_mut().zip(here.state) {
             *numbers = spread(lanes);

@@ -46,10 +46,7 @@ impl Gap {
         let [along, across] = cell.slope(a, b);
         let twist = cell.twist;
         let (p, q) = (hz - along * hx - across * hy, along * ux + across * uy - uz);
-        let (r, s) = (
-            0.5 * twist * (hx * hy - ux * uy),
-            0.5 * twist * (hx * uy + ux * hy),
-        );
+        let (r, s) = (0.5 * twist * (hx * hy - ux * uy), 0.5 * twist * (hx * uy + ux * hy));
         Self {
             constant: z - cell.height(a, b) - 0.5 * twist * (hx * hy + ux * uy),
             p,
@@ -82,14 +79,8 @@ impl Cuts {
     /// Cuts the half of the circle with positive cosines where it crosses lines of the grid and so that no arc
     /// is too long. None where there are too many lines.
     pub fn of(circle: &Circle) -> Option<Self> {
-        let mut cuts = Self {
-            cuts: [Direction { sin: 1.0, cos: 0.0 }; MOST_CUTS],
-            count: 0,
-        };
-        cuts.add(Direction {
-            sin: -1.0,
-            cos: 0.0,
-        })?;
+        let mut cuts = Self { cuts: [Direction { sin: 1.0, cos: 0.0 }; MOST_CUTS], count: 0 };
+        cuts.add(Direction { sin: -1.0, cos: 0.0 })?;
         for k in 0..2 {
             let (h, u, centre) = (circle.forward[k], circle.up[k], circle.centre[k]);
             let size = length([h, u]);
@@ -103,10 +94,7 @@ impl Cuts {
                 let w = (line - centre) / size;
                 let v = (1.0 - w * w).max(0.0).sqrt();
                 for v in [v, -v] {
-                    let at = Direction {
-                        sin: w * p + v * q,
-                        cos: v * p - w * q,
-                    };
+                    let at = Direction { sin: w * p + v * q, cos: v * p - w * q };
                     if at.cos > 0.0 {
                         cuts.add(at)?;
                     }
@@ -136,18 +124,12 @@ pub(super) fn turned(from: Direction, angle: f64) -> Direction {
     let square = angle * angle;
     let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
     let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0);
-    normalized(Direction {
-        sin: from.sin * cos + from.cos * sin,
-        cos: from.cos * cos - from.sin * sin,
-    })
+    normalized(Direction { sin: from.sin * cos + from.cos * sin, cos: from.cos * cos - from.sin * sin })
 }
 
 fn normalized(at: Direction) -> Direction {
     let scale = 1.0 / (at.sin * at.sin + at.cos * at.cos).sqrt();
-    Direction {
-        sin: at.sin * scale,
-        cos: at.cos * scale,
-    }
+    Direction { sin: at.sin * scale, cos: at.cos * scale }
 }
 
 /// Sine of the angle from one direction to another.
@@ -157,10 +139,7 @@ pub(super) fn cross(from: Direction, to: Direction) -> f64 {
 
 /// A direction between two less than a quarter turn apart, at about this share of the way.
 pub(super) fn between(from: Direction, to: Direction, share: f64) -> Direction {
-    normalized(Direction {
-        sin: from.sin + share * (to.sin - from.sin),
-        cos: from.cos + share * (to.cos - from.cos),
-    })
+    normalized(Direction { sin: from.sin + share * (to.sin - from.sin), cos: from.cos + share * (to.cos - from.cos) })
 }
 
 /// A direction well inside the arc from one direction to another, up to half a turn on.
@@ -169,10 +148,7 @@ pub(super) fn inside(from: Direction, to: Direction) -> Direction {
         return between(from, to, 0.5);
     }
     // A quarter turn on, however far the ends are apart.
-    Direction {
-        sin: from.cos,
-        cos: -from.sin,
-    }
+    Direction { sin: from.cos, cos: -from.sin }
 }
 
 /// At least the angle between two directions up to half a radian apart: the chord is shorter by less than this.

@@ -55,20 +55,11 @@ pub(super) struct Cells<S: Vector> {
 
 /// The cells with these lowest columns and rows; NaN off the map.
 #[inline(always)]
-pub(super) fn cells<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    column: Lanes<S>,
-    row: Lanes<S>,
-) -> Cells<S> {
+pub(super) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row: Lanes<S>) -> Cells<S> {
     let [rows, columns] = ground.shape();
     let zero = Lanes::splat(simd, 0.0);
-    let last = [
-        Lanes::splat(simd, columns as f64 - 2.0),
-        Lanes::splat(simd, rows as f64 - 2.0),
-    ];
-    let inside =
-        zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
+    let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
+    let inside = zero.at_most(column) & zero.at_most(row) & column.at_most(last[0]) & row.at_most(last[1]);
     let place = row.mul_add(Lanes::splat(simd, columns as f64), column);
     let [h00, h10, h01, h11] = match ground.heights() {
         Heights::Double(heights) => place.square(heights, columns),
@@ -76,12 +67,7 @@ pub(super) fn cells<S: Vector>(
     };
     let (along, across) = (h10 - h00, h01 - h00);
     let twist = (h11 - h10) - across;
-    Cells {
-        h00,
-        along,
-        across,
-        twist: inside.select(twist, Lanes::splat(simd, f64::NAN)),
-    }
+    Cells { h00, along, across, twist: inside.select(twist, Lanes::splat(simd, f64::NAN)) }
 }
 
 /// Corners of the cells that begin at these places, as near to them as there are any.
@@ -140,12 +126,7 @@ impl<S: Vector> Rims<S> {
             spoke[k] = self.forward[k] * sin - self.up[k] * cos;
             tangent[k] = self.forward[k] * cos + self.up[k] * sin;
         }
-        Point {
-            sin,
-            cos,
-            spoke,
-            tangent,
-        }
+        Point { sin, cos, spoke, tangent }
     }
 
     /// The gap over a cell whose lowest corner is so far from the centre.
@@ -158,8 +139,7 @@ impl<S: Vector> Rims<S> {
         let [x, y, z] = at.tangent;
         let rise = z - (along * x + across * y);
         let turning = cell.twist * x * y;
-        let curvature =
-            (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
+        let curvature = (along * at.spoke[0] + across * at.spoke[1] - at.spoke[2]) - (turning + turning);
         let bending = cell.twist * (at.spoke[0] * y + at.spoke[1] * x);
         Jet {
             third: (bending + bending + bending) - rise,

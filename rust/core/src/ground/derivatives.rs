@@ -32,9 +32,7 @@ fn answer<const N: usize>(
     rates: impl Fn(usize, Vector3<f64>, &Contact) -> [f64; N],
 ) -> Option<[[f64; N]; MAX_STATE]> {
     let hold = Hold {
-        joints: std::array::from_fn(|k: usize| {
-            (k < MAX_FREE && stand.stops[k] != 0).then_some(0.0)
-        }),
+        joints: std::array::from_fn(|k: usize| (k < MAX_FREE && stand.stops[k] != 0).then_some(0.0)),
         hanging: u32::from(stand.hanging),
     };
     let count = chain.state_count();
@@ -59,9 +57,7 @@ fn answer<const N: usize>(
 
 /// Derivatives of a settled state by x, y and yaw. None where the state is not determined.
 pub fn by_pose(chain: &Chain, placed: &Placed<'_>, stand: &Stand) -> Option<[[f64; 3]; MAX_STATE]> {
-    answer(chain, placed, stand, |wheel, point, contact| {
-        gap_slopes(placed, wheel, point, contact.gradient).0
-    })
+    answer(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact.gradient).0)
 }
 
 /// Derivatives of a settled state by the dimensions of a rocker-bogie, in the order of [`Dimensions::vectors`], and
@@ -86,11 +82,7 @@ pub fn by_dimension(
 }
 
 /// How the centre of a wheel moves by the vectors of a rocker-bogie, the state as it is.
-pub fn shift_by_dimension(
-    of: &Dimensions,
-    placed: &Placed<'_>,
-    wheel: usize,
-) -> [Vector3<f64>; DIMENSIONS - 1] {
+pub fn shift_by_dimension(of: &Dimensions, placed: &Placed<'_>, wheel: usize) -> [Vector3<f64>; DIMENSIONS - 1] {
     let (pair, side) = (wheel / 2, wheel % 2);
     let (rocker, bogie) = (side, 2 + side);
     let mirror = if side == 0 { 1.0 } else { -1.0 };

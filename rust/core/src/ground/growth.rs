@@ -66,17 +66,10 @@ struct Growth<'a, 'b> {
 impl<'a> Settler<'a> {
     /// Where the chain stands with no joint at a stop, by the ground growing under it; or why it was not found.
     pub(super) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
-        let Sample::Known { height, .. } =
-            self.ground.sample(pose.x, pose.y, Interpolation::Bilinear)
-        else {
+        let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };
-        let growth = Growth {
-            settler: self,
-            pose,
-            steering,
-            datum: height,
-        };
+        let growth = Growth { settler: self, pose, steering, datum: height };
         growth.followed()
     }
 }
@@ -93,10 +86,7 @@ impl<'a> Growth<'a, '_> {
         let state: State = std::array::from_fn(|k| point[k]);
         let over = [share, self.datum];
         let touches = Touches::over_part(ground, chain, self.pose, &state, self.steering, over)?;
-        let mut look = Look {
-            gaps: SVector::zeros(),
-            slopes: SMatrix::identity(),
-        };
+        let mut look = Look { gaps: SVector::zeros(), slopes: SMatrix::identity() };
         for wheel in 0..self.count().min(MAX_WHEELS) {
             let (touch, (_, slopes)) = (&touches.wheels[wheel], touches.slopes(wheel));
             if touch.gap.is_nan() {
@@ -188,8 +178,7 @@ impl<'a> Growth<'a, '_> {
                 // It may come back: what it leads to counts.
                 lost = Status::TipsOver;
             }
-            let over = (1..3).any(|k| next[k].abs() > UPRIGHT)
-                || (3..MAX_STATE).any(|k| next[k].abs() > PI);
+            let over = (1..3).any(|k| next[k].abs() > UPRIGHT) || (3..MAX_STATE).any(|k| next[k].abs() > PI);
             if over || !(BACK..FORTH).contains(&next[MAX_STATE]) {
                 return Err(lost);
             }
@@ -216,11 +205,8 @@ impl<'a> Growth<'a, '_> {
         let between = before.lerp(after, share);
         [between, *before, *after].iter().find_map(|point| {
             let state: State = std::array::from_fn(|k| point[k]);
-            let attempt = self
-                .settler
-                .close(self.pose, self.steering, state, &Hold::NONE);
-            let upright =
-                |state: &State| state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE);
+            let attempt = self.settler.close(self.pose, self.steering, state, &Hold::NONE);
+            let upright = |state: &State| state[1..].iter().all(|angle| angle.abs() < LARGEST_ANGLE);
             attempt.filter(|attempt| attempt.closed && upright(&attempt.state))
         })
     }

@@ -23,10 +23,7 @@ const BETWEEN: f64 = 0.22;
 
 /// Sines and cosines of so many times [`BETWEEN`], up to 5 to either side.
 const SAMPLES: [[f64; 2]; 11] = {
-    let (step, mut samples) = (
-        [0.218_229_623_080_869_32, 0.975_897_449_330_605_5],
-        [[0.0, 1.0]; 11],
-    );
+    let (step, mut samples) = ([0.218_229_623_080_869_32, 0.975_897_449_330_605_5], [[0.0, 1.0]; 11]);
     let mut k = 6;
     while k < 11 {
         let [sin, cos] = samples[k - 1];
@@ -84,17 +81,9 @@ impl<S: Vector> Here<S> {
     pub fn look(&self, simd: S, plan: &Plan, ground: &Terrain, extent: &Extent<S>) -> Look<S> {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let spacing = ground.spacing();
-        let per_metre = [
-            Lanes::splat(simd, 1.0 / spacing[0]),
-            Lanes::splat(simd, 1.0 / spacing[1]),
-        ];
+        let per_metre = [Lanes::splat(simd, 1.0 / spacing[0]), Lanes::splat(simd, 1.0 / spacing[1])];
         let placing = Placing::new(simd, plan, self.yaw, &self.state, &self.steering);
-        let nothing = Found {
-            gap: zero,
-            at: [zero, unit],
-            slope: [zero; 2],
-            others: zero,
-        };
+        let nothing = Found { gap: zero, at: [zero, unit], slope: [zero; 2], others: zero };
         let mut look = Look {
             rows: [([zero; MAX_STATE], zero); MAX_WHEELS],
             found: [nothing; MAX_WHEELS],
@@ -182,12 +171,7 @@ fn sampled<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>) -> [Lanes<S>; 2
 
 /// The gap at a point of every rim.
 #[inline(always)]
-fn gap<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    rims: &Rims<S>,
-    [sin, cos]: [Lanes<S>; 2],
-) -> Lanes<S> {
+fn gap<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, [sin, cos]: [Lanes<S>; 2]) -> Lanes<S> {
     let mut at = rims.centre;
     for (k, at) in at.iter_mut().enumerate() {
         *at = *at + (rims.forward[k] * sin - rims.up[k] * cos);
@@ -202,10 +186,7 @@ fn gap<S: Vector>(
 #[inline(always)]
 fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) -> Stretch<S> {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let (low, high) = (
-        [s * cos - c * sin, c * cos + s * sin],
-        [s * cos + c * sin, c * cos - s * sin],
-    );
+    let (low, high) = ([s * cos - c * sin, c * cos + s * sin], [s * cos + c * sin, c * cos - s * sin]);
     let (starts, ends) = (zero.below(low[1]), zero.below(high[1]));
     Stretch {
         start: [starts.select(low[0], -unit), starts.select(low[1], zero)],
@@ -217,12 +198,7 @@ fn short_look<S: Vector>(simd: S, [s, c]: [Lanes<S>; 2], (sin, cos): Turned<S>) 
 /// All of the rims that may be as near to the ground as the last contact is, and whether that leaves out their upper
 /// halves: a point that is higher above the highest ground around is not.
 #[inline(always)]
-fn whole_rims<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    rims: &Rims<S>,
-    last: [Lanes<S>; 2],
-) -> (Stretch<S>, Mask<S>) {
+fn whole_rims<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, last: [Lanes<S>; 2]) -> (Stretch<S>, Mask<S>) {
     let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let margin = Lanes::splat(simd, MARGIN);
     let gap = gap(simd, ground, rims, last);
@@ -233,11 +209,7 @@ fn whole_rims<S: Vector>(
     let inverse = unit.quotient(size);
     let (cos, sin) = (rims.up[2] * inverse, -(rims.forward[2] * inverse));
     let [rear, front] = tops(simd, ground, rims, &rims.point(sin, cos));
-    let mut stretch = Stretch {
-        start: [-unit, zero],
-        end: [unit, zero],
-        margin,
-    };
+    let mut stretch = Stretch { start: [-unit, zero], end: [unit, zero], margin };
     // So far from the lowest point its height is what counts: cosine and sine of the angle.
     let near = ((rims.centre[2] - front - gap) * inverse).min(unit);
     let far = (unit - near * near).max(zero).sqrt();
@@ -248,10 +220,7 @@ fn whole_rims<S: Vector>(
     let far = (unit - near * near).max(zero).sqrt();
     let start = [sin * near - cos * far, cos * near + sin * far];
     let starts = zero.below(near) & zero.below(start[1]);
-    stretch.start = [
-        starts.select(start[0], -unit),
-        starts.select(start[1], zero),
-    ];
+    stretch.start = [starts.select(start[0], -unit), starts.select(start[1], zero)];
     (stretch, starts & ends)
 }
 
@@ -278,10 +247,7 @@ fn tops<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, lowest: &Point<S>)
 fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) -> Lanes<S> {
     let (zero, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, f64::INFINITY));
     let [rows, columns] = ground.shape();
-    let last = [
-        Lanes::splat(simd, columns as f64 - 2.0),
-        Lanes::splat(simd, rows as f64 - 2.0),
-    ];
+    let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
     // False where a number is none.
     let on_map = zero.at_most(low[0])
         & zero.at_most(low[1])
@@ -298,12 +264,7 @@ fn top<S: Vector>(simd: S, ground: &Terrain, [low, high]: [[Lanes<S>; 2]; 2]) ->
         return (on_map & fits).select(-minus_highest, far);
     }
     let inside = spread(on_map.select(Lanes::splat(simd, 1.0), zero));
-    let (x0, y0, x1, y1) = (
-        spread(low[0]),
-        spread(low[1]),
-        spread(high[0]),
-        spread(high[1]),
-    );
+    let (x0, y0, x1, y1) = (spread(low[0]), spread(low[1]), spread(high[0]), spread(high[1]));
     let mut top = [f64::INFINITY; MOST];
     for lane in 0..S::F64_LANES {
         if inside[lane] > 0.0 {
@@ -341,18 +302,9 @@ mod tests {
         /// The angles at which the stretch begins and ends, and whether it leaves out the upper half.
         #[inline(always)]
         fn run<S: Vector>(self, simd: S) -> Self::Output {
-            let Case {
-                centre,
-                forward,
-                up,
-                last,
-            } = self.1;
+            let Case { centre, forward, up, last } = self.1;
             let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
-            let rims = Rims {
-                centre: all(centre),
-                forward: all(forward),
-                up: all(up),
-            };
+            let rims = Rims { centre: all(centre), forward: all(forward), up: all(up) };
             let (sin, cos) = last.sin_cos();
             let last = [Lanes::splat(simd, sin), Lanes::splat(simd, cos)];
             let (stretch, covers) = whole_rims(simd, self.0, &rims, last);
@@ -390,8 +342,7 @@ mod tests {
             };
             let gap = |angle: f64| {
                 let (sin, cos) = angle.sin_cos();
-                let [x, y, z] =
-                    [0, 1, 2].map(|k| case.centre[k] + case.forward[k] * sin - case.up[k] * cos);
+                let [x, y, z] = [0, 1, 2].map(|k| case.centre[k] + case.forward[k] * sin - case.up[k] * cos);
                 let cell = ground.cell(x as usize, y as usize);
                 z - cell.height(x.fract(), y.fract())
             };

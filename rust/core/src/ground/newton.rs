@@ -29,10 +29,7 @@ pub(crate) struct Hold {
 
 impl Hold {
     /// Nothing held, nothing in the air.
-    pub const NONE: Self = Self {
-        joints: [None; MAX_FREE],
-        hanging: 0,
-    };
+    pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
     /// Whether a wheel touches.
     pub fn touches(&self, wheel: usize) -> bool {
@@ -52,11 +49,7 @@ pub(crate) struct System<const RIGHT: usize> {
 
 impl<const RIGHT: usize> System<RIGHT> {
     pub fn empty() -> Self {
-        Self {
-            rows: [[0.0; MAX_STATE]; MAX_WHEELS],
-            right: [[0.0; RIGHT]; MAX_WHEELS],
-            count: 0,
-        }
+        Self { rows: [[0.0; MAX_STATE]; MAX_WHEELS], right: [[0.0; RIGHT]; MAX_WHEELS], count: 0 }
     }
 
     /// Adds an equation.
@@ -71,8 +64,7 @@ impl<const RIGHT: usize> System<RIGHT> {
     pub fn solve(mut self) -> Option<[[f64; RIGHT]; MAX_WHEELS]> {
         let n = self.count;
         for k in 0..n {
-            let largest =
-                (k..n).max_by(|&a, &b| self.rows[a][k].abs().total_cmp(&self.rows[b][k].abs()))?;
+            let largest = (k..n).max_by(|&a, &b| self.rows[a][k].abs().total_cmp(&self.rows[b][k].abs()))?;
             self.rows.swap(k, largest);
             self.right.swap(k, largest);
             let pivot = self.rows[k][k];
@@ -120,11 +112,7 @@ impl<'a> Settler<'a> {
         let wheels = (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel));
         wheels.fold(0.0, |worst: f64, wheel| {
             let gap = touches.wheels[wheel].gap.abs();
-            if gap.is_nan() {
-                f64::INFINITY
-            } else {
-                worst.max(gap)
-            }
+            if gap.is_nan() { f64::INFINITY } else { worst.max(gap) }
         })
     }
 
@@ -143,8 +131,7 @@ impl<'a> Settler<'a> {
         near: Option<&Touches<'a>>,
     ) -> Option<Touches<'a>> {
         let mut touches = Touches::nowhere(self.chain);
-        self.look(&mut touches, pose, state, steering, part, near)
-            .map(|()| touches)
+        self.look(&mut touches, pose, state, steering, part, near).map(|()| touches)
     }
 
     /// The same, written over what is there.
@@ -162,13 +149,7 @@ impl<'a> Settler<'a> {
     }
 
     /// Closes the gaps from a start. None where the differential does not reach.
-    pub(crate) fn close(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        start: State,
-        hold: &Hold,
-    ) -> Option<Attempt<'a>> {
+    pub(crate) fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
         let (mut part, mut stalls) = (Part::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
@@ -189,11 +170,7 @@ impl<'a> Settler<'a> {
                     worst = self.worst(here, hold);
                 }
                 if worst <= tolerance {
-                    return Some(Attempt {
-                        state,
-                        touches: here.clone(),
-                        closed: true,
-                    });
+                    return Some(Attempt { state, touches: here.clone(), closed: true });
                 }
             }
             let step = worst.is_finite().then(|| self.step(here, hold)).flatten();
@@ -236,28 +213,14 @@ impl<'a> Settler<'a> {
             (state, worst) = (trial, size);
             std::mem::swap(&mut here, &mut best);
         }
-        Some(Attempt {
-            state,
-            touches: here.clone(),
-            closed: false,
-        })
+        Some(Attempt { state, touches: here.clone(), closed: false })
     }
 
     /// A state whose gaps are as small as rounding lets them be, looked at once more all along the rims.
-    fn accept(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        state: State,
-        hold: &Hold,
-    ) -> Option<Attempt<'a>> {
+    fn accept(&self, pose: PlanPose, steering: &[f64], state: State, hold: &Hold) -> Option<Attempt<'a>> {
         let touches = self.touches(pose, &state, steering, Part::Whole, None)?;
         let closed = self.worst(&touches, hold) < 1e-10;
-        Some(Attempt {
-            state,
-            touches,
-            closed,
-        })
+        Some(Attempt { state, touches, closed })
     }
 
     /// Newton's step, no longer than [`LARGEST_TURN`].
@@ -277,9 +240,7 @@ impl<'a> Settler<'a> {
         for (value, k) in solution.iter().zip(loose(count, hold)) {
             step[k] = value[0];
         }
-        let turn = step[1..]
-            .iter()
-            .fold(0.0, |most: f64, turn| most.max(turn.abs()));
+        let turn = step[1..].iter().fold(0.0, |most: f64, turn| most.max(turn.abs()));
         if turn > LARGEST_TURN {
             step = step.map(|value| value * (LARGEST_TURN / turn));
         }
@@ -287,13 +248,7 @@ impl<'a> Settler<'a> {
     }
 
     /// A state to start from: every wheel's centre one radius above the ground below it.
-    pub(crate) fn guess(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        mut state: State,
-        hold: &Hold,
-    ) -> Option<State> {
+    pub(crate) fn guess(&self, pose: PlanPose, steering: &[f64], mut state: State, hold: &Hold) -> Option<State> {
         let count = self.chain.state_count();
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {
             *angle = held.unwrap_or(*angle);
@@ -304,13 +259,8 @@ impl<'a> Settler<'a> {
             let mut system = System::<1>::empty();
             let (mut missing, mut mean) = (0.0, 0.0);
             for wheel in (0..self.chain.wheels().len()).filter(|&wheel| hold.touches(wheel)) {
-                let (centre, radius) = (
-                    placed.wheel(wheel).centre,
-                    self.chain.wheels()[wheel].radius,
-                );
-                let sample = self
-                    .ground
-                    .sample(centre.x, centre.y, Interpolation::Bilinear);
+                let (centre, radius) = (placed.wheel(wheel).centre, self.chain.wheels()[wheel].radius);
+                let sample = self.ground.sample(centre.x, centre.y, Interpolation::Bilinear);
                 let Sample::Known { height, .. } = sample else {
                     missing += 1.0;
                     continue;

@@ -63,12 +63,7 @@ impl Plan {
         if chain.wheels().len() != chain.state_count() {
             return None;
         }
-        let mut plan = Self {
-            parts: Vec::new(),
-            wheels: Vec::new(),
-            movers: Vec::new(),
-            columns: Vec::new(),
-        };
+        let mut plan = Self { parts: Vec::new(), wheels: Vec::new(), movers: Vec::new(), columns: Vec::new() };
         // Where a part went, and how far its origin lies from the origin of that.
         let mut places: Vec<(Option<usize>, [f64; 3])> = Vec::new();
         for part in chain.parts() {
@@ -87,12 +82,7 @@ impl Plan {
             let unit = |axis: &usize| (0..3).all(|k| part.axis[k] == f64::from(k == *axis));
             let axis = (0..3).find(unit)?;
             places.push((Some(plan.parts.len()), [0.0; 3]));
-            plan.parts.push(Part {
-                parent,
-                origin,
-                axis,
-                turn,
-            });
+            plan.parts.push(Part { parent, origin, axis, turn });
         }
         for wheel in chain.wheels() {
             let (part, offset) = wheel.part.map_or((None, [0.0; 3]), |k| places[k]);
@@ -137,11 +127,7 @@ pub(super) fn dot<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
 
 #[inline(always)]
 fn cross<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline(always)]
@@ -234,9 +220,7 @@ impl<'a, S: Vector> Placing<'a, S> {
             };
             let frame = &mut rest[0];
             let (sin, cos) = match part.turn {
-                Turn::Free(joint, sign) => {
-                    (free[joint].0 * Lanes::splat(simd, sign), free[joint].1)
-                }
+                Turn::Free(joint, sign) => (free[joint].0 * Lanes::splat(simd, sign), free[joint].1),
                 Turn::Steering(joint) => steering[joint],
             };
             let (first, second) = ((part.axis + 1) % 3, (part.axis + 2) % 3);
@@ -250,39 +234,18 @@ impl<'a, S: Vector> Placing<'a, S> {
             axes[k] = parent.columns[part.axis];
             origins[k] = frame.origin;
         }
-        let nowhere = WheelAt {
-            centre: [zero; 3],
-            forward: [zero; 3],
-            up: [zero; 3],
-        };
+        let nowhere = WheelAt { centre: [zero; 3], forward: [zero; 3], up: [zero; 3] };
         let mut wheels = [nowhere; MAX_WHEELS];
         for (at, wheel) in wheels.iter_mut().zip(&plan.wheels) {
             let frame = wheel.part.map_or(&body, |part| &frames[part]);
-            *at = WheelAt {
-                centre: frame.point(simd, wheel.centre),
-                forward: frame.columns[0],
-                up: frame.columns[2],
-            };
+            *at = WheelAt { centre: frame.point(simd, wheel.centre), forward: frame.columns[0], up: frame.columns[2] };
         }
-        Self {
-            plan,
-            roll_axis: body.columns[0],
-            pitch_axis: [-sy, cy, zero],
-            axes,
-            origins,
-            wheels,
-        }
+        Self { plan, roll_axis: body.columns[0], pitch_axis: [-sy, cy, zero], axes, origins, wheels }
     }
 
     /// How the gap of a wheel changes with the state, at a point of its rim over ground with this gradient.
     #[inline(always)]
-    pub fn slopes(
-        &self,
-        simd: S,
-        wheel: usize,
-        point: Vectors<S>,
-        gradient: [Lanes<S>; 2],
-    ) -> [Lanes<S>; MAX_STATE] {
+    pub fn slopes(&self, simd: S, wheel: usize, point: Vectors<S>, gradient: [Lanes<S>; 2]) -> [Lanes<S>; MAX_STATE] {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let upwards = [-gradient[0], -gradient[1], unit];
         let moment = cross(point, upwards);
@@ -293,8 +256,7 @@ impl<'a, S: Vector> Placing<'a, S> {
         for mover in &self.plan.movers[wheel] {
             let arm = less(point, self.origins[mover.part]);
             let slope = dot(self.axes[mover.part], cross(arm, upwards));
-            slopes[3 + mover.joint] =
-                Lanes::splat(simd, mover.sign).mul_add(slope, slopes[3 + mover.joint]);
+            slopes[3 + mover.joint] = Lanes::splat(simd, mover.sign).mul_add(slope, slopes[3 + mover.joint]);
         }
         slopes
     }
@@ -323,9 +285,7 @@ pub(super) fn solve<S: Vector>(simd: S, plan: &Plan, rows: &mut Rows<S>) -> [Lan
         left &= !(1 << pivot);
         let rest = those & left;
         for row in (0..plan.wheels.len()).filter(|row| rest >> row & 1 == 1) {
-            let larger = rows[pivot].0[*column]
-                .abs()
-                .below(rows[row].0[*column].abs());
+            let larger = rows[pivot].0[*column].abs().below(rows[row].0[*column].abs());
             for k in 0..MAX_STATE {
                 exchange(larger, rows, [pivot, row], |row| &mut row.0[k]);
             }

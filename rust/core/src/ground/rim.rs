@@ -54,21 +54,12 @@ pub struct Rim {
 
 impl Rim {
     /// Nothing yet.
-    pub(crate) const NOTHING: Self = Self {
-        least: None,
-        next: None,
-        unknown: false,
-        outside: false,
-        bound: f64::INFINITY,
-    };
+    pub(crate) const NOTHING: Self =
+        Self { least: None, next: None, unknown: false, outside: false, bound: f64::INFINITY };
 
     /// One minimum over ground that is known all along.
     pub(crate) fn of(minimum: Minimum) -> Self {
-        Self {
-            least: Some(minimum),
-            bound: minimum.gap,
-            ..Self::NOTHING
-        }
+        Self { least: Some(minimum), bound: minimum.gap, ..Self::NOTHING }
     }
 
     /// Takes in another minimum.
@@ -104,19 +95,12 @@ pub(crate) fn walk(ground: &Terrain, circle: &Circle, part: Part, near: Directio
     rim.bound = gap_at(ground, circle, near);
     half(ground, circle, &mut rim);
     if part == Part::Whole && upper_half_matters(ground, circle, rim.bound) {
-        let turned = Circle {
-            forward: circle.forward.map(|x| -x),
-            up: circle.up.map(|x| -x),
-            ..*circle
-        };
+        let turned = Circle { forward: circle.forward.map(|x| -x), up: circle.up.map(|x| -x), ..*circle };
         let mut upper = Rim::NOTHING;
         upper.bound = rim.bound;
         half(ground, &turned, &mut upper);
         for mut minimum in [upper.least, upper.next].into_iter().flatten() {
-            minimum.at = Direction {
-                sin: -minimum.at.sin,
-                cos: -minimum.at.cos,
-            };
+            minimum.at = Direction { sin: -minimum.at.sin, cos: -minimum.at.cos };
             rim.offer(minimum);
         }
         rim.unknown |= upper.unknown;
@@ -135,16 +119,10 @@ fn gap_at(ground: &Terrain, circle: &Circle, at: Direction) -> f64 {
     }
     let [rows, columns] = ground.shape();
     let (column, row) = ((x as usize).min(columns - 2), (y as usize).min(rows - 2));
-    let height = ground
-        .cell(column, row)
-        .height(x - column as f64, y - row as f64);
+    let height = ground.cell(column, row).height(x - column as f64, y - row as f64);
     let gap = rise(circle, at) - height;
     // What rounding may take away from the minimum beside it.
-    if gap.is_nan() {
-        f64::INFINITY
-    } else {
-        gap + 1e-12 * (1.0 + height.abs())
-    }
+    if gap.is_nan() { f64::INFINITY } else { gap + 1e-12 * (1.0 + height.abs()) }
 }
 
 /// Height of a point of the rim [m].
@@ -160,10 +138,7 @@ pub(crate) fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) ->
     let [rows, columns] = ground.shape();
     let low = [(x - rx).floor(), (y - ry).floor()];
     let high = [(x + rx).ceil(), (y + ry).ceil()];
-    let inside = low[0] >= 0.0
-        && low[1] >= 0.0
-        && high[0] <= (columns - 1) as f64
-        && high[1] <= (rows - 1) as f64;
+    let inside = low[0] >= 0.0 && low[1] >= 0.0 && high[0] <= (columns - 1) as f64 && high[1] <= (rows - 1) as f64;
     if !inside {
         return true;
     }
@@ -176,11 +151,7 @@ pub(crate) fn upper_half_matters(ground: &Terrain, circle: &Circle, gap: f64) ->
         }
     }
     // The lowest point of the upper half, if the wheel stands upright, is one of its ends.
-    let lowest = z - if circle.up[2] >= 0.0 {
-        circle.forward[2].abs()
-    } else {
-        reach(2)
-    };
+    let lowest = z - if circle.up[2] >= 0.0 { circle.forward[2].abs() } else { reach(2) };
     !known || lowest - top < gap + TIE
 }
 
@@ -200,11 +171,7 @@ impl Arc<'_> {
     }
 
     fn minimum(&self, at: Direction, gap: f64) -> Minimum {
-        Minimum {
-            gap,
-            at,
-            slope: self.slope(at),
-        }
+        Minimum { gap, at, slope: self.slope(at) }
     }
 
     /// Offers every minimum inside the arc that may be the least.
@@ -250,11 +217,7 @@ impl Arc<'_> {
             if slope.abs() <= 1e-15 * self.gap.fourth || step == 0.0 {
                 break;
             }
-            at = if inside {
-                next
-            } else {
-                between(low, high, 0.5)
-            };
+            at = if inside { next } else { between(low, high, 0.5) };
             if inside && step.abs() < 1e-9 || cross(low, high) < 1e-15 {
                 break; // the next step would be 1e-18
             }
@@ -308,31 +271,13 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
             continue;
         }
         let corner = [x as usize as f64, y as usize as f64];
-        let arc = Arc {
-            gap: Gap::new(&cell, circle, corner),
-            cell: &cell,
-            circle,
-            corner,
-        };
+        let arc = Arc { gap: Gap::new(&cell, circle, corner), cell: &cell, circle, corner };
         let mut start = from;
         let mut jet = arc.gap.jet(start);
-        edge(
-            before.take(),
-            Some(End {
-                at: start,
-                gap: jet[0],
-                rise: jet[1],
-                slope: arc.slope(start),
-            }),
-            rim,
-        );
+        edge(before.take(), Some(End { at: start, gap: jet[0], rise: jet[1], slope: arc.slope(start) }), rim);
         loop {
             let whole = start.sin * to.sin + start.cos * to.cos >= REST;
-            let end = if whole {
-                to
-            } else {
-                turned(start, LONGEST_ARC)
-            };
+            let end = if whole { to } else { turned(start, LONGEST_ARC) };
             let last = arc.gap.jet(end);
             arc.search([start, end], [jet, last], angle(start, end), rim);
             (start, jet) = (end, last);
@@ -343,12 +288,7 @@ fn half(ground: &Terrain, circle: &Circle, rim: &mut Rim) {
                 rim.offer(arc.minimum(start, jet[0]));
             }
         }
-        before = Some(End {
-            at: to,
-            gap: jet[0],
-            rise: jet[1],
-            slope: arc.slope(to),
-        });
+        before = Some(End { at: to, gap: jet[0], rise: jet[1], slope: arc.slope(to) });
     }
     edge(before, None, rim);
 }

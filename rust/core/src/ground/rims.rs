@@ -16,17 +16,8 @@ use crate::terrain::Terrain;
 use crate::wheels::Direction;
 
 /// The least gap of every circle; None in doubt.
-pub(crate) fn walk(
-    level: Level,
-    ground: &Terrain,
-    circles: &[Circle; RIMS],
-    count: usize,
-) -> [Option<Minimum>; RIMS] {
-    let kernel = Walk {
-        ground,
-        circles,
-        count,
-    };
+pub(crate) fn walk(level: Level, ground: &Terrain, circles: &[Circle; RIMS], count: usize) -> [Option<Minimum>; RIMS] {
+    let kernel = Walk { ground, circles, count };
     level.run(kernel).unwrap_or([None; RIMS])
 }
 
@@ -53,12 +44,7 @@ impl Kernel for Walk<'_> {
 
 /// One number of every circle.
 #[inline(always)]
-fn column<S: Vector>(
-    simd: S,
-    circles: &[Circle; RIMS],
-    first: usize,
-    number: impl Fn(&Circle) -> f64,
-) -> Lanes<S> {
+fn column<S: Vector>(simd: S, circles: &[Circle; RIMS], first: usize, number: impl Fn(&Circle) -> f64) -> Lanes<S> {
     let mut values = [0.0; RIMS];
     for lane in 0..S::F64_LANES {
         values[lane] = number(&circles[(first + lane).min(RIMS - 1)]);
@@ -75,11 +61,7 @@ fn one<S: Vector>(
     found: &mut [Option<Minimum>; RIMS],
 ) {
     let zero = Lanes::splat(simd, 0.0);
-    let mut rims = Rims {
-        centre: [zero; 3],
-        forward: [zero; 3],
-        up: [zero; 3],
-    };
+    let mut rims = Rims { centre: [zero; 3], forward: [zero; 3], up: [zero; 3] };
     for k in 0..3 {
         rims.centre[k] = column(simd, circles, first, |circle| circle.centre[k]);
         rims.forward[k] = column(simd, circles, first, |circle| circle.forward[k]);
@@ -94,10 +76,7 @@ fn one<S: Vector>(
         if sure[lane] > 0.0 {
             found[first + lane] = Some(Minimum {
                 gap: gap[lane],
-                at: Direction {
-                    sin: sin[lane],
-                    cos: cos[lane],
-                },
+                at: Direction { sin: sin[lane], cos: cos[lane] },
                 slope: [slope[0][lane], slope[1][lane]],
             });
         }
@@ -122,11 +101,7 @@ mod tests {
         #[inline(always)]
         fn run<S: Vector>(self, simd: S) -> f64 {
             let all = |numbers: [f64; 3]| numbers.map(|number| Lanes::splat(simd, number));
-            let rims = Rims {
-                centre: all(self.1.centre),
-                forward: all(self.1.forward),
-                up: all(self.1.up),
-            };
+            let rims = Rims { centre: all(self.1.centre), forward: all(self.1.forward), up: all(self.1.up) };
             let [start, end] = self.2.map(|angle| {
                 let (sin, cos) = angle.sin_cos();
                 [Lanes::splat(simd, sin), Lanes::splat(simd, cos)]
@@ -143,11 +118,7 @@ mod tests {
         let heights = (0..81).map(|k| if k % 9 < 2 && k < 18 { 0.5 } else { 0.0 });
         let heights = Heights::Double(Arc::new(heights.collect()));
         let ground = Terrain::new(heights, 9, [1.0, 1.0], [0.0, 0.0], 0.0)?;
-        let circle = Circle {
-            centre: [5.5, 5.5, 1.0],
-            forward: [0.4, 0.0, 0.0],
-            up: [0.0, 0.0, 0.4],
-        };
+        let circle = Circle { centre: [5.5, 5.5, 1.0], forward: [0.4, 0.0, 0.0], up: [0.0, 0.0, 0.4] };
         for level in Level::available() {
             assert_eq!(level.run_any(Look(&ground, circle, [0.2, 0.7])), FAR);
             let least = level.run_any(Look(&ground, circle, [-0.3, 0.7]));

@@ -33,11 +33,7 @@ impl<S: Vector> Stretch<S> {
     #[inline(always)]
     pub fn lower(simd: S) -> Self {
         let (zero, unit) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        Self {
-            start: [-unit, zero],
-            end: [unit, zero],
-            margin: Lanes::splat(simd, TIE),
-        }
+        Self { start: [-unit, zero], end: [unit, zero], margin: Lanes::splat(simd, TIE) }
     }
 }
 
@@ -95,26 +91,13 @@ fn crossing<S: Vector>(
     let w = turns.select(sign, w);
     let v = sign * (one - w * w).max(zero).sqrt();
     let (sin, cos) = (w * p + v * q, v * p - w * q);
-    (
-        zero.below(cos).select(sin, Lanes::splat(simd, 2.0)),
-        cos,
-        turns,
-    )
+    (zero.below(cos).select(sin, Lanes::splat(simd, 2.0)), cos, turns)
 }
 
 /// Walks along a stretch of every rim.
 #[inline(always)]
-pub(super) fn search<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    rims: &Rims<S>,
-    stretch: &Stretch<S>,
-) -> Found<S> {
-    let (zero, unit, far) = (
-        Lanes::splat(simd, 0.0),
-        Lanes::splat(simd, 1.0),
-        Lanes::splat(simd, FAR),
-    );
+pub(super) fn search<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, stretch: &Stretch<S>) -> Found<S> {
+    let (zero, unit, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, FAR));
     let mut size = [zero; 3];
     for (k, size) in size.iter_mut().enumerate() {
         let (h, u) = (rims.forward[k], rims.up[k]);
@@ -143,15 +126,7 @@ pub(super) fn search<S: Vector>(
     // Over ground that is not known, where doubt is no number.
     let mut blind = unit.below(zero);
     let mut before: (Mask<S>, Lanes<S>, [Lanes<S>; 2]) = (unit.below(zero), zero, [zero; 2]);
-    let nothing = Slot {
-        bound: far,
-        sin: zero,
-        cos: unit,
-        length: zero,
-        share: zero,
-        column: zero,
-        row: zero,
-    };
+    let nothing = Slot { bound: far, sin: zero, cos: unit, length: zero, share: zero, column: zero, row: zero };
     let mut slots = [nothing; 2];
     for _ in 0..STEPS {
         let cell = cells(simd, ground, cell_at[0], cell_at[1]);
@@ -166,21 +141,14 @@ pub(super) fn search<S: Vector>(
         let back = sin.below(start.sin);
         (sin, cos) = (back.select(start.sin, sin), back.select(start.cos, cos));
         // Half a radian on.
-        let (half_sin, half_cos) = (
-            Lanes::splat(simd, 0.479_425_538_604_203),
-            Lanes::splat(simd, 0.877_582_561_890_372_8),
-        );
-        let (on_sin, on_cos) = (
-            start.sin * half_cos + start.cos * half_sin,
-            start.cos * half_cos - start.sin * half_sin,
-        );
+        let (half_sin, half_cos) =
+            (Lanes::splat(simd, 0.479_425_538_604_203), Lanes::splat(simd, 0.877_582_561_890_372_8));
+        let (on_sin, on_cos) =
+            (start.sin * half_cos + start.cos * half_sin, start.cos * half_cos - start.sin * half_sin);
         let splits = on_sin.below(sin) & zero.below(on_cos);
         (sin, cos) = (splits.select(on_sin, sin), splits.select(on_cos, cos));
         let last = stretch.end[0].at_most(sin);
-        (sin, cos) = (
-            last.select(stretch.end[0], sin),
-            last.select(stretch.end[1], cos),
-        );
+        (sin, cos) = (last.select(stretch.end[0], sin), last.select(stretch.end[1], cos));
         let end = rims.point(sin, cos);
 
         let from = both!(k, rims.centre[k] - cell_at[k]);
@@ -197,10 +165,7 @@ pub(super) fn search<S: Vector>(
         let real = active & Lanes::splat(simd, POINT).below(turn);
         let length = turn * turn.mul_add(turn * Lanes::splat(simd, 0.19), unit);
         let eighth = length * length * Lanes::splat(simd, 0.125);
-        let (along, across) = (
-            cell.twist.mul_add(from[1], cell.along),
-            cell.twist.mul_add(from[0], cell.across),
-        );
+        let (along, across) = (cell.twist.mul_add(from[1], cell.along), cell.twist.mul_add(from[0], cell.across));
         let fourth = size[2]
             + along.abs() * size[0]
             + across.abs() * size[1]
@@ -213,21 +178,15 @@ pub(super) fn search<S: Vector>(
         // Where the gap rises or falls all along there is nothing inside.
         let bent = length * least;
         let steady = zero.below(left.rise + bent) | (right.rise - bent).below(zero);
-        let low =
-            real & zero.below(most) & bound.at_most(best + stretch.margin) & (convex | !steady);
+        let low = real & zero.below(most) & bound.at_most(best + stretch.margin) & (convex | !steady);
         // Parabolas from its ends say how low another one may be.
         let bent = bent * Lanes::splat(simd, 0.5);
-        let other = (left.rise + bent)
-            .mul_add(length, left.gap)
-            .max((bent - right.rise).mul_add(length, right.gap))
-            .max(bound);
+        let other =
+            (left.rise + bent).mul_add(length, left.gap).max((bent - right.rise).mul_add(length, right.gap)).max(bound);
         doubt = (low & !convex).select(doubt.min(other), doubt);
         let dips = left.rise.below(zero) & zero.below(right.rise);
         // Parabolas through both ends, bent as little as the gap is anywhere on the arc, are below it.
-        let (bend, turn) = (
-            least.max(Lanes::splat(simd, 1e-12)),
-            dips.select(left.rise - right.rise, -unit),
-        );
+        let (bend, turn) = (least.max(Lanes::splat(simd, 1e-12)), dips.select(left.rise - right.rise, -unit));
         let inverse = unit.quotient(bend * turn);
         let depth = turn * inverse * Lanes::splat(simd, -0.5);
         let bound = (left.rise * left.rise)
@@ -247,16 +206,9 @@ pub(super) fn search<S: Vector>(
         // The two lowest are kept, of the others only how low they may be.
         let first_slot = inner & bound.below(slots[0].bound);
         let second_slot = inner & !first_slot & bound.below(slots[1].bound);
-        let dropped = first_slot.select(
-            slots[1].bound,
-            second_slot.select(slots[1].bound, inner.select(bound, far)),
-        );
+        let dropped = first_slot.select(slots[1].bound, second_slot.select(slots[1].bound, inner.select(bound, far)));
         doubt = doubt.min(dropped);
-        slots[1] = Slot::pick(
-            first_slot,
-            &slots[0],
-            &Slot::pick(second_slot, &slot, &slots[1]),
-        );
+        slots[1] = Slot::pick(first_slot, &slots[0], &Slot::pick(second_slot, &slot, &slots[1]));
         slots[0] = Slot::pick(first_slot, &slot, &slots[0]);
 
         // The crease between the last arc and this one.
@@ -264,10 +216,7 @@ pub(super) fn search<S: Vector>(
         let crease = real & was & rise.at_most(zero) & zero.at_most(left.rise);
         let turned = left.rise - rise;
         let some = zero.below(turned);
-        let share = some.select(
-            left.rise.quotient(some.select(turned, unit)),
-            Lanes::splat(simd, 0.5),
-        );
+        let share = some.select(left.rise.quotient(some.select(turned, unit)), Lanes::splat(simd, 0.5));
         let better = crease & left.gap.below(best);
         second = better.select(best, crease.select(second.min(left.gap), second));
         best = better.select(left.gap, best);
@@ -281,11 +230,7 @@ pub(super) fn search<S: Vector>(
         let begins = real & !was;
         doubt = begins.select(doubt.min(left.gap), doubt);
         doubt = (active & last).select(doubt.min(right.gap), doubt);
-        before = (
-            was | real,
-            real.select(right.rise, rise),
-            both!(k, real.select(right.slope[k], slope[k])),
-        );
+        before = (was | real, real.select(right.rise, rise), both!(k, real.select(right.slope[k], slope[k])));
 
         active = active & !last;
         if !active.any() {
@@ -315,12 +260,7 @@ pub(super) fn search<S: Vector>(
         best_cos = better.select(at.cos, best_cos);
         best_slope = both!(k, better.select(jet.slope[k], best_slope[k]));
     }
-    Found {
-        gap: best,
-        at: [best_sin, best_cos],
-        slope: best_slope,
-        others: doubt.min(second),
-    }
+    Found { gap: best, at: [best_sin, best_cos], slope: best_slope, others: doubt.min(second) }
 }
 
 /// `1 - x / a (1 - x / b (..))`: sine over angle, and cosine, of a squared angle.
@@ -338,17 +278,8 @@ fn series<S: Vector, const N: usize>(simd: S, square: Lanes<S>, divisors: [f64; 
 /// The minimum inside a convex arc, by Chebyshev's method (Newton's, of third order) inside its bracket, and whether it
 /// was found.
 #[inline(always)]
-fn bottom<S: Vector>(
-    simd: S,
-    ground: &Terrain,
-    rims: &Rims<S>,
-    slot: &Slot<S>,
-) -> (Point<S>, Jet<S>, Mask<S>) {
-    let (zero, unit, half) = (
-        Lanes::splat(simd, 0.0),
-        Lanes::splat(simd, 1.0),
-        Lanes::splat(simd, 0.5),
-    );
+fn bottom<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, slot: &Slot<S>) -> (Point<S>, Jet<S>, Mask<S>) {
+    let (zero, unit, half) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.5));
     let cell = cells(simd, ground, slot.column, slot.row);
     let from = [rims.centre[0] - slot.column, rims.centre[1] - slot.row];
     let (mut low, mut high) = (zero, slot.length);

@@ -30,13 +30,7 @@ pub enum Status {
 
 impl Status {
     /// Every status that is told, in the order of its codes.
-    pub const ALL: [Self; 5] = [
-        Self::Settled,
-        Self::AtStop,
-        Self::OffMap,
-        Self::UnknownCells,
-        Self::NotConverged,
-    ];
+    pub const ALL: [Self; 5] = [Self::Settled, Self::AtStop, Self::OffMap, Self::UnknownCells, Self::NotConverged];
 
     /// The name Python knows it by.
     pub fn name(self) -> &'static str {
@@ -64,9 +58,7 @@ impl Status {
             Self::OffMap => "the rim of a wheel leaves the map",
             Self::UnknownCells => "the rim of a wheel lies over ground that is not known",
             Self::NotConverged => "no state was found that closes the gaps",
-            Self::TipsOver => {
-                "as the ground grows from flat to what it is, the rover or a bogie tips over"
-            }
+            Self::TipsOver => "as the ground grows from flat to what it is, the rover or a bogie tips over",
         }
     }
 
@@ -107,12 +99,7 @@ pub struct Settled<'a> {
 impl<'a> Settler<'a> {
     /// A chain with its weight where [`Chain::balance`] says.
     pub fn new(ground: &'a Terrain, chain: &'a Chain) -> Self {
-        Self {
-            ground,
-            chain,
-            balance: chain.balance(),
-            level: Level::best(),
-        }
+        Self { ground, chain, balance: chain.balance(), level: Level::best() }
     }
 
     /// Where the chain settles at a pose with these steering angles (none of them if all are 0). Fails where a
@@ -129,12 +116,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The same, from a state that may be the answer.
-    pub(super) fn settle_near(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        near: Option<State>,
-    ) -> Settled<'a> {
+    pub(super) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Settled<'a> {
         if self.chain.wheels().len() > self.chain.state_count() {
             // More wheels than can touch: which ones do is a question like that of stops.
             let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
@@ -163,22 +145,15 @@ impl<'a> Settler<'a> {
         let ends = ranges().any(|range| range.lower.is_finite() || range.upper.is_finite());
         let lost = matches!(reason, Status::NotConverged | Status::TipsOver);
         let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
-        let standing = start
-            .filter(|_| ends && lost)
-            .and_then(|start| self.stand(pose, steering, &start, [0; MAX_FREE]));
+        let standing =
+            start.filter(|_| ends && lost).and_then(|start| self.stand(pose, steering, &start, [0; MAX_FREE]));
         standing.map_or_else(
             || self.failed(reason),
             |standing| self.settled(standing.attempt, standing.stops, standing.hold.hanging),
         )
     }
 
-    fn standing(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        near: &State,
-        stops: Stops,
-    ) -> Settled<'a> {
+    fn standing(&self, pose: PlanPose, steering: &[f64], near: &State, stops: Stops) -> Settled<'a> {
         match self.stand(pose, steering, near, stops) {
             Some(standing) => self.settled(standing.attempt, standing.stops, standing.hold.hanging),
             None => self.failed(self.reason(pose, steering, near)),
@@ -220,8 +195,7 @@ impl<'a> Settler<'a> {
     /// Why a chain does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
         let part = super::rim::Part::Whole;
-        self.touches(pose, near, steering, part, None)
-            .map_or(Status::NotConverged, |touches| reason_of(&touches))
+        self.touches(pose, near, steering, part, None).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 
     fn settled(&self, attempt: Attempt<'a>, stops: Stops, hanging: u32) -> Settled<'a> {
@@ -229,28 +203,12 @@ impl<'a> Settler<'a> {
         if reason != Status::NotConverged {
             return self.failed(reason);
         }
-        let status = if stops == [0; MAX_FREE] {
-            Status::Settled
-        } else {
-            Status::AtStop
-        };
-        Settled {
-            status,
-            state: attempt.state,
-            touches: Some(attempt.touches),
-            stops,
-            hanging,
-        }
+        let status = if stops == [0; MAX_FREE] { Status::Settled } else { Status::AtStop };
+        Settled { status, state: attempt.state, touches: Some(attempt.touches), stops, hanging }
     }
 
     fn failed(&self, status: Status) -> Settled<'a> {
-        Settled {
-            status,
-            state: [f64::NAN; MAX_STATE],
-            touches: None,
-            stops: [0; MAX_FREE],
-            hanging: 0,
-        }
+        Settled { status, state: [f64::NAN; MAX_STATE], touches: None, stops: [0; MAX_FREE], hanging: 0 }
     }
 }
 

@@ -49,15 +49,8 @@ pub(crate) const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
 
 impl Contact {
     /// No contact.
-    pub const NONE: Self = Self {
-        gap: f64::NAN,
-        at: Direction {
-            sin: f64::NAN,
-            cos: f64::NAN,
-        },
-        gradient: [f64::NAN; 2],
-        next: f64::NAN,
-    };
+    pub const NONE: Self =
+        Self { gap: f64::NAN, at: Direction { sin: f64::NAN, cos: f64::NAN }, gradient: [f64::NAN; 2], next: f64::NAN };
 
     /// The vector whose product with the velocity of the contact point is the rate of the gap.
     pub fn upwards(&self) -> Vector3<f64> {
@@ -123,12 +116,7 @@ impl Stand {
     }
 
     /// The chain where it stands; None where it does not.
-    pub fn place<'a>(
-        &self,
-        chain: &'a Chain,
-        pose: PlanPose,
-        steering: &[f64],
-    ) -> Option<Placed<'a>> {
+    pub fn place<'a>(&self, chain: &'a Chain, pose: PlanPose, steering: &[f64]) -> Option<Placed<'a>> {
         if !self.status.stands() {
             return None;
         }
@@ -174,11 +162,7 @@ pub fn settle(
         finite("steering", angles).map_err(|error| if one { error } else { error.at_row(k) })?;
     }
     let angles = |k: usize| {
-        if steering.len() > joints {
-            &steering[k * joints..][..joints]
-        } else {
-            steering
-        }
+        if steering.len() > joints { &steering[k * joints..][..joints] } else { steering }
     };
     let [rows, columns] = settler.ground.shape();
     if worth_lanes(poses.len()) && poses.len() * WORTH_A_PYRAMID > rows * columns {

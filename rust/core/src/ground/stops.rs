@@ -67,9 +67,7 @@ impl Standing<'_> {
 
     fn is_better_than(&self, other: Option<&Self>) -> bool {
         let worth = |standing: &Self| (standing.stands(), standing.holds());
-        other.is_none_or(|other| {
-            worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load
-        })
+        other.is_none_or(|other| worth(self) > worth(other) || worth(self) == worth(other) && self.load > other.load)
     }
 }
 
@@ -91,21 +89,13 @@ impl<'a> Settler<'a> {
     }
 
     /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
-    pub(crate) fn stand(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        near: &State,
-        first: Stops,
-    ) -> Option<Standing<'a>> {
+    pub(crate) fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<Standing<'a>> {
         let mut found: Option<Standing<'a>> = None;
         // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
         // in the air that no stop lets hang, only where loads have to decide and do not like what was found.
-        for (starts, whose) in [
-            (parts(first), Hanging::Lowered),
-            (self.all_stops(), Hanging::Lowered),
-            (self.all_stops(), Hanging::Any),
-        ] {
+        for (starts, whose) in
+            [(parts(first), Hanging::Lowered), (self.all_stops(), Hanging::Lowered), (self.all_stops(), Hanging::Any)]
+        {
             if found.as_ref().is_some_and(|found| !found.open) {
                 break;
             }
@@ -174,14 +164,7 @@ impl<'a> Settler<'a> {
                 continue;
             }
             let [load, moment] = self.least_loads(&attempt, &hold, &stops);
-            let standing = Standing {
-                attempt,
-                hold,
-                stops,
-                load,
-                moment,
-                open,
-            };
+            let standing = Standing { attempt, hold, stops, load, moment, open };
             if standing.is_better_than(best.as_ref()) {
                 best = Some(standing);
             }
@@ -190,13 +173,7 @@ impl<'a> Settler<'a> {
     }
 
     /// Gaps closed from a state nearby, or from a fresh guess.
-    fn attempt(
-        &self,
-        pose: PlanPose,
-        steering: &[f64],
-        near: &State,
-        hold: &Hold,
-    ) -> Option<Attempt<'a>> {
+    fn attempt(&self, pose: PlanPose, steering: &[f64], near: &State, hold: &Hold) -> Option<Attempt<'a>> {
         let attempt = self.close(pose, steering, *near, hold)?;
         if attempt.closed {
             return Some(attempt);
@@ -262,10 +239,7 @@ impl<'a> Settler<'a> {
             f64::from(stop) * (pushed - weight[k])
         };
         let held = stops.iter().enumerate().filter(|(_, stop)| **stop != 0);
-        [
-            loads().fold(f64::INFINITY, f64::min),
-            held.map(moment).fold(f64::INFINITY, f64::min),
-        ]
+        [loads().fold(f64::INFINITY, f64::min), held.map(moment).fold(f64::INFINITY, f64::min)]
     }
 
     /// How far the weight rises with every number of the state.
@@ -291,17 +265,14 @@ impl<'a> Settler<'a> {
         let mut all: Vec<Stops> = (0..27)
             .map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1])
             .filter(|stops| {
-                stops
-                    .iter()
-                    .enumerate()
-                    .all(|(k, &stop)| match joints.get(k) {
-                        None => stop == 0,
-                        Some(joint) => match stop {
-                            1 => joint.range.upper.is_finite(),
-                            -1 => joint.range.lower.is_finite(),
-                            _ => true,
-                        },
-                    })
+                stops.iter().enumerate().all(|(k, &stop)| match joints.get(k) {
+                    None => stop == 0,
+                    Some(joint) => match stop {
+                        1 => joint.range.upper.is_finite(),
+                        -1 => joint.range.lower.is_finite(),
+                        _ => true,
+                    },
+                })
             })
             .collect();
         all.sort_by_key(|stops| std::cmp::Reverse(held(stops)));

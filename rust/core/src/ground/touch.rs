@@ -48,22 +48,12 @@ fn circle(ground: &Terrain, frame: &WheelFrame, radius: f64) -> Circle {
         let [u, v] = ground.grid_axes([direction.x * radius, direction.y * radius]);
         [u / dx, v / dy, direction.z * radius]
     };
-    Circle {
-        centre: [x, y, frame.centre.z],
-        forward: in_grid(frame.forward),
-        up: in_grid(frame.up),
-    }
+    Circle { centre: [x, y, frame.centre.z], forward: in_grid(frame.forward), up: in_grid(frame.up) }
 }
 
 impl Touch {
     fn of(ground: &Terrain, frame: WheelFrame, radius: f64, rim: Rim) -> Self {
-        let mut touch = Self {
-            frame,
-            rim,
-            gap: f64::NAN,
-            point: frame.centre,
-            gradient: [f64::NAN; 2],
-        };
+        let mut touch = Self { frame, rim, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
         if let Some(least) = rim.least {
             touch.gap = least.gap;
             (touch.point, touch.gradient) = touch.contact(ground, radius, &least);
@@ -72,18 +62,8 @@ impl Touch {
     }
 
     /// Point and gradient of a minimum [m].
-    pub fn contact(
-        &self,
-        ground: &Terrain,
-        radius: f64,
-        minimum: &Minimum,
-    ) -> (Vector3<f64>, [f64; 2]) {
-        let WheelFrame {
-            centre,
-            forward,
-            up,
-            ..
-        } = self.frame;
+    pub fn contact(&self, ground: &Terrain, radius: f64, minimum: &Minimum) -> (Vector3<f64>, [f64; 2]) {
+        let WheelFrame { centre, forward, up, .. } = self.frame;
         let [dx, dy] = ground.spacing();
         let at = minimum.at;
         (
@@ -96,23 +76,10 @@ impl Touch {
 impl<'a> Touches<'a> {
     /// Room for a chain over the ground.
     pub(crate) fn nowhere(chain: &'a Chain) -> Self {
-        let frame = WheelFrame {
-            centre: Vector3::zeros(),
-            forward: Vector3::x(),
-            axle: Vector3::y(),
-            up: Vector3::z(),
-        };
-        let touch = Touch {
-            frame,
-            rim: Rim::NOTHING,
-            gap: f64::NAN,
-            point: frame.centre,
-            gradient: [f64::NAN; 2],
-        };
-        Self {
-            placed: chain.nowhere(),
-            wheels: [touch; MAX_WHEELS],
-        }
+        let frame =
+            WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
+        let touch = Touch { frame, rim: Rim::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
+        Self { placed: chain.nowhere(), wheels: [touch; MAX_WHEELS] }
     }
 
     /// Puts the chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
@@ -133,16 +100,13 @@ impl<'a> Touches<'a> {
         placed.put(pose, state, steering)?;
         let count = chain.wheels().len();
         // Lanes without a wheel repeat the first.
-        let frames: [WheelFrame; RIMS] =
-            std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
+        let frames: [WheelFrame; RIMS] = std::array::from_fn(|k| placed.wheel(if k < count { k } else { 0 }));
         let radius = |k: usize| chain.wheels()[if k < count { k } else { 0 }].radius;
-        let circles: [Circle; RIMS] =
-            std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
+        let circles: [Circle; RIMS] = std::array::from_fn(|k| circle(ground, &frames[k], radius(k)));
         let least = rims::walk(level, ground, &circles, count);
         for (k, touch) in wheels.iter_mut().enumerate().take(count) {
-            let sure = least[k].filter(|least| {
-                part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap)
-            });
+            let sure =
+                least[k].filter(|least| part == Part::Lower || !upper_half_matters(ground, &circles[k], least.gap));
             let rim = sure.map_or_else(
                 || {
                     let near = near.and_then(|near| near.wheels[k].rim.least);

@@ -45,20 +45,12 @@ impl Footing<'_> {
 }
 
 /// A chain in the axes of its own body. None where a differential does not reach.
-pub(super) fn in_body<'a>(
-    chain: &'a Chain,
-    joints: &[f64],
-    steering: &[f64],
-) -> Option<Placed<'a>> {
+pub(super) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Placed<'a>> {
     let mut state = [0.0; MAX_STATE];
     for (angle, joint) in state[3..].iter_mut().zip(joints) {
         *angle = *joint;
     }
-    let origin = PlanPose {
-        x: 0.0,
-        y: 0.0,
-        yaw: 0.0,
-    };
+    let origin = PlanPose { x: 0.0, y: 0.0, yaw: 0.0 };
     chain.place(origin, &state, steering)
 }
 
@@ -111,26 +103,14 @@ impl Tread {
         // A wheel that lies flat touches anywhere.
         let at = match length {
             0.0 => Direction::from(0.0),
-            _ => Direction {
-                sin: -ahead / length,
-                cos: up / length,
-            },
+            _ => Direction { sin: -ahead / length, cos: up / length },
         };
-        Self {
-            frame,
-            normal,
-            radius,
-            at,
-        }
+        Self { frame, normal, radius, at }
     }
 
     /// Which side touches.
     pub fn side(&self) -> Side {
-        if self.spoke().dot(&self.normal) > 0.0 {
-            Side::Far
-        } else {
-            Side::Near
-        }
+        if self.spoke().dot(&self.normal) > 0.0 { Side::Far } else { Side::Near }
     }
 
     /// The direction in which it rolls.
@@ -168,12 +148,7 @@ impl Contacts {
             steering: None,
             touching: false,
         };
-        Self {
-            wheels: [blank; MAX_WHEELS],
-            count: chain.wheels().len(),
-            joints: chain.joints().len(),
-            stopped,
-        }
+        Self { wheels: [blank; MAX_WHEELS], count: chain.wheels().len(), joints: chain.joints().len(), stopped }
     }
 
     /// Those of a footing, or of other steering angles on the planes that it stands on. None where a differential
@@ -189,12 +164,7 @@ impl Contacts {
         for (k, mount) in chain.wheels().iter().enumerate() {
             let normal = body_from_world * Vector3::from(footing.normals[k]);
             let radius = mount.radius;
-            let own = |frame| Tread {
-                frame,
-                normal,
-                radius,
-                at: Direction::from(footing.angles[k]),
-            };
+            let own = |frame| Tread { frame, normal, radius, at: Direction::from(footing.angles[k]) };
             let frame = placed.wheel(k);
             let tread = match &stands {
                 Some(stands) => Tread::on_plane(frame, normal, radius, own(stands.wheel(k)).side()),
@@ -224,18 +194,12 @@ impl Contact {
         let swivels = placed.steering_axes(wheel).next();
         Self {
             normal: std::array::from_fn(|k| touches[slope(k)].dot(&normal)),
-            rolling: std::array::from_fn(|k| {
-                centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)
-            }),
+            rolling: std::array::from_fn(|k| centres[slope(k)].dot(&tangent) / tread.radius - turns[k].dot(&axle)),
             side: std::array::from_fn(|k| touches[slope(k)].dot(&left)),
             swivel: swivels.map_or([0.0; 3], |(_, axis, origin)| {
                 let centre = axis.cross(&(tread.frame.centre - origin));
                 let moved = centre + axis.cross(&spoke);
-                [
-                    moved.dot(&normal),
-                    moved.dot(&left),
-                    centre.dot(&tangent) / tread.radius - axis.dot(&axle),
-                ]
+                [moved.dot(&normal), moved.dot(&left), centre.dot(&tangent) / tread.radius - axis.dot(&axle)]
             }),
             steering: swivels.map(|(joint, _, _)| joint),
             touching,
@@ -244,11 +208,7 @@ impl Contact {
 }
 
 /// The velocity field of a wheel's carrier for given rates: of its centre [m/s], and its rotation [rad/s].
-pub(super) fn carried(
-    placed: &Placed<'_>,
-    wheel: usize,
-    rates: &Row,
-) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector3<f64>, Vector3<f64>) {
     let centre = placed.wheel(wheel).centre;
     let [vx, vy, vz, wx, wy, wz, joint_rates @ ..] = *rates;
     let mut turn = Vector3::new(wx, wy, wz);

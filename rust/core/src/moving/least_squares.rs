@@ -9,11 +9,7 @@ pub(super) const DEPENDENT: f64 = 1e-10;
 
 /// Rotates rows so that the first `C` of their columns become upper triangular, by Householder reflections; the
 /// columns after them go along. The first `count` rows are filled, and at least `used` of them.
-pub(super) fn triangular<const R: usize, const W: usize>(
-    rows: &mut [[f64; W]; R],
-    count: usize,
-    used: usize,
-) {
+pub(super) fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R], count: usize, used: usize) {
     for j in 0..used {
         let mut square = 0.0;
         for row in &rows[j..count] {

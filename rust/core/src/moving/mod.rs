@@ -26,8 +26,8 @@ pub use contact::{COLUMNS, Contacts, Footing, Row};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
 pub use response::Response;
 pub use rows::{
-    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Slips, Told, Turns,
-    forward_rows, inverse_rows, slip_rows, traction_rows,
+    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Slips, Told, Turns, forward_rows,
+    inverse_rows, slip_rows, traction_rows,
 };
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};
@@ -42,10 +42,8 @@ pub fn rest_offset(chain: &Chain) -> f64 {
         return 0.0;
     };
     let fixed = |wheel: &usize| placed.steering_axes(*wheel).next().is_none();
-    let unsteered: Vec<f64> = (0..chain.wheels().len())
-        .filter(fixed)
-        .map(|wheel| placed.wheel(wheel).centre.x)
-        .collect();
+    let unsteered: Vec<f64> =
+        (0..chain.wheels().len()).filter(fixed).map(|wheel| placed.wheel(wheel).centre.x).collect();
     if unsteered.is_empty() {
         return 0.0;
     }

@@ -92,11 +92,7 @@ pub struct Command {
 impl Command {
     /// In the body's axes, without a limit.
     pub fn new(chain: &Chain) -> Self {
-        Self {
-            view: View::Body,
-            offset: rest_offset(chain),
-            wheel_speed: f64::INFINITY,
-        }
+        Self { view: View::Body, offset: rest_offset(chain), wheel_speed: f64::INFINITY }
     }
 }
 
@@ -139,10 +135,8 @@ impl Contacts {
     pub(super) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
         let mut unknown = [0; FOLLOWING.len()];
         let mut count = 0;
-        let mut follow = Follow {
-            spread: [[0.0; 3]; COLUMNS],
-            offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }),
-        };
+        let mut follow =
+            Follow { spread: [[0.0; 3]; COLUMNS], offset: known.map(|rate| if rate.is_nan() { 0.0 } else { rate }) };
         for column in FOLLOWING {
             if known[column].is_nan() {
                 unknown[count] = column;
@@ -167,15 +161,11 @@ impl Contacts {
             for (k, column) in PLAN.into_iter().enumerate() {
                 row[count + k] = -contact.normal[column] * follow.spread[column][k];
             }
-            row[count + 3] =
-                -dot(&contact.normal, &follow.offset) - contact.swivel[0] * swivels[wheel];
+            row[count + 3] = -dot(&contact.normal, &follow.offset) - contact.swivel[0] * swivels[wheel];
         }
         triangular(&mut rows, filled, count.min(filled));
-        let solution: [[f64; RIGHT]; FOLLOWING.len()] = if filled < count {
-            [[f64::NAN; RIGHT]; FOLLOWING.len()]
-        } else {
-            back(&rows, count)
-        };
+        let solution: [[f64; RIGHT]; FOLLOWING.len()] =
+            if filled < count { [[f64::NAN; RIGHT]; FOLLOWING.len()] } else { back(&rows, count) };
         for (column, [x, y, turn, rest]) in unknown[..count].iter().zip(solution) {
             follow.spread[*column] = [x, y, turn];
             follow.offset[*column] = rest;
@@ -234,11 +224,7 @@ impl Contacts {
             residual[wheel] = self.slip(wheel, contact, &rates, readings, &swivels, radii);
         }
         let (twist, joint_rates) = split(&rates);
-        Moving {
-            twist,
-            joint_rates,
-            residual,
-        }
+        Moving { twist, joint_rates, residual }
     }
 
     /// What a touching point does at these rates [m/s].
@@ -286,11 +272,7 @@ impl Contacts {
                     }
                     system[2][k] = turning[0] * column(4) + turning[1] * column(5);
                 }
-                for (cells, value) in
-                    system
-                        .iter_mut()
-                        .zip([wanted.speed, sideways, wanted.yaw_rate])
-                {
+                for (cells, value) in system.iter_mut().zip([wanted.speed, sideways, wanted.yaw_rate]) {
                     cells[3] = value;
                 }
                 triangular(&mut system, 3, 3);
@@ -336,9 +318,7 @@ pub fn inverse(
     }
     // At its own angles a footing has its own contacts, wherever on the rims they are.
     let moved = (angles[..joints] != *footing.steering).then_some(&angles[..joints]);
-    let moved = moved.map_or(Some(contacts), |angles| {
-        Contacts::new(chain, footing, Some(angles))
-    });
+    let moved = moved.map_or(Some(contacts), |angles| Contacts::new(chain, footing, Some(angles)));
     let Some(contacts) = moved else {
         return Ok(nothing);
     };
@@ -348,11 +328,7 @@ pub fn inverse(
         *speed = dot(&contact.rolling, &rates);
         fastest = fastest.max(speed.abs());
     }
-    let scale = if fastest > command.wheel_speed {
-        command.wheel_speed / fastest
-    } else {
-        1.0
-    };
+    let scale = if fastest > command.wheel_speed { command.wheel_speed / fastest } else { 1.0 };
     let (twist, joint_rates) = split(&rates);
     Ok(Commanded {
         steering: angles,
@@ -372,10 +348,7 @@ pub(super) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f
 }
 
 fn split(rates: &Row) -> ([f64; 6], [f64; MAX_FREE]) {
-    (
-        std::array::from_fn(|k| rates[k]),
-        std::array::from_fn(|k| rates[6 + k]),
-    )
+    (std::array::from_fn(|k| rates[k]), std::array::from_fn(|k| rates[6 + k]))
 }
 
 pub(super) fn dot(row: &Row, rates: &Row) -> f64 {

@@ -85,8 +85,7 @@ impl Contacts {
         let still = known.map(|rate| if rate.is_nan() { rate } else { 0.0 });
         for (joint, answer) in response.by_steering_rate.iter_mut().enumerate() {
             let mut swivels = [0.0; MAX_WHEELS];
-            let turned =
-                |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
+            let turned = |rows: &Option<Rows>| rows.is_some_and(|rows| rows.steering == Some(joint));
             for (swivel, rows) in swivels.iter_mut().zip(&fit.rows) {
                 *swivel = if turned(rows) { 1.0 } else { 0.0 };
             }
@@ -126,11 +125,7 @@ impl Contacts {
         }
         let values = Jacobi::new(&normal);
         let bound = DEPENDENT * DEPENDENT * values.values[0];
-        Fit {
-            follow,
-            inverse: values.inverse(bound),
-            rows,
-        }
+        Fit { follow, inverse: values.inverse(bound), rows }
     }
 }
 

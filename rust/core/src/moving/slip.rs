@@ -17,16 +17,8 @@ pub struct Slip {
 }
 
 /// The slip of every wheel at a known motion; NaN in the air.
-pub fn slip(
-    chain: &Chain,
-    footing: &Footing<'_>,
-    rates: &Row,
-    speeds: &[f64],
-) -> [Slip; MAX_WHEELS] {
-    let mut slips = [Slip {
-        ratio: f64::NAN,
-        angle: f64::NAN,
-    }; MAX_WHEELS];
+pub fn slip(chain: &Chain, footing: &Footing<'_>, rates: &Row, speeds: &[f64]) -> [Slip; MAX_WHEELS] {
+    let mut slips = [Slip { ratio: f64::NAN, angle: f64::NAN }; MAX_WHEELS];
     let placed = in_body(chain, footing.joints, footing.steering);
     let contacts = Contacts::new(chain, footing, None);
     let (Some(placed), Some(contacts)) = (placed, contacts) else {
@@ -51,16 +43,8 @@ pub fn slip(
         // The rim turns with the encoder and with the link.
         let rim = mount.radius * (speeds[wheel] + turn.dot(&frame.axle));
         slips[wheel] = Slip {
-            ratio: if rim == 0.0 {
-                f64::NAN
-            } else {
-                1.0 - ahead / rim
-            },
-            angle: if ahead < 0.0 {
-                (-aside).atan2(-ahead)
-            } else {
-                aside.atan2(ahead)
-            },
+            ratio: if rim == 0.0 { f64::NAN } else { 1.0 - ahead / rim },
+            angle: if ahead < 0.0 { (-aside).atan2(-ahead) } else { aside.atan2(ahead) },
         };
     }
     slips
@@ -102,11 +86,7 @@ impl SlipTest {
             return Err(Error::value("covariance", rule, "one that is not"));
         };
         let statistic = vector.dot(&factor.solve(&vector));
-        Ok(Self {
-            statistic,
-            threshold: quantile(length, false_alarm),
-            probability: survival(length, statistic),
-        })
+        Ok(Self { statistic, threshold: quantile(length, false_alarm), probability: survival(length, statistic) })
     }
 
     /// Whether it slips.
@@ -128,11 +108,7 @@ fn survival(degrees: usize, value: f64) -> f64 {
         return 1.0;
     }
     // Gamma of halves: from 1/2 or 1 upwards.
-    let mut gamma = if degrees % 2 == 1 {
-        std::f64::consts::PI.sqrt()
-    } else {
-        1.0
-    };
+    let mut gamma = if degrees % 2 == 1 { std::f64::consts::PI.sqrt() } else { 1.0 };
     let mut at = if degrees % 2 == 1 { 0.5 } else { 1.0 };
     while at < a {
         gamma *= at;

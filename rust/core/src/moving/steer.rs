@@ -33,11 +33,7 @@ pub(super) fn steer_in_plan(
         *aim = Aim::in_plan(straight, wheel, rates);
     }
     for (joint, angle) in angles.iter_mut().enumerate().take(chain.steering().len()) {
-        let together = Together {
-            aims: &aims,
-            joint,
-            touching: false,
-        };
+        let together = Together { aims: &aims, joint, touching: false };
         if together.ways() == [0.0; 2] {
             *angle = together.within(chain, *angle)?;
         } else {
@@ -65,11 +61,7 @@ pub(super) fn steer(
     for (joint, (angle, &present)) in angles.iter_mut().zip(footing.steering).enumerate() {
         let of = |aim: &&Aim| aim.joint == joint;
         let touching = aims.iter().flatten().filter(of).any(|aim| aim.touches);
-        let together = Together {
-            aims: &aims,
-            joint,
-            touching,
-        };
+        let together = Together { aims: &aims, joint, touching };
         if together.all().next().is_some() {
             *angle = together.turned(chain, present)?;
         }
@@ -80,9 +72,7 @@ pub(super) fn steer(
 /// The angle, or half a turn from it, inside the range of a steering joint.
 fn within(chain: &Chain, joint: usize, wheel: usize, angle: f64) -> Result<f64, Error> {
     let range: SteeringRange = chain.steering()[joint];
-    let fits = |angle: &f64| {
-        *angle >= range.lower - ANGLE_TOLERANCE && *angle <= range.upper + ANGLE_TOLERANCE
-    };
+    let fits = |angle: &f64| *angle >= range.lower - ANGLE_TOLERANCE && *angle <= range.upper + ANGLE_TOLERANCE;
     let found = [angle, angle - PI, angle + PI].into_iter().find(fits);
     found.map(|angle| range.clip(angle)).ok_or_else(|| {
         let (name, lower, upper) = (&chain.wheels()[wheel].name, range.lower, range.upper);
@@ -103,19 +93,12 @@ struct Turned {
 impl Turned {
     fn new(axis: Vector3<f64>, vector: Vector3<f64>) -> Self {
         let along = axis * axis.dot(&vector);
-        Self {
-            along,
-            across: vector - along,
-            on: axis.cross(&vector),
-        }
+        Self { along, across: vector - along, on: axis.cross(&vector) }
     }
 
     /// The vector, and its derivative, at an angle.
     fn at(&self, (sin, cos): (f64, f64)) -> [Vector3<f64>; 2] {
-        [
-            self.along + self.across * cos + self.on * sin,
-            self.on * cos - self.across * sin,
-        ]
+        [self.along + self.across * cos + self.on * sin, self.on * cos - self.across * sin]
     }
 }
 
@@ -146,23 +129,13 @@ struct Aim {
 }
 
 impl Aim {
-    fn new(
-        chain: &Chain,
-        footing: &Footing<'_>,
-        placed: &Placed<'_>,
-        wheel: usize,
-        rates: &Row,
-    ) -> Option<Self> {
+    fn new(chain: &Chain, footing: &Footing<'_>, placed: &Placed<'_>, wheel: usize, rates: &Row) -> Option<Self> {
         let (joint, axis, pivot) = placed.steering_axes(wheel).next()?;
         let frame = placed.wheel(wheel);
         let normal = footing.rotation().inverse() * Vector3::from(footing.normals[wheel]);
         let (velocity, turn) = carried(placed, wheel, rates);
-        let tread = Tread {
-            frame,
-            normal,
-            radius: chain.wheels()[wheel].radius,
-            at: Direction::from(footing.angles[wheel]),
-        };
+        let tread =
+            Tread { frame, normal, radius: chain.wheels()[wheel].radius, at: Direction::from(footing.angles[wheel]) };
         let radius = match tread.side() {
             Side::Near => tread.radius,
             Side::Far => -tread.radius,
@@ -212,8 +185,7 @@ impl Aim {
         let (rim, rim_on) = (axle.dot(&self.rim), axle_on.dot(&self.rim));
         [
             axle.dot(&velocity) - tilt * up + share * rim,
-            axle_on.dot(&velocity) + axle.dot(&change) - tilt_on * up - tilt * up_on
-                + share * rim_on
+            axle_on.dot(&velocity) + axle.dot(&change) - tilt_on * up - tilt * up_on + share * rim_on
                 - tilt * tilt_on / share * rim,
         ]
     }
@@ -273,8 +245,7 @@ impl Together<'_> {
         let never = || {
             let name = self.all().next().map(|aim| &chain.wheels()[aim.wheel].name);
             let rule = format!("let {} roll at some angle", name.map_or("", |name| name));
-            Error::value("command", rule, "one at which it slips at any")
-                .of_kind(ErrorKind::Infeasible)
+            Error::value("command", rule, "one at which it slips at any").of_kind(ErrorKind::Infeasible)
         };
         let asked = present + self.aimed().ok_or_else(never)?;
         let angle = self.within(chain, asked)?;
@@ -298,11 +269,7 @@ impl Together<'_> {
             return Some(0.0);
         }
         // The quarter turn on from the axle, to the left, is behind.
-        let start = if back > 0.0 {
-            (-aside).atan2(back)
-        } else {
-            aside.atan2(-back)
-        };
+        let start = if back > 0.0 { (-aside).atan2(back) } else { aside.atan2(-back) };
         let root = self.root(start)?;
         // What was within a quarter turn at first need not be so now.
         let over = root.abs() > FRAC_PI_2 && !self.beside();
@@ -365,11 +332,7 @@ impl Together<'_> {
             }
             let (newton, half) = (angle - aside / by, 0.5 * (near + far));
             let inside = (newton - near) * (newton - far) < 0.0;
-            let next = if inside && (newton - angle).abs() <= 0.5 * before {
-                newton
-            } else {
-                half
-            };
+            let next = if inside && (newton - angle).abs() <= 0.5 * before { newton } else { half };
             (before, last) = (last, (next - angle).abs());
             angle = next;
             if last <= 2.0 * f64::EPSILON {
@@ -387,23 +350,9 @@ mod tests {
     use crate::suspension::{MAX_FREE, RockerBogie};
 
     fn chains() -> Result<Vec<Chain>, Error> {
-        let half_turn = SteeringRange {
-            lower: -PI,
-            upper: PI,
-        };
-        let mut chains = vec![Chain::pivoting_axles(
-            1.91,
-            1.64,
-            0.119,
-            0.325,
-            half_turn,
-            Default::default(),
-        )?];
-        for rover in [
-            RockerBogie::rocky7()?,
-            RockerBogie::perseverance()?,
-            RockerBogie::curiosity()?,
-        ] {
+        let half_turn = SteeringRange { lower: -PI, upper: PI };
+        let mut chains = vec![Chain::pivoting_axles(1.91, 1.64, 0.119, 0.325, half_turn, Default::default())?];
+        for rover in [RockerBogie::rocky7()?, RockerBogie::perseverance()?, RockerBogie::curiosity()?] {
             let mut dimensions = *rover.dimensions();
             dimensions.steering = half_turn;
             chains.push(RockerBogie::new(dimensions)?.chain().clone());
@@ -413,9 +362,7 @@ mod tests {
 
     /// Numbers between -1 and 1 that look random.
     fn noise(seed: &mut u64) -> f64 {
-        *seed = seed
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (*seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
@@ -442,8 +389,7 @@ mod tests {
                     stopped: [false; MAX_FREE],
                 };
                 // Turning as fast as driving: rims that go as fast as centres.
-                let rates: [f64; COLUMNS] =
-                    std::array::from_fn(|k| noise(&mut seed) * if k < 3 { 0.2 } else { 1.0 });
+                let rates: [f64; COLUMNS] = std::array::from_fn(|k| noise(&mut seed) * if k < 3 { 0.2 } else { 1.0 });
                 let mut found = [0.0; MAX_WHEELS];
                 if let Err(error) = steer(&chain, &footing, &rates, &mut found) {
                     assert!(wheels == 4, "{error}");

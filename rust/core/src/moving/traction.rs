@@ -67,10 +67,7 @@ impl Lift {
 impl Default for Lift {
     /// Slopes of 1 rad, from 1 cm/s on.
     fn default() -> Self {
-        Self {
-            angle: 1.0,
-            speed: 0.01,
-        }
+        Self { angle: 1.0, speed: 0.01 }
     }
 }
 
@@ -103,10 +100,7 @@ struct Centre {
 
 impl Centre {
     fn at(&self, vertical: f64) -> [f64; 2] {
-        [
-            self.along + self.vertical[0] * vertical,
-            self.across + self.vertical[1] * vertical,
-        ]
+        [self.along + self.vertical[0] * vertical, self.across + self.vertical[1] * vertical]
     }
 }
 
@@ -132,14 +126,7 @@ pub fn traction(
         return Ok(driven);
     };
     let mut known: Row = [0.0; COLUMNS];
-    known[..6].copy_from_slice(&[
-        rates.speed,
-        sideways,
-        0.0,
-        rates.tilt_rates[0],
-        rates.tilt_rates[1],
-        rates.yaw_rate,
-    ]);
+    known[..6].copy_from_slice(&[rates.speed, sideways, 0.0, rates.tilt_rates[0], rates.tilt_rates[1], rates.yaw_rate]);
     for (rate, joint) in known[6..].iter_mut().zip(rates.joint_rates) {
         *rate = *joint;
     }
@@ -148,10 +135,7 @@ pub fn traction(
         *angle = *present;
     }
     steer_in_plan(chain, &placed, &known, &mut driven.steering)?;
-    if placed
-        .steer(rates.joints, &driven.steering[..joints])
-        .is_none()
-    {
+    if placed.steer(rates.joints, &driven.steering[..joints]).is_none() {
         return Ok(driven);
     }
     let centres: [Centre; MAX_WHEELS] = std::array::from_fn(|wheel| {
@@ -202,11 +186,7 @@ fn along_the_links(centres: &[Centre]) -> f64 {
     }
     speeds.sort_unstable_by(f64::total_cmp);
     let middle = speeds.len() / 2;
-    if speeds.len() % 2 == 1 {
-        speeds[middle]
-    } else {
-        0.5 * (speeds[middle - 1] + speeds[middle])
-    }
+    if speeds.len() % 2 == 1 { speeds[middle] } else { 0.5 * (speeds[middle - 1] + speeds[middle]) }
 }
 
 /// Steps of Gauss and Newton.

@@ -75,11 +75,7 @@ impl<'a> Unmapped<'a> {
                 *sum += centre[slope(column)].dot(&normal) / count as f64;
             }
         }
-        Some(Self {
-            placed,
-            normal,
-            together,
-        })
+        Some(Self { placed, normal, together })
     }
 
     /// Their contacts.
@@ -123,10 +119,7 @@ impl Contacts {
                 *sum += part / count;
             }
         }
-        for contact in self.wheels[..self.count]
-            .iter_mut()
-            .filter(|one| alike(one))
-        {
+        for contact in self.wheels[..self.count].iter_mut().filter(|one| alike(one)) {
             contact.side = mean;
         }
         self
@@ -158,10 +151,7 @@ impl Tread {
     fn climb(&mut self, slope: f64) {
         let up = -self.spoke() / self.radius;
         let (Direction { sin, cos }, level) = (self.at, (1.0 - slope * slope).sqrt());
-        self.at = Direction {
-            sin: sin * level + cos * slope,
-            cos: cos * level - sin * slope,
-        };
+        self.at = Direction { sin: sin * level + cos * slope, cos: cos * level - sin * slope };
         // The ground tilts with it about the axle, and keeps its slope along that.
         let share = self.normal.dot(&up);
         self.normal -= up * share;

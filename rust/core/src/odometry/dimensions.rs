@@ -46,11 +46,7 @@ impl Deviations {
                 }
             }
         }
-        Ok(Self {
-            count: tables.len() / each,
-            wheels,
-            moved,
-        })
+        Ok(Self { count: tables.len() / each, wheels, moved })
     }
 
     /// Number of errors.
@@ -73,13 +69,7 @@ impl Deviations {
     }
 
     /// What each of them makes of the displacement of a step.
-    pub(super) fn of_step(
-        &self,
-        linearised: &Linearised<'_>,
-        fusion: &Fusion,
-        dt: f64,
-        into: &mut [Vector3<f64>],
-    ) {
+    pub(super) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
         into.fill(Vector3::zeros());
         for (column, by) in &self.moved {
             let of_one = column.of_step(linearised, fusion, dt);

@@ -19,12 +19,7 @@ pub struct Encoder {
 
 impl Default for Encoder {
     fn default() -> Self {
-        Self {
-            resolution: None,
-            gear: 1.0,
-            modulus: None,
-            offset: 0.0,
-        }
+        Self { resolution: None, gear: 1.0, modulus: None, offset: 0.0 }
     }
 }
 
@@ -41,11 +36,7 @@ impl Encoder {
         positive("resolution", self.resolution)?;
         positive("modulus", self.modulus)?;
         if !(self.gear.is_finite() && self.gear != 0.0) {
-            return Err(Error::value(
-                "gear",
-                "be finite and not 0",
-                number(self.gear),
-            ));
+            return Err(Error::value("gear", "be finite and not 0", number(self.gear)));
         }
         if !self.offset.is_finite() {
             return Err(Error::value("offset", "be finite", number(self.offset)));
@@ -89,10 +80,7 @@ mod tests {
 
     #[test]
     fn counters_go_the_shorter_way_round() {
-        let counter = Encoder {
-            modulus: Some(65536.0),
-            ..Encoder::default()
-        };
+        let counter = Encoder { modulus: Some(65536.0), ..Encoder::default() };
         assert_eq!(counter.difference(65530.0, 4.0), (10.0, true));
         assert_eq!(counter.difference(4.0, 65530.0), (-10.0, true));
         assert_eq!(counter.difference(-32760.0, 32760.0), (-16.0, true)); // a signed counter
@@ -102,17 +90,9 @@ mod tests {
 
     #[test]
     fn an_absolute_encoder_knows_its_angle_at_once() {
-        let encoder = Encoder {
-            resolution: Some(4096.0),
-            modulus: Some(4096.0),
-            offset: -3.0,
-            ..Encoder::default()
-        };
+        let encoder = Encoder { resolution: Some(4096.0), modulus: Some(4096.0), offset: -3.0, ..Encoder::default() };
         let angle = encoder.first_angle(3000.0);
-        assert!(
-            (angle - (3000.0 / 4096.0 * TAU - 3.0)).abs() < 1e-12,
-            "{angle}"
-        );
+        assert!((angle - (3000.0 / 4096.0 * TAU - 3.0)).abs() < 1e-12, "{angle}");
         let round = encoder.first_angle(100.0) - encoder.first_angle(4095.0);
         assert!((round - 101.0 / 4096.0 * TAU).abs() < 1e-12, "{round}");
     }

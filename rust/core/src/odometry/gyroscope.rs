@@ -36,23 +36,13 @@ pub struct Gyroscope {
 
 impl Default for Gyroscope {
     fn default() -> Self {
-        Self {
-            noise: 0.005,
-            bias: 0.0,
-            bias_noise: 0.05,
-            bias_walk: 1e-4,
-            scale_noise: 0.0,
-        }
+        Self { noise: 0.005, bias: 0.0, bias_noise: 0.05, bias_walk: 1e-4, scale_noise: 0.0 }
     }
 }
 
 impl Gyroscope {
     pub(super) fn at_start(&self) -> Bias {
-        Bias {
-            value: self.bias,
-            variance: self.bias_noise * self.bias_noise,
-            cross: Vector3::zeros(),
-        }
+        Bias { value: self.bias, variance: self.bias_noise * self.bias_noise, cross: Vector3::zeros() }
     }
 
     /// Fails unless every number is finite and no deviation negative.

@@ -56,11 +56,7 @@ pub(crate) struct History {
 
 impl History {
     pub fn new(settings: &Settings, state: &State, wheels: usize, joints: usize) -> Self {
-        let most = if settings.lag > 0.0 {
-            settings.history.max(2)
-        } else {
-            0
-        };
+        let most = if settings.lag > 0.0 { settings.history.max(2) } else { 0 };
         let capacity = most.min(FEW);
         let entry = Entry {
             stamp: 0.0,
@@ -219,11 +215,7 @@ impl State {
     fn meet(&mut self, pose: Pose, covariance: &Matrix3<f64>) {
         let gain = self.uncertainty.correct(covariance);
         let here = self.pose();
-        let mut apart = nalgebra::Vector3::new(
-            pose.x - here.x,
-            pose.y - here.y,
-            wrap_angle(pose.yaw - here.yaw),
-        );
+        let mut apart = nalgebra::Vector3::new(pose.x - here.x, pose.y - here.y, wrap_angle(pose.yaw - here.yaw));
         for (part, variance) in apart.iter_mut().zip(covariance.diagonal().iter()) {
             if variance.is_infinite() {
                 *part = 0.0;
@@ -237,12 +229,7 @@ impl Odometry {
     /// A pose from outside at some instant of the last `lag` seconds, with its covariance in world axes, infinite
     /// variances where it says nothing. Between two samples the rover is taken to be on the arc of the step; after
     /// the last one it is taken to have gone on as before.
-    pub fn correct(
-        &mut self,
-        pose: Pose,
-        stamp: f64,
-        covariance: [[f64; 3]; 3],
-    ) -> Result<(), Error> {
+    pub fn correct(&mut self, pose: Pose, stamp: f64, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
         check_pose(&<[f64; 3]>::from(pose))?;
         let Some(last) = self.stamp().filter(|_| stamp.is_finite()) else {
@@ -299,11 +286,7 @@ impl Odometry {
             self.state.meet(pose, &covariance);
             return Ok(());
         }
-        let correction = Correction {
-            entry: at,
-            pose,
-            covariance,
-        };
+        let correction = Correction { entry: at, pose, covariance };
         self.replay(correction);
         self.history.remember(correction);
         Ok(())
@@ -326,34 +309,19 @@ impl Odometry {
                 from_rates: self.settings.readings == Readings::Speeds,
                 dt: entry.dt,
                 gyro_turn: entry.gyro_turn,
-                bias_variance: self
-                    .state
-                    .uncertainty
-                    .bias
-                    .map_or(0.0, |bias| bias.variance),
+                bias_variance: self.state.uncertainty.bias.map_or(0.0, |bias| bias.variance),
             };
             // It was found the first time and does not depend on the pose: what was taken in is taken in again,
             // however large its noise is said to be by another way of summing it.
             let found = self.work.displacement(&self.rover, motion, &rules);
             let lasting = self.work.find_lasting(&self.rover, motion, rules.method);
             if let (Ok(found), Ok(())) = (found, lasting) {
-                follow(
-                    found,
-                    motion,
-                    &self.work,
-                    &mut self.state,
-                    self.settings.habits(),
-                );
+                follow(found, motion, &self.work, &mut self.state, self.settings.habits());
             }
             if let Some(yaw) = entry.yaw {
                 meet_yaw(&mut self.state, yaw, rules.noise.yaw);
             }
-            for known in self
-                .history
-                .corrections
-                .iter()
-                .filter(|known| known.entry == number)
-            {
+            for known in self.history.corrections.iter().filter(|known| known.entry == number) {
                 self.state.meet(known.pose, &known.covariance);
             }
             self.history.entries[place].state.copy_from(&self.state);

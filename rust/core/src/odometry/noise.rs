@@ -29,25 +29,14 @@ impl Default for Noise {
     /// A guess where nothing was measured, of one reading and of the way: on four laboratory robots with dimensions from
     /// a tape, whose ends of runs call for 0.005 to 0.06 m per root metre, it errs on the wide side.
     fn default() -> Self {
-        Self {
-            slip: 0.1,
-            side_slip: 0.1,
-            ..Self::READINGS
-        }
+        Self { slip: 0.1, side_slip: 0.1, ..Self::READINGS }
     }
 }
 
 impl Noise {
     /// Of readings alone: wheels that do not slip, on a rover whose dimensions are known.
-    pub const READINGS: Self = Self {
-        speed: 0.01,
-        steering: 0.009,
-        slip: 0.0,
-        side_slip: 0.0,
-        yaw: 0.0,
-        yaw_rate: 0.0,
-        period: None,
-    };
+    pub const READINGS: Self =
+        Self { speed: 0.01, steering: 0.009, slip: 0.0, side_slip: 0.0, yaw: 0.0, yaw_rate: 0.0, period: None };
 
     /// Whether nobody measured what wheels err by.
     pub(crate) fn is_guess(&self) -> bool {

@@ -97,35 +97,20 @@ impl Preintegrated {
             gyroscope.check()?;
             if gyroscope.scale_noise != 0.0 {
                 let rule = "be 0: a motion keeps no error that lasts beyond it";
-                return Err(Error::value(
-                    "scale_noise",
-                    rule,
-                    number(gyroscope.scale_noise),
-                ));
+                return Err(Error::value("scale_noise", rule, number(gyroscope.scale_noise)));
             }
             rules.settings.noise.yaw_rate = gyroscope.noise;
         }
         if !(rules.attitude_noise.is_finite() && rules.attitude_noise >= 0.0) {
             let rule = "be finite and not negative";
-            return Err(Error::value(
-                "attitude_noise",
-                rule,
-                number(rules.attitude_noise),
-            ));
+            return Err(Error::value("attitude_noise", rule, number(rules.attitude_noise)));
         }
         if !rules.settings.dimensions.is_empty() {
             let rule = "be left out: a motion answers to each of them";
             return Err(Error::value("dimensions", rule, "some"));
         }
         let odometry = Odometry::new(rover, rules.settings.clone())?;
-        Ok(Self {
-            fresh: odometry.clone(),
-            odometry,
-            rules,
-            samples: Samples::default(),
-            begins: 0.0,
-            ends: 1.0,
-        })
+        Ok(Self { fresh: odometry.clone(), odometry, rules, samples: Samples::default(), begins: 0.0, ends: 1.0 })
     }
 
     /// The rover.
@@ -156,11 +141,7 @@ impl Preintegrated {
             return Some([first, last]);
         }
         let at = |k: usize, share: f64| stamps[k] + share * (stamps[k + 1] - stamps[k]);
-        let ends = if self.ends < 1.0 {
-            at(stamps.len() - 2, self.ends)
-        } else {
-            last
-        };
+        let ends = if self.ends < 1.0 { at(stamps.len() - 2, self.ends) } else { last };
         Some([at(0, self.begins), ends])
     }
 
@@ -177,10 +158,7 @@ impl Preintegrated {
         }
         let attitude = self.checked(attitude)?;
         let bias = self.rules.gyroscope.map_or(0.0, |gyroscope| gyroscope.bias);
-        let sample = Sample {
-            yaw_rate: sample.yaw_rate.map(|rate| rate - bias),
-            ..sample
-        };
+        let sample = Sample { yaw_rate: sample.yaw_rate.map(|rate| rate - bias), ..sample };
         self.reserve(1)?;
         self.odometry.update(sample)?;
         let samples = &mut self.samples;
@@ -217,11 +195,7 @@ impl Preintegrated {
     }
 
     /// Takes in all rows of a log, or none of them.
-    pub fn add_log(
-        &mut self,
-        log: Recording<'_>,
-        attitudes: Option<&[[f64; 4]]>,
-    ) -> Result<(), Error> {
+    pub fn add_log(&mut self, log: Recording<'_>, attitudes: Option<&[[f64; 4]]>) -> Result<(), Error> {
         let (wheels, joints) = (self.rover().wheels().len(), self.rover().steered().len());
         let before = self.len();
         self.reserve(log.stamps.len())?;
@@ -247,8 +221,7 @@ impl Preintegrated {
             .and_then(|()| samples.rates.try_reserve(more))
             .and_then(|()| samples.attitudes.try_reserve(more));
         room.map_err(|_| {
-            Error::value("wheel_angles", "fit into memory", format!("{more} rows"))
-                .of_kind(ErrorKind::Memory)
+            Error::value("wheel_angles", "fit into memory", format!("{more} rows")).of_kind(ErrorKind::Memory)
         })
     }
 
@@ -296,9 +269,7 @@ impl Preintegrated {
             self.samples.steering.extend_from_slice(sample.steering);
             self.samples.wheels.extend_from_slice(sample.wheels);
             self.samples.rates.push(other.samples.rates[k]);
-            self.samples
-                .attitudes
-                .extend(other.samples.attitudes.get(k));
+            self.samples.attitudes.extend(other.samples.attitudes.get(k));
         }
         Ok(())
     }
@@ -356,10 +327,7 @@ impl Preintegrated {
             let read = ours.wheels.iter().zip(theirs.wheels);
             ours.stamp == theirs.stamp
                 && ours.steering == theirs.steering
-                && (counts
-                    || read
-                        .clone()
-                        .all(|(a, b)| a == b || a.is_nan() && b.is_nan()))
+                && (counts || read.clone().all(|(a, b)| a == b || a.is_nan() && b.is_nan()))
         });
         if !agrees {
             let rule = "begin with the sample this one ends with";
@@ -398,9 +366,7 @@ impl Residual {
         let seen = first.inverse().compose(second);
         let left = motion.inverse().compose(&seen);
         let error = Motion3::exp(&-change).compose(&left).log();
-        let inverse = right_jacobian(&error)
-            .try_inverse()
-            .unwrap_or_else(Matrix6::identity);
+        let inverse = right_jacobian(&error).try_inverse().unwrap_or_else(Matrix6::identity);
         Self {
             error,
             by_first: -inverse * seen.inverse().adjoint(),

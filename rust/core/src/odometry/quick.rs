@@ -56,13 +56,8 @@ impl Settings {
             reading_variance,
             half_deviation: deviation * by.number(0.5),
             steering_variance: deviation * deviation,
-            slip_bound: self
-                .flagged_slip()
-                .map(|threshold| by.number(threshold) * dt),
-            most: [
-                most(self.max_speed, way),
-                most(self.max_steering_rate, turn),
-            ],
+            slip_bound: self.flagged_slip().map(|threshold| by.number(threshold) * dt),
+            most: [most(self.max_speed, way), most(self.max_steering_rate, turn)],
             slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
             smoothing: self.smoothing,
         }
@@ -135,9 +130,7 @@ impl Odometry {
     #[inline]
     fn turned_between<'a>(&'a self, [before, after]: [&'a [f64]; 2]) -> impl Iterator<Item = f64> {
         let counts = before.iter().zip(after).enumerate();
-        counts.map(|(i, (before, after))| {
-            (after - before) * self.settings.wheel_encoder(i).angle_per_count()
-        })
+        counts.map(|(i, (before, after))| (after - before) * self.settings.wheel_encoder(i).angle_per_count())
     }
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
@@ -159,9 +152,7 @@ impl Odometry {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
         let mut end = recording.until_yaw(first, room.rows());
         let uncertainty = &self.state.uncertainty;
-        let leans = recording.yaw_rates.is_some()
-            || uncertainty.bias.is_some()
-            || uncertainty.leans_on_gyroscope();
+        let leans = recording.yaw_rates.is_some() || uncertainty.bias.is_some() || uncertainty.leans_on_gyroscope();
         if leans {
             end = self.hear(recording, first..end, block);
         }
@@ -230,8 +221,7 @@ impl Odometry {
                 return row;
             }
             block.says.0[k] = f64::from(u8::from(rate.is_some()));
-            block.turn.0[k] =
-                rate.map_or(0.0, |rate| gyroscope::turn(before.yaw_rate, rate, bias, dt));
+            block.turn.0[k] = rate.map_or(0.0, |rate| gyroscope::turn(before.yaw_rate, rate, bias, dt));
             block.bias.0[k] = bias.map_or(0.0, |bias| bias.variance);
             if let Some(bias) = &mut bias {
                 bias.variance += self.settings.wandered(dt);

@@ -113,10 +113,8 @@ impl Settings {
                 return Err(Error::value("wheel_noise", rule, number(*share)));
             }
         }
-        let encoders = [
-            ("wheel_encoders", &self.wheel_encoders, wheels),
-            ("steering_encoders", &self.steering_encoders, joints),
-        ];
+        let encoders =
+            [("wheel_encoders", &self.wheel_encoders, wheels), ("steering_encoders", &self.steering_encoders, joints)];
         for (argument, encoders, count) in encoders {
             if encoders.len() > 1 && encoders.len() != count {
                 let rule = format!("be one encoder or {count}");
@@ -164,8 +162,7 @@ impl Settings {
     /// Standard deviation of a yaw rate [rad/s].
     #[inline]
     pub(super) fn rate_noise(&self) -> f64 {
-        self.gyroscope
-            .map_or(self.noise.yaw_rate, |known| known.noise)
+        self.gyroscope.map_or(self.noise.yaw_rate, |known| known.noise)
     }
 
     /// Standard deviation of the factor that the gyroscope's turns are off by.
@@ -180,10 +177,7 @@ impl Settings {
 
     pub(super) fn rules(&self) -> Rules {
         Rules {
-            noise: Noise {
-                yaw_rate: self.rate_noise(),
-                ..self.noise
-            },
+            noise: Noise { yaw_rate: self.rate_noise(), ..self.noise },
             method: self.method,
             inflate: self.inflate,
             slip_threshold: self.flagged_slip(),
@@ -192,31 +186,20 @@ impl Settings {
 
     /// Slip of a wheel that is flagged [m/s], where one number says it.
     pub(super) fn flagged_slip(&self) -> Option<f64> {
-        self.slip_threshold
-            .or(self.noise.is_guess().then_some(GUESSED_SLIP))
+        self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
     /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
     pub(super) fn plan(&self, rover: &Rover) -> Option<Plan> {
-        let castors = || {
-            rover
-                .wheels()
-                .iter()
-                .any(|wheel| wheel.pivot == Pivot::Castor)
-        };
+        let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
         let is_plain = self.readings == Readings::Angles
             && self.method == Method::LeastSquares
             && !self.inflate
             && self.lasting() == 0
             && self.wheel_noise.is_empty()
             && (self.max_speed.is_none() || !castors());
-        let encoders = (
-            |wheel| self.wheel_encoder(wheel),
-            |joint| self.steering_encoder(joint),
-        );
-        is_plain
-            .then(|| Plan::new(rover, encoders.0, encoders.1))
-            .flatten()
+        let encoders = (|wheel| self.wheel_encoder(wheel), |joint| self.steering_encoder(joint));
+        is_plain.then(|| Plan::new(rover, encoders.0, encoders.1)).flatten()
     }
 
     pub(super) fn wheel_encoder(&self, wheel: usize) -> Encoder {

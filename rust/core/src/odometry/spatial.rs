@@ -48,29 +48,17 @@ pub struct Settings3 {
 
 impl Default for Settings3 {
     fn default() -> Self {
-        Self {
-            common: Settings::default(),
-            attitude_noise: 0.002,
-            joint_noise: 0.001,
-        }
+        Self { common: Settings::default(), attitude_noise: 0.002, joint_noise: 0.001 }
     }
 }
 
 impl Settings3 {
     fn check(&self, chain: &Chain) -> Result<(), Error> {
-        self.common
-            .check_for(chain.wheels().len(), chain.steering().len())?;
-        let deviations = [
-            ("attitude_noise", self.attitude_noise),
-            ("joint_noise", self.joint_noise),
-        ];
+        self.common.check_for(chain.wheels().len(), chain.steering().len())?;
+        let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
         for (argument, value) in deviations {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::value(
-                    argument,
-                    "be finite and not negative",
-                    number(value),
-                ));
+                return Err(Error::value(argument, "be finite and not negative", number(value)));
             }
         }
         Ok(())
@@ -100,34 +88,22 @@ pub struct Odometry3 {
 
 impl Odometry3 {
     /// At the origin, waiting for a first sample.
-    pub fn new(
-        chain: Chain,
-        ground: Option<Arc<Terrain>>,
-        settings: Settings3,
-    ) -> Result<Self, Error> {
+    pub fn new(chain: Chain, ground: Option<Arc<Terrain>>, settings: Settings3) -> Result<Self, Error> {
         settings.check(&chain)?;
         let (wheels, joints) = (chain.wheels().len(), chain.steering().len());
         let history = History::new(&settings.common);
         let origin = PlanPose::from([0.0; 3]);
-        let reach = chain
-            .place(origin, &[0.0; MAX_STATE], &[])
-            .map_or(1.0, |placed| {
-                let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
-                centres.fold(0.0, f64::max)
-            });
+        let reach = chain.place(origin, &[0.0; MAX_STATE], &[]).map_or(1.0, |placed| {
+            let centres = (0..wheels).map(|wheel| placed.wheel(wheel).centre.norm());
+            centres.fold(0.0, f64::max)
+        });
         let doubt = settings.doubt(reach);
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
         }
         Ok(Self {
-            fixed: Fixed {
-                chain,
-                ground,
-                settings,
-                radii,
-                doubt,
-            },
+            fixed: Fixed { chain, ground, settings, radii, doubt },
             reference: None,
             state: State::new(Pose3::default(), Matrix6::zeros()),
             noise: StepNoise::none(),
@@ -232,34 +208,19 @@ impl Odometry3 {
         };
         let dt = sample.stamp - before.stamp;
         if dt <= 0.0 {
-            let flag = if dt == 0.0 {
-                Health::DUPLICATE
-            } else {
-                Health::BACKWARDS
-            };
+            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
             let rule = format!("be later than the last one, {}", number(before.stamp));
-            return Err(Refusal::new(
-                flag,
-                Error::value("stamp", rule, number(sample.stamp)),
-            ));
+            return Err(Refusal::new(flag, Error::value("stamp", rule, number(sample.stamp))));
         }
         let (turned, angles, wrapped) = self.difference(&sample, &before, dt);
-        self.check_jump(&turned, &before.angles, &angles, dt)
-            .map_err(|error| Refusal::new(Health::JUMP, error))?;
+        self.check_jump(&turned, &before.angles, &angles, dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
         let after = Read::of(&sample, angles);
         let mut state = self.state;
-        let taken = self
-            .fixed
-            .advance([&before, &after], &turned, dt, &mut state)?;
+        let taken = self.fixed.advance([&before, &after], &turned, dt, &mut state)?;
         self.state = state;
         self.noise = taken.noise;
         self.slip = taken.slid.map(|slid| slid.map(|way| way / dt));
-        let is_gap = self
-            .fixed
-            .settings
-            .common
-            .max_gap
-            .is_some_and(|gap| dt > gap);
+        let is_gap = self.fixed.settings.common.max_gap.is_some_and(|gap| dt > gap);
         self.health = Health::WRAPPED.when(wrapped)
             | Health::SLIP.when(taken.slips)
             | Health::GAP.when(is_gap)
@@ -280,9 +241,7 @@ impl Odometry3 {
         }
         let read = Read::of(sample, angles);
         let mut state = self.state;
-        self.fixed
-            .begin(&mut state, &read)
-            .map_err(|error| Refusal::new(Health::OFF_GROUND, error))?;
+        self.fixed.begin(&mut state, &read).map_err(|error| Refusal::new(Health::OFF_GROUND, error))?;
         self.state = state;
         self.reference = Some(read);
         self.health = Health::FIRST;
@@ -294,11 +253,8 @@ impl Odometry3 {
         let missing = |error| Refusal::new(Health::NOT_FINITE, error);
         finite("steering", sample.steering).map_err(missing)?;
         if sample.wheels.iter().any(|reading| reading.is_infinite()) {
-            let error = Error::value(
-                "wheel_angles",
-                "be finite, or NaN where a wheel has no encoder",
-                numbers(sample.wheels),
-            );
+            let error =
+                Error::value("wheel_angles", "be finite, or NaN where a wheel has no encoder", numbers(sample.wheels));
             return Err(missing(error));
         }
         if sample.wheels.iter().all(|reading| reading.is_nan()) {
@@ -308,17 +264,11 @@ impl Odometry3 {
         finite("stamp", &[sample.stamp]).map_err(missing)?;
         finite("yaw_rate", &[sample.yaw_rate.unwrap_or(0.0)]).map_err(missing)?;
         if let Some(attitude) = &sample.attitude {
-            attitude
-                .check_upright()
-                .map_err(|error| Refusal::new(Health::OVERTURNED, error))?;
+            attitude.check_upright().map_err(|error| Refusal::new(Health::OVERTURNED, error))?;
         }
         let joints = sample.joints.unwrap_or(&[]);
         if joints.iter().any(|angle| angle.is_infinite()) {
-            return Err(missing(Error::value(
-                "joints",
-                "be finite",
-                numbers(joints),
-            )));
+            return Err(missing(Error::value("joints", "be finite", numbers(joints))));
         }
         if self.fixed.ground.is_some() {
             return Ok(());
@@ -336,12 +286,7 @@ impl Odometry3 {
     }
 
     /// What wheels and steering joints turned since the reference, and whether a counter started over.
-    fn difference(
-        &self,
-        sample: &Sample3<'_>,
-        before: &Read,
-        dt: f64,
-    ) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
+    fn difference(&self, sample: &Sample3<'_>, before: &Read, dt: f64) -> ([f64; MAX_WHEELS], [f64; MAX_WHEELS], bool) {
         let settings = &self.fixed.settings.common;
         let (mut turned, mut angles, mut wrapped) = ([0.0; MAX_WHEELS], before.angles, false);
         for (wheel, reading) in sample.wheels.iter().enumerate() {
@@ -374,9 +319,7 @@ impl Odometry3 {
         angles: &[f64; MAX_WHEELS],
         dt: f64,
     ) -> Result<(), Error> {
-        let Fixed {
-            chain, settings, ..
-        } = &self.fixed;
+        let Fixed { chain, settings, .. } = &self.fixed;
         if let Some(limit) = settings.common.max_speed {
             for (wheel, mount) in chain.wheels().iter().enumerate() {
                 let encoder = settings.common.wheel_encoder(wheel);

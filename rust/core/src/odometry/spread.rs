@@ -25,28 +25,14 @@ impl<T> From<[T; 6]> for Spread<T> {
     /// The upper half, row by row.
     #[inline(always)]
     fn from([xx, xy, xz, yy, yz, zz]: [T; 6]) -> Self {
-        Self {
-            xx,
-            xy,
-            xz,
-            yy,
-            yz,
-            zz,
-        }
+        Self { xx, xy, xz, yy, yz, zz }
     }
 }
 
 impl<T> From<Spread<T>> for [T; 6] {
     #[inline(always)]
     fn from(spread: Spread<T>) -> Self {
-        let Spread {
-            xx,
-            xy,
-            xz,
-            yy,
-            yz,
-            zz,
-        } = spread;
+        let Spread { xx, xy, xz, yy, yz, zz } = spread;
         [xx, xy, xz, yy, yz, zz]
     }
 }
@@ -54,14 +40,7 @@ impl<T> From<Spread<T>> for [T; 6] {
 impl Spread {
     /// The upper half of a matrix.
     pub fn of(matrix: &Matrix3<f64>) -> Self {
-        Self {
-            xx: matrix.m11,
-            xy: matrix.m12,
-            xz: matrix.m13,
-            yy: matrix.m22,
-            yz: matrix.m23,
-            zz: matrix.m33,
-        }
+        Self { xx: matrix.m11, xy: matrix.m12, xz: matrix.m13, yy: matrix.m22, yz: matrix.m23, zz: matrix.m33 }
     }
 
     pub fn matrix(&self) -> Matrix3<f64> {
@@ -103,9 +82,7 @@ impl Spread {
 
     pub fn is_below(&self, bound: f64) -> bool {
         // No covariance is larger than the larger of its variances. Of what is far too large rounding may make the sign.
-        self.diagonal()
-            .iter()
-            .all(|variance| variance.abs() < bound)
+        self.diagonal().iter().all(|variance| variance.abs() < bound)
     }
 
     /// Adds `share v vᵀ`.
@@ -199,18 +176,9 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
     #[inline(always)]
     pub fn displaced<F: Arithmetic<Number = T>>(&self, by: F, a: &[[T; 3]; 2]) -> Self {
         let dot = |p, q, r, k: usize| by.fused(r, a[k][2], by.fused(q, a[k][1], p * a[k][0]));
-        let (xz, yz) = (
-            dot(self.xz, self.yz, self.zz, 0),
-            dot(self.xz, self.yz, self.zz, 1),
-        );
-        let first = (
-            dot(self.xx, self.xy, self.xz, 0),
-            dot(self.xy, self.yy, self.yz, 0),
-        );
-        let second = (
-            dot(self.xx, self.xy, self.xz, 1),
-            dot(self.xy, self.yy, self.yz, 1),
-        );
+        let (xz, yz) = (dot(self.xz, self.yz, self.zz, 0), dot(self.xz, self.yz, self.zz, 1));
+        let first = (dot(self.xx, self.xy, self.xz, 0), dot(self.xy, self.yy, self.yz, 0));
+        let second = (dot(self.xx, self.xy, self.xz, 1), dot(self.xy, self.yy, self.yz, 1));
         Self {
             xx: dot(first.0, first.1, xz, 0),
             xy: dot(first.0, first.1, xz, 1),
@@ -264,9 +232,7 @@ mod tests {
         assert!((spread.image(&a).matrix() - whole).amax() < 1e-14);
         let lever = [0.4, -0.9];
         let swing = Matrix3::new(1.0, 0.0, lever[0], 0.0, 1.0, lever[1], 0.0, 0.0, 1.0);
-        assert!(
-            (spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14
-        );
+        assert!((spread.swung(Apart, lever).matrix() - spread.image(&swing).matrix()).amax() < 1e-14);
         let a = Matrix3::new(1.0, 0.2, -0.4, 0.5, -1.0, 0.3, 0.0, 0.0, 1.0);
         let displaced = spread.displaced(Apart, &[[1.0, 0.2, -0.4], [0.5, -1.0, 0.3]]);
         assert!((displaced.matrix() - spread.image(&a).matrix()).amax() < 1e-14);

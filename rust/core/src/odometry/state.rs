@@ -27,11 +27,7 @@ impl State {
     }
 
     pub fn pose(&self) -> Pose {
-        Pose {
-            x: self.walk.x.value(),
-            y: self.walk.y.value(),
-            yaw: self.walk.yaw.value(),
-        }
+        Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }
     }
 
     /// Goes along the chord of a step, in world axes.
@@ -121,9 +117,7 @@ pub(super) fn follow(
     let jacobian = step_jacobian(Apart, displacement.into(), bend, [sin, cos]);
     state.uncertainty.propagate(&jacobian, &work.noise);
     let (gain, wandered) = (work.fusion().gain, walk * walk * motion.dt);
-    state
-        .uncertainty
-        .lean_on_bias(&jacobian, &gain, motion.dt, wandered);
+    state.uncertainty.lean_on_bias(&jacobian, &gain, motion.dt, wandered);
     state.go(jacobian.shift, displacement.omega);
     let twist = <[f64; 3]>::from(displacement).map(|part| part / motion.dt);
     state.hold(twist.into(), motion.dt, smoothing);
@@ -153,11 +147,7 @@ pub(super) fn check_pose(pose: &[f64]) -> Result<(), Error> {
 
 /// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
 pub(super) fn read_variance(value: f64) -> f64 {
-    if value < HUGE {
-        value
-    } else {
-        value * f64::INFINITY
-    }
+    if value < HUGE { value } else { value * f64::INFINITY }
 }
 
 /// A covariance that is symmetric and has no negative variance; infinite ones say nothing of a direction.
@@ -170,10 +160,7 @@ pub(super) fn check_covariance(covariance: [[f64; 3]; 3]) -> Result<Matrix3<f64>
     let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
     let diagonal = matrix.diagonal();
     if matrix.iter().any(|value| value.is_nan())
-        || matrix
-            .iter()
-            .enumerate()
-            .any(|(k, value)| k % 4 != 0 && value.abs() >= HUGE)
+        || matrix.iter().enumerate().any(|(k, value)| k % 4 != 0 && value.abs() >= HUGE)
         || diagonal.iter().any(|value| *value < 0.0)
     {
         return refused("hold variances on its diagonal and finite covariances beside it");

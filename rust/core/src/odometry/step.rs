@@ -92,10 +92,7 @@ pub(crate) struct Fusion {
 
 impl Fusion {
     fn none() -> Self {
-        Self {
-            gain: Vector3::zeros(),
-            rest: Matrix3::identity(),
-        }
+        Self { gain: Vector3::zeros(), rest: Matrix3::identity() }
     }
 }
 
@@ -121,9 +118,7 @@ impl Workspace {
         }
         Self {
             readings: vec![Reading::NONE; wheels],
-            inverse: rover
-                .solution
-                .map(|solution| rover.unshifted_inverse(&solution)),
+            inverse: rover.solution.map(|solution| rover.unshifted_inverse(&solution)),
             middle: vec![0.0; joints],
             steered_by: vec![0.0; joints],
             weights: vec![1.0; wheels],
@@ -150,22 +145,14 @@ impl Workspace {
     ///
     /// Angles are taken in the middle of the step. A pivot whose wheel turns by `d` meanwhile goes along an arc
     /// in body axes, whose chord is `sin(d/2) / (d/2)` of the way the wheel rolled.
-    pub fn displacement(
-        &mut self,
-        rover: &Rover,
-        motion: Motion<'_>,
-        rules: &Rules,
-    ) -> Result<Twist, Error> {
+    pub fn displacement(&mut self, rover: &Rover, motion: Motion<'_>, rules: &Rules) -> Result<Twist, Error> {
         let [before, after] = motion.steering;
         for (joint, (before, after)) in before.iter().zip(after).enumerate() {
             self.middle[joint] = f64::midpoint(*before, *after);
             self.steered_by[joint] = after - before;
         }
-        let measured = Measured {
-            steering: &self.middle,
-            speeds: motion.turned,
-            steering_rates: Some(&self.steered_by),
-        };
+        let measured =
+            Measured { steering: &self.middle, speeds: motion.turned, steering_rates: Some(&self.steered_by) };
         let mut read = motion.turned.iter().chain(&self.steered_by);
         if !read.all(|value| value.abs() < HUGE || value.is_nan()) {
             let rule = "be small enough for a finite pose and covariance";
@@ -177,13 +164,7 @@ impl Workspace {
             self.readings[wheel].rolled *= chord;
             self.readings[wheel].slipped *= chord;
         }
-        let by_wheels = rover.estimate(
-            &self.readings,
-            measured,
-            rules.method,
-            Unseen::Refuse,
-            &mut self.weights,
-        )?;
+        let by_wheels = rover.estimate(&self.readings, measured, rules.method, Unseen::Refuse, &mut self.weights)?;
         let is_plain = rules.method == Method::LeastSquares;
         let solution = if is_plain {
             rover.solution_for(&self.readings, measured, Unseen::Refuse)?
@@ -209,26 +190,11 @@ impl Workspace {
             twist: displacement,
             weights: (!is_plain).then_some(self.weights.as_slice()),
         };
-        self.slips = errors(
-            &linearised,
-            &inverse,
-            motion,
-            rules,
-            [&self.slid, &self.shares],
-            &mut self.noise,
-        );
+        self.slips = errors(&linearised, &inverse, motion, rules, [&self.slid, &self.shares], &mut self.noise);
         self.by_wheels = displacement;
         self.fusion = Fusion::none();
         Ok(match motion.gyro_turn {
-            Some(turn) => self
-                .fuse(
-                    displacement,
-                    turn,
-                    motion.dt,
-                    &rules.noise,
-                    motion.bias_variance,
-                )
-                .into(),
+            Some(turn) => self.fuse(displacement, turn, motion.dt, &rules.noise, motion.bias_variance).into(),
             None => by_wheels,
         })
     }
@@ -249,11 +215,8 @@ impl Workspace {
             self.chorded[wheel] *= chord;
             *chorded_by = steered_by * chord;
         }
-        let measured = Measured {
-            steering: &self.middle,
-            speeds: &self.chorded,
-            steering_rates: Some(&self.chorded_by),
-        };
+        let measured =
+            Measured { steering: &self.middle, speeds: &self.chorded, steering_rates: Some(&self.chorded_by) };
         let is_plain = method == Method::LeastSquares;
         let solution = if is_plain {
             rover.solution_for(&self.readings, measured, Unseen::Refuse)?
@@ -275,12 +238,7 @@ impl Workspace {
 
     /// What the deviations of the dimensions and of a gyroscope's scale make of the displacement of the last step, given
     /// its motion.
-    pub fn find_lasting(
-        &mut self,
-        rover: &Rover,
-        motion: Motion<'_>,
-        method: Method,
-    ) -> Result<(), Error> {
+    pub fn find_lasting(&mut self, rover: &Rover, motion: Motion<'_>, method: Method) -> Result<(), Error> {
         if self.scale_noise > 0.0
             && let Some(of_scale) = self.noise.lasting.last_mut()
         {
@@ -320,11 +278,7 @@ impl Workspace {
         let total = self.noise.total();
         let by_bias = bias_variance * dt * dt;
         let spread = total.zz() + 2.0 * deviation * deviation + by_bias;
-        let gain = if spread > 0.0 {
-            total.with_z() / spread
-        } else {
-            Vector3::z()
-        };
+        let gain = if spread > 0.0 { total.with_z() / spread } else { Vector3::z() };
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         self.fusion = Fusion { gain, rest };
         self.noise.multiply(&rest);
@@ -356,20 +310,14 @@ fn errors(
     let mut slips = false;
     let (mut seen, mut explained, mut rows) = (0.0, 0.0, 0.0);
     // Of any wheel: the sides of one that reads nothing slide by the rounding of the others' fit.
-    let furthest = linearised
-        .readings
-        .iter()
-        .fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
+    let furthest = linearised.readings.iter().fold(0.0_f64, |most, reading| most.max(reading.rolled.abs()));
     let shares_wheels = |i: usize| {
         let joints = joint_columns(rover);
         motion.from_rates.then_some(joints + i)
     };
     for (i, (wheel, reading)) in rover.wheels().iter().zip(linearised.readings).enumerate() {
-        let distance = if noise.slip == 0.0 && noise.side_slip == 0.0 {
-            0.0
-        } else {
-            displacement.at(wheel.x, wheel.y).norm()
-        };
+        let distance =
+            if noise.slip == 0.0 && noise.side_slip == 0.0 { 0.0 } else { displacement.at(wheel.x, wheel.y).norm() };
         let weight = linearised.weights.map_or(1.0, |weights| weights[i]);
         let distance = shares[i] * distance;
         let across = noise.side_slip * noise.side_slip * distance;
@@ -386,24 +334,14 @@ fn errors(
         };
         gradients.add(&rolling, own);
         gradients.add(&side_slip, across);
-        let steering = if wheel.steering().is_some() {
-            steering_variance * reading.rolled * reading.rolled
-        } else {
-            0.0
-        };
+        let steering =
+            if wheel.steering().is_some() { steering_variance * reading.rolled * reading.rolled } else { 0.0 };
         let (has_rolling, has_side_slip) = (
             reading.rolling.x != 0.0 || reading.rolling.y != 0.0,
             reading.side_slip.x != 0.0 || reading.side_slip.y != 0.0,
         );
-        let variance = if has_rolling {
-            along + reading_variance
-        } else {
-            0.0
-        } + if has_side_slip {
-            across + steering
-        } else {
-            0.0
-        };
+        let variance = if has_rolling { along + reading_variance } else { 0.0 }
+            + if has_side_slip { across + steering } else { 0.0 };
         seen += weight * slid[i] * slid[i];
         explained += weight * variance;
         rows += f64::from(u8::from(has_rolling)) + f64::from(u8::from(has_side_slip));

@@ -28,27 +28,19 @@ impl Odometry {
 
     #[inline]
     pub(super) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
-        self.history
-            .make_room(sample.stamp)
-            .map_err(|error| Refusal::new(Health::GOOD, error))?;
+        self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
-            Some((slips, gyro_turn)) => {
-                Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn))
-            }
+            Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
             None => self.take_any(sample),
         }
     }
 
     /// Any sample.
     fn take_any(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
-        self.check_numbers(&sample)
-            .map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
+        self.check_numbers(&sample).map_err(|error| Refusal::new(Health::NOT_FINITE, error))?;
         if !self.reference.known {
             if let Some(held) = self.history.commanded.filter(|held| sample.stamp < *held) {
-                let rule = format!(
-                    "not be before the end of the last command, {}",
-                    number(held)
-                );
+                let rule = format!("not be before the end of the last command, {}", number(held));
                 let error = Error::value("stamp", rule, number(sample.stamp));
                 return Err(Refusal::new(Health::BACKWARDS, error));
             }
@@ -61,21 +53,13 @@ impl Odometry {
         }
         let dt = sample.stamp - self.reference.stamp;
         if dt <= 0.0 {
-            let flag = if dt == 0.0 {
-                Health::DUPLICATE
-            } else {
-                Health::BACKWARDS
-            };
-            let rule = format!(
-                "be later than the last one, {}",
-                number(self.reference.stamp)
-            );
+            let flag = if dt == 0.0 { Health::DUPLICATE } else { Health::BACKWARDS };
+            let rule = format!("be later than the last one, {}", number(self.reference.stamp));
             let error = Error::value("stamp", rule, number(sample.stamp));
             return Err(Refusal::new(flag, error));
         }
         let wrapped = self.difference(&sample, dt);
-        self.check_jump(dt)
-            .map_err(|error| Refusal::new(Health::JUMP, error))?;
+        self.check_jump(dt).map_err(|error| Refusal::new(Health::JUMP, error))?;
         let bias = self.state.uncertainty.bias;
         if let Some(rate) = sample.yaw_rate
             && self.stands(rate, bias, dt, self.turned.iter().copied())
@@ -85,9 +69,7 @@ impl Odometry {
             return Ok(self.conclude(&sample, flags, None));
         }
         let before = self.reference.yaw_rate;
-        let gyro_turn = sample
-            .yaw_rate
-            .map(|rate| gyroscope::turn(before, rate, bias, dt));
+        let gyro_turn = sample.yaw_rate.map(|rate| gyroscope::turn(before, rate, bias, dt));
         let motion = Motion {
             steering: [&self.reference.angles, &self.angles],
             turned: &self.turned,
@@ -97,15 +79,8 @@ impl Odometry {
             bias_variance: bias.map_or(0.0, |bias| bias.variance),
         };
         let rules = self.settings.rules();
-        advance(
-            &self.rover,
-            &rules,
-            motion,
-            &mut self.work,
-            &mut self.state,
-            self.settings.habits(),
-        )
-        .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
+        advance(&self.rover, &rules, motion, &mut self.work, &mut self.state, self.settings.habits())
+            .map_err(|error| Refusal::new(Health::UNDETERMINED, error))?;
         for (residual, slid) in self.residual.iter_mut().zip(&self.work.slid) {
             *residual = slid / dt;
         }
@@ -115,12 +90,7 @@ impl Odometry {
 
     /// Takes a sample whose step has been made as the one from which the next one counts.
     #[inline]
-    pub(super) fn conclude(
-        &mut self,
-        sample: &Sample<'_>,
-        flags: Health,
-        gyro_turn: Option<f64>,
-    ) -> Health {
+    pub(super) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
         let reference = &mut self.reference;
         let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
@@ -134,14 +104,7 @@ impl Odometry {
             self.meet_yaw(yaw);
         }
         self.suspect.clear();
-        self.history.push(
-            sample,
-            dt,
-            &self.reference.angles,
-            &self.turned,
-            gyro_turn,
-            &self.state,
-        );
+        self.history.push(sample, dt, &self.reference.angles, &self.turned, gyro_turn, &self.state);
         self.health
     }
 
@@ -149,18 +112,10 @@ impl Odometry {
         crate::error::finite("steering", sample.steering)?;
         for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
             if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
-                return Err(Error::value(
-                    "wheel_angles",
-                    "be finite",
-                    numbers(sample.wheels),
-                ));
+                return Err(Error::value("wheel_angles", "be finite", numbers(sample.wheels)));
             }
         }
-        let others = [
-            ("stamp", Some(sample.stamp)),
-            ("yaw", sample.yaw),
-            ("yaw_rate", sample.yaw_rate),
-        ];
+        let others = [("stamp", Some(sample.stamp)), ("yaw", sample.yaw), ("yaw_rate", sample.yaw_rate)];
         for (argument, value) in others {
             if let Some(value) = value
                 && !value.is_finite()
@@ -173,13 +128,7 @@ impl Odometry {
 
     /// Takes the sample as the one from which the next one counts.
     pub(super) fn refer_to(&mut self, sample: &Sample<'_>) {
-        for (joint, (angle, reading)) in self
-            .reference
-            .angles
-            .iter_mut()
-            .zip(sample.steering)
-            .enumerate()
-        {
+        for (joint, (angle, reading)) in self.reference.angles.iter_mut().zip(sample.steering).enumerate() {
             *angle = self.settings.steering_encoder(joint).first_angle(*reading);
         }
         self.reference.known = true;
@@ -249,13 +198,7 @@ impl Odometry {
     /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
     /// its bias.
     #[inline]
-    pub(super) fn stands(
-        &self,
-        rate: f64,
-        bias: Option<Bias>,
-        dt: f64,
-        turned: impl Iterator<Item = f64>,
-    ) -> bool {
+    pub(super) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
             return false;
         };
@@ -264,9 +207,7 @@ impl Odometry {
             .wheels()
             .iter()
             .zip(turned)
-            .all(|(wheel, turned)| {
-                turned.is_nan() || (wheel.radius * turned).abs() <= STANDING * dt
-            });
+            .all(|(wheel, turned)| turned.is_nan() || (wheel.radius * turned).abs() <= STANDING * dt);
         let variance = bias.variance + known.noise * known.noise;
         still && (rate - bias.value).abs() <= LIKELY * variance.sqrt()
     }

@@ -61,9 +61,7 @@ impl Suspect {
 
     /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
     pub(super) fn precedes(&self, flag: Health, stamp: f64) -> bool {
-        (flag == Health::BACKWARDS || flag == Health::JUMP)
-            && self.flag == flag
-            && stamp > self.stamp
+        (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
     }
 
     /// Notes a row that is left out: what it read, and the increments that did happen.
@@ -75,9 +73,7 @@ impl Suspect {
             self.wheels.copy_from_slice(sample.wheels);
             self.steering.copy_from_slice(sample.steering);
         }
-        if readings == Readings::Increments
-            && (flag == Health::BACKWARDS || flag == Health::DUPLICATE)
-        {
+        if readings == Readings::Increments && (flag == Health::BACKWARDS || flag == Health::DUPLICATE) {
             self.marked = true;
             for (owed, increment) in self.owed.iter_mut().zip(sample.wheels) {
                 *owed += increment;
@@ -103,11 +99,7 @@ pub struct Recording<'a> {
 
 impl<'a> Recording<'a> {
     pub(super) fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
-        let at = |values: Option<&'a [f64]>| {
-            values
-                .map(|values| values[k])
-                .filter(|value| !value.is_nan())
-        };
+        let at = |values: Option<&'a [f64]>| values.map(|values| values[k]).filter(|value| !value.is_nan());
         Sample {
             steering: &self.steering[k * joints..(k + 1) * joints],
             wheels: &self.wheels[k * wheels..(k + 1) * wheels],
@@ -202,12 +194,7 @@ impl Odometry {
 
     /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
     /// error; otherwise such rows are left out and flagged. On failure nothing has changed.
-    pub fn run(
-        &mut self,
-        recording: Recording<'_>,
-        strict: bool,
-        track: TrackRows<'_>,
-    ) -> Result<(), Error> {
+    pub fn run(&mut self, recording: Recording<'_>, strict: bool, track: TrackRows<'_>) -> Result<(), Error> {
         let may_fail = strict || self.history.may_grow();
         let before = may_fail.then(|| self.history.check_copy()).transpose()?;
         let before = before.map(|()| self.clone());
@@ -218,12 +205,7 @@ impl Odometry {
         taken
     }
 
-    fn take_all(
-        &mut self,
-        recording: Recording<'_>,
-        strict: bool,
-        mut track: TrackRows<'_>,
-    ) -> Result<(), Error> {
+    fn take_all(&mut self, recording: Recording<'_>, strict: bool, mut track: TrackRows<'_>) -> Result<(), Error> {
         let rows = recording.stamps.len();
         let mut room = (rows > SINGLY).then(|| self.room()).flatten();
         let mut block = Block::new();
@@ -239,11 +221,7 @@ impl Odometry {
             }
             let flags = self.take_one(&recording, strict, k, &mut track)?;
             // The row before has to be the one from which the next one counts.
-            singly = if flags.is_left_out() {
-                1
-            } else {
-                singly.saturating_sub(1)
-            };
+            singly = if flags.is_left_out() { 1 } else { singly.saturating_sub(1) };
             k += 1;
         }
         Ok(())
@@ -258,11 +236,7 @@ impl Odometry {
     ) -> Result<Health, Error> {
         let (wheels, joints) = (self.rover.wheels().len(), self.rover.steered().len());
         let sample = recording.row(wheels, joints, k);
-        let taken = if strict {
-            self.update(sample)
-        } else {
-            self.absorb(sample)
-        };
+        let taken = if strict { self.update(sample) } else { self.absorb(sample) };
         let flags = taken.map_err(|error| match error.kind {
             ErrorKind::Memory => error,
             _ => error.at_row(k),
@@ -270,10 +244,7 @@ impl Odometry {
         self.tell(k, track);
         track.twists[k] = self.twist().into();
         track.health[k] = flags.0;
-        let of_wheels = [
-            (&mut track.residuals, &self.residual),
-            (&mut track.weights, &self.work.weights),
-        ];
+        let of_wheels = [(&mut track.residuals, &self.residual), (&mut track.weights, &self.work.weights)];
         for (rows, values) in of_wheels {
             if let Some(rows) = rows {
                 let row = &mut rows[k * wheels..(k + 1) * wheels];

@@ -26,10 +26,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A covariance with what rounding may have left of it.
 #[inline(always)]
-pub(crate) fn rounded<F: Arithmetic>(
-    by: F,
-    mut covariance: Spread<F::Number>,
-) -> Spread<F::Number> {
+pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Spread<F::Number>) -> Spread<F::Number> {
     covariance.add_to_diagonal(by.number(ROUNDING) * covariance.trace());
     covariance
 }
@@ -56,11 +53,7 @@ impl<T: Copy + Add<Output = T> + Mul<Output = T>> StepJacobian<T> {
     #[inline(always)]
     pub fn ended<F: Arithmetic<Number = T>>(&self, by: F, [x, y, z]: [T; 3]) -> [T; 3] {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
-        [
-            by.fused(c, z, by.fused(b, y, a * x)),
-            by.fused(f, z, by.fused(e, y, d * x)),
-            z,
-        ]
+        [by.fused(c, z, by.fused(b, y, a * x)), by.fused(f, z, by.fused(e, y, d * x)), z]
     }
 }
 
@@ -74,9 +67,7 @@ impl StepJacobian {
     /// What an error of the displacement is at the end.
     #[inline(always)]
     fn map(&self, error: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y] = self
-            .by_displacement
-            .map(|[a, b, c]| a * error.x + b * error.y + c * error.z);
+        let [x, y] = self.by_displacement.map(|[a, b, c]| a * error.x + b * error.y + c * error.z);
         Vector3::new(x, y, error.z)
     }
 }
@@ -330,11 +321,7 @@ impl Uncertainty {
     pub fn set_yaw_offset(&mut self, value: f64, variance: f64) {
         let cross = -self.settled.with_z();
         let variance = variance + self.settled.zz();
-        self.yaw_offset = Some(YawOffset {
-            value,
-            variance,
-            cross,
-        });
+        self.yaw_offset = Some(YawOffset { value, variance, cross });
         for lasting in &mut self.lasting {
             lasting.yaw_zero = -lasting.pose.z;
         }
@@ -349,11 +336,7 @@ impl Uncertainty {
         }
         let along = self.covariance().with_z() + cross;
         let spread = along.z + cross.z + of_zero + variance;
-        let gain = if spread > 0.0 {
-            along / spread
-        } else {
-            Vector3::z()
-        };
+        let gain = if spread > 0.0 { along / spread } else { Vector3::z() };
         let rest = Matrix3::identity() - gain * Vector3::z().transpose();
         let mixed = rest * offset.cross * gain.transpose();
         self.multiply(&rest);
@@ -363,10 +346,7 @@ impl Uncertainty {
         let settled = self.settled.matrix() - (mixed + mixed.transpose());
         self.settled = Spread::of(&settled);
         self.settled.add(&gain, variance + offset.variance);
-        self.yaw_offset = Some(YawOffset {
-            cross: rest * offset.cross - gain * offset.variance,
-            ..offset
-        });
+        self.yaw_offset = Some(YawOffset { cross: rest * offset.cross - gain * offset.variance, ..offset });
         gain
     }
 
@@ -388,9 +368,7 @@ impl Uncertainty {
         let spread = known * (covariance + noise) * known + unknown;
         let gain = if noise == Matrix3::zeros() {
             // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
-            spread
-                .cholesky()
-                .map_or(known, |spread| covariance * known * spread.inverse())
+            spread.cholesky().map_or(known, |spread| covariance * known * spread.inverse())
         } else {
             covariance * known * Jacobi::new(&spread).inverse(f64::EPSILON * spread.amax())
         };

@@ -29,33 +29,13 @@ impl Mppi {
     /// Where the new mean leads, and what to command first.
     pub(super) fn conclude(&mut self, workers: Workers) {
         let free = self.facts.free;
-        self.engine.nominal(
-            &self.job,
-            &self.mean,
-            &self.settings,
-            workers.level,
-            &mut self.motions,
-            &mut self.places,
-        );
-        for (control, mean) in self
-            .state
-            .controls
-            .iter_mut()
-            .zip(self.mean.chunks_exact(free))
-        {
+        self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);
+        for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {
             *control = self.facts.twist(mean);
         }
         let outcome = &mut self.outcome;
         let dt = self.options.dt;
-        ways(
-            &self.facts,
-            &self.motions,
-            &self.places,
-            self.situation.0,
-            dt,
-            &mut outcome.twists,
-            &mut outcome.poses,
-        );
+        ways(&self.facts, &self.motions, &self.places, self.situation.0, dt, &mut outcome.twists, &mut outcome.poses);
         let first = self.job.fixed;
         outcome.twist = outcome.twists[first];
         outcome.steering.clone_from(&self.situation.1);
@@ -66,17 +46,9 @@ impl Mppi {
             let mut angles = [0.0; MAX_WHEELS];
             let mut speeds = [0.0; MAX_WHEELS];
             let joints = outcome.steering.len();
-            let inputs = Inputs {
-                previous: Some(&self.situation.1),
-                ..Inputs::default()
-            };
+            let inputs = Inputs { previous: Some(&self.situation.1), ..Inputs::default() };
             let goes = Twist::from(*next);
-            self.rover.solve(
-                goes,
-                inputs,
-                &mut angles[..joints],
-                &mut speeds[..outcome.speeds.len()],
-            );
+            self.rover.solve(goes, inputs, &mut angles[..joints], &mut speeds[..outcome.speeds.len()]);
             let stands = outcome.twist.iter().all(|part| *part == 0.0);
             // Where they were a little off, they come back no faster than they may.
             let most = self.facts.limits.steering_rate * dt;
@@ -84,9 +56,7 @@ impl Mppi {
                 *to += (angle - *to).clamp(-most, most);
             }
             if !stands {
-                outcome
-                    .speeds
-                    .copy_from_slice(&speeds[..self.rover.wheels().len()]);
+                outcome.speeds.copy_from_slice(&speeds[..self.rover.wheels().len()]);
             }
         }
         self.state.steering.clone_from(&outcome.steering);
@@ -95,35 +65,16 @@ impl Mppi {
     }
 
     /// Poses and motions of a rollout that was recorded: `horizon + 1` and `horizon` rows.
-    pub fn recorded(
-        &mut self,
-        rollout: usize,
-        poses: &mut Vec<[f64; 3]>,
-        twists: &mut Vec<[f64; 3]>,
-    ) {
-        self.engine
-            .recorded(rollout, &self.settings, &mut self.motions, &mut self.places);
-        ways(
-            &self.facts,
-            &self.motions,
-            &self.places,
-            self.situation.0,
-            self.options.dt,
-            twists,
-            poses,
-        );
+    pub fn recorded(&mut self, rollout: usize, poses: &mut Vec<[f64; 3]>, twists: &mut Vec<[f64; 3]>) {
+        self.engine.recorded(rollout, &self.settings, &mut self.motions, &mut self.places);
+        ways(&self.facts, &self.motions, &self.places, self.situation.0, self.options.dt, twists, poses);
     }
 
     /// The wishes of one rollout of the last cycle, in body axes.
     pub fn wishes(&mut self, rollout: usize, to: &mut Vec<[f64; 3]>) {
-        self.engine
-            .wishes(rollout, &self.settings, &mut self.motions);
+        self.engine.wishes(rollout, &self.settings, &mut self.motions);
         to.clear();
-        to.extend(
-            self.motions
-                .chunks_exact(self.facts.free)
-                .map(|wish| self.facts.twist(wish)),
-        );
+        to.extend(self.motions.chunks_exact(self.facts.free).map(|wish| self.facts.twist(wish)));
     }
 }
 
@@ -138,11 +89,7 @@ fn ways(
     poses: &mut Vec<[f64; 3]>,
 ) {
     twists.clear();
-    twists.extend(
-        motions
-            .chunks_exact(facts.free)
-            .map(|motion| facts.twist(motion)),
-    );
+    twists.extend(motions.chunks_exact(facts.free).map(|motion| facts.twist(motion)));
     poses.clear();
     poses.push(start);
     let mut yaw = start[2];
@@ -156,13 +103,7 @@ fn ways(
 ///
 /// Source: A. Savitzky & M. Golay, Analytical Chemistry 36(8), 1964.
 pub(super) fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
-    const TAPS: [f64; 5] = [
-        -3.0 / 35.0,
-        12.0 / 35.0,
-        17.0 / 35.0,
-        12.0 / 35.0,
-        -3.0 / 35.0,
-    ];
+    const TAPS: [f64; 5] = [-3.0 / 35.0, 12.0 / 35.0, 17.0 / 35.0, 12.0 / 35.0, -3.0 / 35.0];
     let steps = mean.len() / free;
     for k in 0..free {
         let at = |t: usize| t.min(steps - 1) * free + k;
@@ -171,11 +112,7 @@ pub(super) fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
         for t in fixed..steps {
             let now = mean[at(t)];
             let window = [before[0], before[1], now, mean[at(t + 1)], mean[at(t + 2)]];
-            let smoothed = window
-                .iter()
-                .zip(TAPS)
-                .map(|(value, tap)| value * tap)
-                .sum();
+            let smoothed = window.iter().zip(TAPS).map(|(value, tap)| value * tap).sum();
             before = [before[1], now];
             mean[at(t)] = smoothed;
         }

@@ -26,17 +26,11 @@ impl Path {
         self.points.clear();
         let span = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
         self.length = corners.windows(2).map(span).sum();
-        let least = corners
-            .windows(2)
-            .map(span)
-            .filter(|span| *span > 0.0)
-            .fold(f64::INFINITY, f64::min);
+        let least = corners.windows(2).map(span).filter(|span| *span > 0.0).fold(f64::INFINITY, f64::min);
         if self.length == 0.0 {
             return;
         }
-        let pieces = (self.length / least.min(0.5))
-            .ceil()
-            .clamp(1.0, (POINTS - 1) as f64);
+        let pieces = (self.length / least.min(0.5)).ceil().clamp(1.0, (POINTS - 1) as f64);
         self.spacing = self.length / pieces;
         let (mut at, mut k) = (0.0, 0);
         for piece in 0..=pieces as usize {
@@ -47,34 +41,14 @@ impl Path {
             }
             let (from, to) = (corners[k], corners[k + 1]);
             let length = span(&corners[k..k + 2]);
-            let share = if length > 0.0 {
-                ((along - at) / length).min(1.0)
-            } else {
-                0.0
-            };
-            self.points.push([
-                from[0] + share * (to[0] - from[0]),
-                from[1] + share * (to[1] - from[1]),
-                1.0,
-                0.0,
-            ]);
+            let share = if length > 0.0 { ((along - at) / length).min(1.0) } else { 0.0 };
+            self.points.push([from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]), 1.0, 0.0]);
         }
         for k in 0..self.points.len() {
-            let (a, b) = if k + 1 < self.points.len() {
-                (k, k + 1)
-            } else {
-                (k - 1, k)
-            };
-            let [dx, dy] = [
-                self.points[b][0] - self.points[a][0],
-                self.points[b][1] - self.points[a][1],
-            ];
+            let (a, b) = if k + 1 < self.points.len() { (k, k + 1) } else { (k - 1, k) };
+            let [dx, dy] = [self.points[b][0] - self.points[a][0], self.points[b][1] - self.points[a][1]];
             let length = dx.hypot(dy);
-            let (dx, dy) = if length > 0.0 {
-                (dx / length, dy / length)
-            } else {
-                (1.0, 0.0)
-            };
+            let (dx, dy) = if length > 0.0 { (dx / length, dy / length) } else { (1.0, 0.0) };
             (self.points[k][2], self.points[k][3]) = (dx, dy);
         }
     }
@@ -147,17 +121,8 @@ impl Default for Weights {
 
 impl Weights {
     /// Names, in the order of the fields.
-    pub const NAMES: [&'static str; 9] = [
-        "map",
-        "collision",
-        "goal",
-        "terminal",
-        "path",
-        "progress",
-        "heading",
-        "effort",
-        "scrub",
-    ];
+    pub const NAMES: [&'static str; 9] =
+        ["map", "collision", "goal", "terminal", "path", "progress", "heading", "effort", "scrub"];
 
     /// The weights by name, in this order.
     pub fn values(&self) -> [f64; 9] {
@@ -175,30 +140,8 @@ impl Weights {
     }
 
     /// The reverse of [`Self::values`].
-    pub fn of(
-        [
-            map,
-            collision,
-            goal,
-            terminal,
-            path,
-            progress,
-            heading,
-            effort,
-            scrub,
-        ]: [f64; 9],
-    ) -> Self {
-        Self {
-            map,
-            collision,
-            goal,
-            terminal,
-            path,
-            progress,
-            heading,
-            effort,
-            scrub,
-        }
+    pub fn of([map, collision, goal, terminal, path, progress, heading, effort, scrub]: [f64; 9]) -> Self {
+        Self { map, collision, goal, terminal, path, progress, heading, effort, scrub }
     }
 }
 
@@ -238,26 +181,13 @@ impl<R: Real> Judge<'_, R> {
     }
 
     #[inline(always)]
-    fn to_goal<S: Vector>(
-        &self,
-        simd: S,
-        goal: [f64; 2],
-        track: &[R],
-        at: usize,
-        mut sum: Reg<S, R>,
-    ) -> Reg<S, R> {
+    fn to_goal<S: Vector>(&self, simd: S, goal: [f64; 2], track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
-        let (gx, gy) = (
-            number(goal[0] - self.start[0]),
-            number(goal[1] - self.start[1]),
-        );
+        let (gx, gy) = (number(goal[0] - self.start[0]), number(goal[1] - self.start[1]));
         let mut distance = number(0.0);
         let weight = number(self.weights.goal * self.dt);
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (
-                Reg::load(simd, &step[at..]) - gx,
-                Reg::load(simd, &step[BLOCK + at..]) - gy,
-            );
+            let (x, y) = (Reg::load(simd, &step[at..]) - gx, Reg::load(simd, &step[BLOCK + at..]) - gy);
             [_, distance] = x.mul_add(x, y * y).roots();
             sum = distance.mul_add(weight, sum);
         }
@@ -265,14 +195,7 @@ impl<R: Real> Judge<'_, R> {
     }
 
     #[inline(always)]
-    fn under<S: Vector>(
-        &self,
-        simd: S,
-        map: &Costmap,
-        track: &[R],
-        at: usize,
-        mut sum: Reg<S, R>,
-    ) -> Reg<S, R> {
+    fn under<S: Vector>(&self, simd: S, map: &Costmap, track: &[R], at: usize, mut sum: Reg<S, R>) -> Reg<S, R> {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let weight = number(self.weights.map * self.dt);
@@ -280,10 +203,7 @@ impl<R: Real> Judge<'_, R> {
         let mut worst_of_all = zero;
         let lethal = number(map.lethal().unwrap_or(f64::INFINITY));
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let [x, y] = [
-                Reg::<S, R>::load(simd, &step[at..]),
-                Reg::load(simd, &step[BLOCK + at..]),
-            ];
+            let [x, y] = [Reg::<S, R>::load(simd, &step[at..]), Reg::load(simd, &step[BLOCK + at..])];
             for (k, point) in self.points.iter().enumerate() {
                 let (mut px, mut py) = (x, y);
                 if *point != [0.0; 2] {
@@ -294,11 +214,7 @@ impl<R: Real> Judge<'_, R> {
                     py = s.mul_add(ux, py) + c * uy;
                 }
                 let value = self.between(simd, map, px, py);
-                worst_of_all = if k == 0 {
-                    value
-                } else {
-                    worst_of_all.max(value)
-                };
+                worst_of_all = if k == 0 { value } else { worst_of_all.max(value) };
             }
             hit = hit | !worst_of_all.below(lethal);
             sum = worst_of_all.mul_add(weight, sum);
@@ -318,10 +234,8 @@ impl<R: Real> Judge<'_, R> {
         let fy = y.mul_add(number(1.0 / dy), number(from[1]));
         let (right, top) = (number((columns - 1) as f64), number((rows - 1) as f64));
         let inside = [fx.max(zero).min(right), fy.max(zero).min(top)];
-        let whole = [
-            inside[0].floor().min(number((columns - 2) as f64)),
-            inside[1].floor().min(number((rows - 2) as f64)),
-        ];
+        let whole =
+            [inside[0].floor().min(number((columns - 2) as f64)), inside[1].floor().min(number((rows - 2) as f64))];
         let [tx, ty] = [inside[0] - whole[0], inside[1] - whole[1]];
         // SAFETY: `max` and `min` have left nothing but places whose neighbours are on the map, not even a NaN.
         let [low, high] = unsafe { Reg::corners(simd, map.values(), columns, whole) };
@@ -348,10 +262,7 @@ impl<R: Real> Judge<'_, R> {
         let begin = number(self.progress);
         let mut place = begin;
         for step in track.chunks_exact(TRACK * BLOCK) {
-            let (x, y) = (
-                Reg::<S, R>::load(simd, &step[at..]),
-                Reg::<S, R>::load(simd, &step[BLOCK + at..]),
-            );
+            let (x, y) = (Reg::<S, R>::load(simd, &step[at..]), Reg::<S, R>::load(simd, &step[BLOCK + at..]));
             let whole = (place * per_spacing).floor().min(last);
             let mut index = [R::default(); BLOCK];
             whole.counted().store(&mut index);
@@ -362,21 +273,13 @@ impl<R: Real> Judge<'_, R> {
                     column[lane] = part;
                 }
             }
-            let [px, py] = [
-                Reg::<S, R>::load(simd, &columns[0]),
-                Reg::load(simd, &columns[1]),
-            ];
-            let [tx, ty] = [
-                Reg::<S, R>::load(simd, &columns[2]),
-                Reg::load(simd, &columns[3]),
-            ];
+            let [px, py] = [Reg::<S, R>::load(simd, &columns[0]), Reg::load(simd, &columns[1])];
+            let [tx, ty] = [Reg::<S, R>::load(simd, &columns[2]), Reg::load(simd, &columns[3])];
             let (dx, dy) = (x - px, y - py);
             let wanted = dx.mul_add(tx, dy * ty) + whole * spacing;
             place = wanted.max(zero).min(length);
-            let (c, s) = (
-                Reg::<S, R>::load(simd, &step[2 * BLOCK + at..]),
-                Reg::<S, R>::load(simd, &step[3 * BLOCK + at..]),
-            );
+            let (c, s) =
+                (Reg::<S, R>::load(simd, &step[2 * BLOCK + at..]), Reg::<S, R>::load(simd, &step[3 * BLOCK + at..]));
             let across = c * ty - s * tx;
             sum = (across * across).mul_add(askew, sum);
             let (beyond, aside) = (wanted - place, dx * ty - dy * tx);
@@ -396,11 +299,7 @@ impl Path {
     /// The points in another kind of number, counted from a place.
     pub fn write<R: Real>(&self, start: [f64; 2], to: &mut Vec<[R; 4]>) {
         to.clear();
-        to.extend(
-            self.points
-                .iter()
-                .map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)),
-        );
+        to.extend(self.points.iter().map(|[x, y, tx, ty]| [x - start[0], y - start[1], *tx, *ty].map(R::of)));
     }
 
     pub fn spacing(&self) -> f64 {

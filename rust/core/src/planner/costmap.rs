@@ -29,11 +29,7 @@ impl Costmap {
     ) -> Result<Self, Error> {
         if rows.min(columns) < 2 || rows.max(columns) > MOST {
             let rule = format!("have 2 to {MOST} rows and columns");
-            return Err(Error::value(
-                "values",
-                rule,
-                format!("shape ({rows}, {columns})"),
-            ));
+            return Err(Error::value("values", rule, format!("shape ({rows}, {columns})")));
         }
         if rows * columns > i32::MAX as usize {
             let rule = format!("hold {} cells at most", i32::MAX);
@@ -41,37 +37,18 @@ impl Costmap {
         }
         if let Some(place) = values.iter().position(|value| !value.is_finite()) {
             let cell = format!("values[{}, {}]", place / columns, place % columns);
-            return Err(Error::value(
-                cell,
-                "be finite",
-                number(values[place].into()),
-            ));
+            return Err(Error::value(cell, "be finite", number(values[place].into())));
         }
         for (argument, value) in [("lethal", lethal), ("outside", outside)] {
             if let Some(value) = value.filter(|value| !value.is_finite()) {
                 return Err(Error::value(argument, "be finite", number(value)));
             }
         }
-        if !spacing
-            .iter()
-            .all(|value| value.is_finite() && *value > 0.0)
-        {
-            return Err(Error::value(
-                "spacing",
-                "be finite and positive",
-                numbers(&spacing),
-            ));
+        if !spacing.iter().all(|value| value.is_finite() && *value > 0.0) {
+            return Err(Error::value("spacing", "be finite and positive", numbers(&spacing)));
         }
         crate::error::finite("origin", &origin)?;
-        Ok(Self {
-            values,
-            rows,
-            columns,
-            spacing,
-            origin,
-            lethal,
-            outside,
-        })
+        Ok(Self { values, rows, columns, spacing, origin, lethal, outside })
     }
 
     /// Costs, row after row.

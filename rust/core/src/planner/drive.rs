@@ -47,11 +47,7 @@ impl Begin {
     /// Chooses the polynomials for turns up to this yaw rate [rad/s].
     pub fn turns(&mut self, fastest: f64, dt: f64) {
         let half = fastest * dt / 2.0;
-        self.halvings = if half > SMALL {
-            (half / SMALL).log2().ceil().min(60.0) as u32
-        } else {
-            0
-        };
+        self.halvings = if half > SMALL { (half / SMALL).log2().ceil().min(60.0) as u32 } else { 0 };
         self.few = half <= SMALL / 8.0;
         self.smallest = 0.5 * dt / f64::from(self.halvings).exp2();
     }
@@ -129,13 +125,7 @@ impl<R: Real, const M: usize> Model<R, M> {
 
     /// The motion of a step.
     #[inline(always)]
-    fn step<S: Vector>(
-        &self,
-        simd: S,
-        begin: &Begin,
-        state: &mut State<S, R, M>,
-        wish: [Reg<S, R>; M],
-    ) {
+    fn step<S: Vector>(&self, simd: S, begin: &Begin, state: &mut State<S, R, M>, wish: [Reg<S, R>; M]) {
         let number = |value: f64| Reg::<S, R>::all(simd, value);
         let zero = number(0.0);
         let before = state.motion;
@@ -147,13 +137,8 @@ impl<R: Real, const M: usize> Model<R, M> {
             }
             let mut worst = largest(simd, &self.speeding, &change);
             if let Some(slowing) = &self.slowing {
-                let [slow, now] = [
-                    value(simd, &self.metric, &wish),
-                    value(simd, &self.metric, &before),
-                ];
-                worst = slow
-                    .below(now)
-                    .select(largest(simd, slowing, &change), worst);
+                let [slow, now] = [value(simd, &self.metric, &wish), value(simd, &self.metric, &before)];
+                worst = slow.below(now).select(largest(simd, slowing, &change), worst);
             }
             let share = down_to_one(simd, worst);
             for k in 0..M {
@@ -176,11 +161,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         let mut over = largest(simd, &self.scaling, &motion);
         if let Some(lateral) = self.lateral {
             let yaw = motion[M - 1];
-            let side = if M == 2 {
-                yaw * Reg::splat(simd, self.sideways)
-            } else {
-                motion[1]
-            };
+            let side = if M == 2 { yaw * Reg::splat(simd, self.sideways) } else { motion[1] };
             let square = motion[0].mul_add(motion[0], side * side);
             over = over.max((square * (yaw * yaw)).sqrt() * Reg::splat(simd, lateral));
         }
@@ -218,27 +199,16 @@ impl<R: Real, const M: usize> Model<R, M> {
         let (mc, ms) = (c * cos - s * sin, s.mul_add(cos, c * sin));
         let chord = sinc * number(self.dt);
         let along = state.motion[0] * chord;
-        let side = if M == 2 {
-            yaw * Reg::splat(simd, self.sideways)
-        } else {
-            state.motion[1]
-        } * chord;
+        let side = if M == 2 { yaw * Reg::splat(simd, self.sideways) } else { state.motion[1] } * chord;
         let [x, y] = state.place;
-        state.place = [
-            along.mul_add(mc, x) - side * ms,
-            along.mul_add(ms, y) + side * mc,
-        ];
+        state.place = [along.mul_add(mc, x) - side * ms, along.mul_add(ms, y) + side * mc];
         state.heading = [mc * cos - ms * sin, ms.mul_add(cos, mc * sin)];
     }
 }
 
 /// A polynomial, by Horner's rule.
 #[inline(always)]
-fn series<S: Vector, R: Real, const N: usize>(
-    simd: S,
-    x: Reg<S, R>,
-    coefficients: [f64; N],
-) -> Reg<S, R> {
+fn series<S: Vector, R: Real, const N: usize>(simd: S, x: Reg<S, R>, coefficients: [f64; N]) -> Reg<S, R> {
     let mut sum = Reg::all(simd, coefficients[N - 1]);
     for k in (0..N - 1).rev() {
         sum = sum.mul_add(x, Reg::all(simd, coefficients[k]));
@@ -248,21 +218,10 @@ fn series<S: Vector, R: Real, const N: usize>(
 
 /// Sine, cosine and sine over angle of a small angle.
 #[inline(always)]
-fn half_turn<S: Vector, R: Real>(
-    simd: S,
-    half: Reg<S, R>,
-    few: bool,
-) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
+fn half_turn<S: Vector, R: Real>(simd: S, half: Reg<S, R>, few: bool) -> (Reg<S, R>, Reg<S, R>, Reg<S, R>) {
     let square = half * half;
-    const SINC: [f64; 7] = [
-        1.0,
-        -1.0 / 6.0,
-        1.0 / 120.0,
-        -1.0 / 5040.0,
-        1.0 / 362_880.0,
-        -1.0 / 39_916_800.0,
-        1.0 / 6_227_020_800.0,
-    ];
+    const SINC: [f64; 7] =
+        [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
     const COS: [f64; 8] = [
         1.0,
         -0.5,
@@ -276,10 +235,7 @@ fn half_turn<S: Vector, R: Real>(
     let (sinc, cos) = if few {
         let [s0, s1, s2, s3, ..] = SINC;
         let [c0, c1, c2, c3, c4, ..] = COS;
-        (
-            series(simd, square, [s0, s1, s2, s3]),
-            series(simd, square, [c0, c1, c2, c3, c4]),
-        )
+        (series(simd, square, [s0, s1, s2, s3]), series(simd, square, [c0, c1, c2, c3, c4]))
     } else {
         (series(simd, square, SINC), series(simd, square, COS))
     };

@@ -68,13 +68,7 @@ pub(crate) trait Engine: Send + Sync {
     /// The cost of every rollout.
     fn costs(&self, to: &mut Vec<f64>);
     /// The mean of the wishes with these weights.
-    fn mean(
-        &mut self,
-        weights: &[f64],
-        settings: &Settings,
-        workers: Workers,
-        to: &mut [f64],
-    ) -> Result<(), Error>;
+    fn mean(&mut self, weights: &[f64], settings: &Settings, workers: Workers, to: &mut [f64]) -> Result<(), Error>;
     /// Drives one rollout by these wishes; its motions `[step][component]` and places `[step][x, y]`.
     fn nominal(
         &mut self,
@@ -86,13 +80,7 @@ pub(crate) trait Engine: Send + Sync {
         places: &mut [f64],
     );
     /// Motions and places of one of the rollouts that were recorded.
-    fn recorded(
-        &self,
-        rollout: usize,
-        settings: &Settings,
-        motions: &mut [f64],
-        places: &mut [f64],
-    );
+    fn recorded(&self, rollout: usize, settings: &Settings, motions: &mut [f64], places: &mut [f64]);
     /// The wishes of one rollout.
     fn wishes(&self, rollout: usize, settings: &Settings, to: &mut [f64]);
 }
@@ -153,19 +141,12 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
         let row = self.steps * M * BLOCK;
-        let blocks = self
-            .wishes
-            .chunks_exact_mut(row)
-            .zip(self.costs.chunks_exact_mut(BLOCK));
+        let blocks = self.wishes.chunks_exact_mut(row).zip(self.costs.chunks_exact_mut(BLOCK));
         let mut motions = self.motions.chunks_exact_mut(row);
         let mut tracks = self.tracks.chunks_exact_mut(self.steps * TRACK * BLOCK);
         for (b, (wishes, costs)) in blocks.enumerate() {
             let first = self.first + b * BLOCK;
-            let counter = Counter {
-                seed: self.job.seed,
-                cycle: self.job.cycle,
-                first: first as u32,
-            };
+            let counter = Counter { seed: self.job.seed, cycle: self.job.cycle, first: first as u32 };
             noise::fill(simd, counter, M, self.steps, &mut self.room.noise);
             wish::<S, R, M>(simd, self.job, &self.room.noise, wishes, first);
             let mut record = motions.next();
@@ -174,8 +155,7 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
             // Judged while they are in the first-level cache.
             for at in (0..BLOCK).step_by(abreast) {
                 let (begin, record) = (&self.job.begin, record.as_deref_mut());
-                self.model
-                    .drive(simd, begin, at, wishes, track, costs, record);
+                self.model.drive(simd, begin, at, wishes, track, costs, record);
                 self.judge.add(simd, track, costs, at..at + abreast);
             }
         }
@@ -184,23 +164,11 @@ impl<R: Real, const M: usize> Kernel for Roll<'_, R, M> {
 
 /// Noise to wishes.
 #[inline(always)]
-fn wish<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    job: &Job,
-    noise: &[f32],
-    wishes: &mut [R],
-    first: usize,
-) {
+fn wish<S: Vector, R: Real, const M: usize>(simd: S, job: &Job, noise: &[f32], wishes: &mut [R], first: usize) {
     let number = |value: f64| Reg::<S, R>::all(simd, value);
     let lanes = R::lanes::<S>();
-    let rows = wishes
-        .chunks_exact_mut(BLOCK)
-        .zip(noise.chunks_exact(BLOCK))
-        .enumerate();
-    let (memory, fresh) = (
-        number(job.memory),
-        number((1.0 - job.memory * job.memory).sqrt()),
-    );
+    let rows = wishes.chunks_exact_mut(BLOCK).zip(noise.chunks_exact(BLOCK)).enumerate();
+    let (memory, fresh) = (number(job.memory), number((1.0 - job.memory * job.memory).sqrt()));
     let mut last = [[R::default(); BLOCK]; M];
     let mut wide = [R::default(); BLOCK];
     for (row, (wishes, noise)) in rows {
@@ -216,10 +184,7 @@ fn wish<S: Vector, R: Real, const M: usize>(
             let old = Reg::load(simd, &last[k][at..]) * memory;
             let new = Reg::load(simd, &wide[at..]).mul_add(fresh, old);
             new.store(&mut last[k][at..]);
-            new.mul_add(sigma, mean)
-                .max(low)
-                .min(high)
-                .store(&mut wishes[at..]);
+            new.mul_add(sigma, mean).max(low).min(high).store(&mut wishes[at..]);
         }
         if first > 0 {
             continue;
@@ -247,21 +212,13 @@ impl<R: Real> Kernel for Add<'_, R> {
     fn run<S: Vector>(self, simd: S) {
         self.sums.fill(R::default());
         let lanes = R::lanes::<S>();
-        let blocks = self
-            .wishes
-            .chunks_exact(self.sums.len())
-            .zip(self.shares.chunks_exact(BLOCK));
+        let blocks = self.wishes.chunks_exact(self.sums.len()).zip(self.shares.chunks_exact(BLOCK));
         for (wishes, shares) in blocks {
-            for (wishes, sums) in wishes
-                .chunks_exact(BLOCK)
-                .zip(self.sums.chunks_exact_mut(BLOCK))
-            {
+            for (wishes, sums) in wishes.chunks_exact(BLOCK).zip(self.sums.chunks_exact_mut(BLOCK)) {
                 for at in (0..BLOCK).step_by(lanes) {
                     let share = Reg::<S, R>::load(simd, &shares[at..]);
                     let sum = Reg::load(simd, &sums[at..]);
-                    Reg::load(simd, &wishes[at..])
-                        .mul_add(share, sum)
-                        .store(&mut sums[at..]);
+                    Reg::load(simd, &wishes[at..]).mul_add(share, sum).store(&mut sums[at..]);
                 }
             }
         }
@@ -285,8 +242,7 @@ impl<R: Real, const M: usize> Kernel for Alone<'_, R, M> {
         let mut costs = [R::default(); BLOCK];
         for at in (0..BLOCK).step_by(Model::<R, M>::abreast::<S>()) {
             let (begin, record) = (self.begin, Some(&mut *self.motions));
-            self.model
-                .drive(simd, begin, at, self.wishes, self.track, &mut costs, record);
+            self.model.drive(simd, begin, at, self.wishes, self.track, &mut costs, record);
         }
     }
 }
@@ -322,27 +278,18 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         };
         let kept = if job.record { blocks } else { 0 };
         self.motions.resize(kept * row, R::default());
-        self.tracks
-            .resize(kept * steps * TRACK * BLOCK, R::default());
+        self.tracks.resize(kept * steps * TRACK * BLOCK, R::default());
         let share = blocks.div_ceil(workers.threads.clamp(1, blocks));
         let hands = blocks.div_ceil(share);
         while self.rooms.len() < hands {
-            let room = Room {
-                noise: vec![0.0; row],
-                track: vec![R::default(); steps * TRACK * BLOCK],
-            };
+            let room = Room { noise: vec![0.0; row], track: vec![R::default(); steps * TRACK * BLOCK] };
             self.rooms.push(room);
         }
         self.costs.fill(R::default());
-        let parts = self
-            .wishes
-            .chunks_mut(share * row)
-            .zip(self.costs.chunks_mut(share * BLOCK));
+        let parts = self.wishes.chunks_mut(share * row).zip(self.costs.chunks_mut(share * BLOCK));
         let parts = parts.zip(self.rooms.iter_mut());
         let mut motions = self.motions.chunks_mut((share * row).max(1));
-        let mut tracks = self
-            .tracks
-            .chunks_mut((share * steps * TRACK * BLOCK).max(1));
+        let mut tracks = self.tracks.chunks_mut((share * steps * TRACK * BLOCK).max(1));
         let model = &self.model;
         let jobs = parts.enumerate().map(|(k, ((wishes, costs), room))| Roll {
             model,
@@ -367,13 +314,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         to.extend(self.costs.iter().map(|cost| cost.wide()));
     }
 
-    fn mean(
-        &mut self,
-        weights: &[f64],
-        settings: &Settings,
-        workers: Workers,
-        to: &mut [f64],
-    ) -> Result<(), Error> {
+    fn mean(&mut self, weights: &[f64], settings: &Settings, workers: Workers, to: &mut [f64]) -> Result<(), Error> {
         let row = settings.steps * M * BLOCK;
         for (share, weight) in self.shares.iter_mut().zip(weights) {
             *share = R::of(*weight);
@@ -381,17 +322,9 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         let blocks = self.costs.len() / BLOCK;
         let part = blocks.div_ceil(STRIPES);
         self.sums.fill(R::default());
-        let parts = self
-            .wishes
-            .chunks(part * row)
-            .zip(self.shares.chunks(part * BLOCK));
-        let jobs = parts
-            .zip(self.sums.chunks_exact_mut(row))
-            .map(|((wishes, shares), sums)| Add {
-                wishes,
-                shares,
-                sums,
-            });
+        let parts = self.wishes.chunks(part * row).zip(self.shares.chunks(part * BLOCK));
+        let jobs =
+            parts.zip(self.sums.chunks_exact_mut(row)).map(|((wishes, shares), sums)| Add { wishes, shares, sums });
         let work = |add: Add<'_, R>| {
             workers.level.run_any(add);
             Ok(())
@@ -403,10 +336,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
             jobs.try_for_each(work)?;
         }
         for (k, to) in to.iter_mut().enumerate() {
-            let rows = self
-                .sums
-                .chunks_exact(row)
-                .map(|sums| &sums[k * BLOCK..(k + 1) * BLOCK]);
+            let rows = self.sums.chunks_exact(row).map(|sums| &sums[k * BLOCK..(k + 1) * BLOCK]);
             *to = rows.flatten().map(|part| part.wide()).sum();
         }
         Ok(())
@@ -444,35 +374,19 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
         read(&room.track, 0, places);
     }
 
-    fn recorded(
-        &self,
-        rollout: usize,
-        settings: &Settings,
-        motions: &mut [f64],
-        places: &mut [f64],
-    ) {
+    fn recorded(&self, rollout: usize, settings: &Settings, motions: &mut [f64], places: &mut [f64]) {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
-        for (to, from) in motions
-            .iter_mut()
-            .zip(self.motions[block * row..].chunks_exact(BLOCK))
-        {
+        for (to, from) in motions.iter_mut().zip(self.motions[block * row..].chunks_exact(BLOCK)) {
             *to = from[lane].wide();
         }
-        read(
-            &self.tracks[block * settings.steps * TRACK * BLOCK..],
-            lane,
-            places,
-        );
+        read(&self.tracks[block * settings.steps * TRACK * BLOCK..], lane, places);
     }
 
     fn wishes(&self, rollout: usize, settings: &Settings, to: &mut [f64]) {
         let (block, lane) = (rollout / BLOCK, rollout % BLOCK);
         let row = settings.steps * M * BLOCK;
-        for (to, from) in to
-            .iter_mut()
-            .zip(self.wishes[block * row..].chunks_exact(BLOCK))
-        {
+        for (to, from) in to.iter_mut().zip(self.wishes[block * row..].chunks_exact(BLOCK)) {
             *to = from[lane].wide();
         }
     }
@@ -480,10 +394,7 @@ impl<R: Real, const M: usize> Engine for Machine<R, M> {
 
 /// Places of one rollout of a track.
 fn read<R: Real>(track: &[R], lane: usize, places: &mut [f64]) {
-    for (place, step) in places
-        .chunks_exact_mut(2)
-        .zip(track.chunks_exact(TRACK * BLOCK))
-    {
+    for (place, step) in places.chunks_exact_mut(2).zip(track.chunks_exact(TRACK * BLOCK)) {
         (place[0], place[1]) = (step[lane].wide(), step[BLOCK + lane].wide());
     }
 }

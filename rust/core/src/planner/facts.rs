@@ -87,8 +87,7 @@ impl Facts {
     pub fn new(rover: &Rover, limits: Limits) -> Result<Self, Error> {
         for wheel in rover.wheels() {
             if wheel.steering().is_some() && wheel.trail != 0.0 {
-                let rule =
-                    "have no steered wheel with trail (its angle depends on more than the motion)";
+                let rule = "have no steered wheel with trail (its angle depends on more than the motion)";
                 let got = format!("trail {} of wheel {:?}", short(wheel.trail), wheel.name);
                 return Err(Error::value("rover", rule, got));
             }
@@ -109,17 +108,10 @@ impl Facts {
         let body = match rover.banks().first() {
             None => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             Some(bank) => {
-                let row = if bank.row.y < 0.0 {
-                    -bank.row
-                } else {
-                    bank.row
-                };
+                let row = if bank.row.y < 0.0 { -bank.row } else { bank.row };
                 heading = (-row.x).atan2(row.y);
                 sideways = -row.z;
-                let Direction { sin, cos } = Direction {
-                    sin: -row.x,
-                    cos: row.y,
-                };
+                let Direction { sin, cos } = Direction { sin: -row.x, cos: row.y };
                 vec![[cos, sin, 0.0], [-sin * sideways, cos * sideways, 1.0]]
             }
         };
@@ -128,11 +120,7 @@ impl Facts {
             free,
             heading,
             sideways,
-            lengths: if free == 2 {
-                vec![1.0, rover.size]
-            } else {
-                vec![1.0, 1.0, rover.size]
-            },
+            lengths: if free == 2 { vec![1.0, rover.size] } else { vec![1.0, 1.0, rover.size] },
             metric: Vec::new(),
             body,
             joints: Vec::new(),
@@ -153,16 +141,12 @@ impl Facts {
                 facts.metric.push(twice * a.dot(&(metric * b)));
             }
         }
-        let [vx, vy, yaw] =
-            [0, 1, 2].map(|k| facts.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
+        let [vx, vy, yaw] = [0, 1, 2].map(|k| facts.row([f64::from(k == 0), f64::from(k == 1), f64::from(k == 2)]));
         let linear = |limit: f64| product(&[&vx, &vy], 1.0 / (limit * limit));
         let turning = |limit: f64| product(&[&yaw], 1.0 / (limit * limit));
         let both = |linear_limit: f64, angular: f64| {
             let linear = linear_limit.is_finite().then(|| linear(linear_limit));
-            linear
-                .into_iter()
-                .chain(angular.is_finite().then(|| turning(angular)))
-                .collect()
+            linear.into_iter().chain(angular.is_finite().then(|| turning(angular))).collect()
         };
         facts.scaling = both(limits.speed, limits.yaw_rate);
         facts.speeding = both(limits.acceleration, limits.angular_acceleration);
@@ -196,10 +180,7 @@ impl Facts {
                     let rows = [self.row(pivot(1.0, 0.0)), self.row(pivot(0.0, 1.0))];
                     let mut form = product(&[&rows[0], &rows[1]], 1.0);
                     // (|u| + b |omega|)² is at most this, and is this when turning about the origin.
-                    let (offset, arm) = (
-                        wheel.scrub.abs() + wheel.trail.abs(),
-                        wheel.x.hypot(wheel.y),
-                    );
+                    let (offset, arm) = (wheel.scrub.abs() + wheel.trail.abs(), wheel.x.hypot(wheel.y));
                     if offset > 0.0 {
                         let share = if arm > 0.0 { offset / arm } else { 1.0 };
                         let yaw = self.row([0.0, 0.0, 1.0]);
@@ -213,11 +194,7 @@ impl Facts {
             };
             let limited = |limit: f64| {
                 let limit = limit * wheel.radius;
-                limit.is_finite().then(|| {
-                    rim.iter()
-                        .map(|part| part / (limit * limit))
-                        .collect::<Form>()
-                })
+                limit.is_finite().then(|| rim.iter().map(|part| part / (limit * limit)).collect::<Form>())
             };
             self.scaling.extend(limited(limits.wheel_speed));
             self.speeding.extend(limited(limits.wheel_acceleration));
@@ -246,10 +223,7 @@ impl Facts {
             let (sin, cos) = joint.half.sin_cos();
             dot(&joint.across, motion).abs() * cos - dot(&joint.along, motion).abs() * sin
         };
-        let narrow = self
-            .joints
-            .iter()
-            .filter(|joint| joint.half < FRAC_PI_2 - WHOLE);
+        let narrow = self.joints.iter().filter(|joint| joint.half < FRAC_PI_2 - WHOLE);
         narrow.map(over).fold(f64::NEG_INFINITY, f64::max) / size
     }
 
@@ -272,23 +246,13 @@ impl Facts {
             }
             let (sin, cos) = joint.half.sin_cos();
             for side in [-1.0, 1.0] {
-                let row: Vec<f64> = (0..2)
-                    .map(|k| joint.across[k] * cos + side * joint.along[k] * sin)
-                    .collect();
+                let row: Vec<f64> = (0..2).map(|k| joint.across[k] * cos + side * joint.along[k] * sin).collect();
                 ends.push(angle(&row));
             }
         }
-        let others: Vec<Vec<f64>> = rover
-            .banks()
-            .iter()
-            .skip(1)
-            .map(|bank| self.row(bank.row.into()))
-            .collect();
+        let others: Vec<Vec<f64>> = rover.banks().iter().skip(1).map(|bank| self.row(bank.row.into())).collect();
         // Further banks leave one direction at most.
-        if let Some(first) = others
-            .iter()
-            .find(|row| row.iter().any(|part| part.abs() > ROUNDING))
-        {
+        if let Some(first) = others.iter().find(|row| row.iter().any(|part| part.abs() > ROUNDING)) {
             let only = point(angle(first));
             let slides = |row: &Vec<f64>| dot(row, &only).abs() > AT_AN_END;
             if others.iter().any(slides) || self.beyond(&only) > AT_AN_END {
@@ -305,21 +269,13 @@ impl Facts {
         }
         let count = ends.len();
         let open = |k: usize| {
-            let next = if k + 1 < count {
-                ends[k + 1]
-            } else {
-                ends[0] + PI
-            };
+            let next = if k + 1 < count { ends[k + 1] } else { ends[0] + PI };
             self.beyond(&point(f64::midpoint(ends[k], next))) <= 0.0
         };
         let opens: Vec<bool> = (0..count).map(open).collect();
         // An end beside something open, or possible by itself.
         let allowed: Vec<usize> = (0..count)
-            .filter(|&k| {
-                opens[k]
-                    || opens[(k + count - 1) % count]
-                    || self.beyond(&point(ends[k])) <= AT_AN_END
-            })
+            .filter(|&k| opens[k] || opens[(k + count - 1) % count] || self.beyond(&point(ends[k])) <= AT_AN_END)
             .collect();
         if allowed.is_empty() {
             self.stuck = Some(Stuck::Rover);
@@ -329,9 +285,7 @@ impl Facts {
             if opens[k] {
                 continue;
             }
-            let next = allowed
-                .get(place + 1)
-                .map_or(ends[allowed[0]] + PI, |&next| ends[next]);
+            let next = allowed.get(place + 1).map_or(ends[allowed[0]] + PI, |&next| ends[next]);
             self.gaps.push(self.gap([point(ends[k]), point(next)]));
         }
     }
@@ -346,20 +300,12 @@ impl Facts {
                 (metric[1] / 2.0 * end[0] + metric[2] * end[1]) / square[k],
             ];
         }
-        Gap {
-            ends,
-            shares,
-            per_length: square.map(|square| 1.0 / square.sqrt()),
-        }
+        Gap { ends, shares, per_length: square.map(|square| 1.0 / square.sqrt()) }
     }
 
     /// A motion as far inside every range as there is among the simple ones.
     fn find_inside(&mut self) {
-        if self
-            .joints
-            .iter()
-            .all(|joint| joint.half >= FRAC_PI_2 - WHOLE)
-        {
+        if self.joints.iter().all(|joint| joint.half >= FRAC_PI_2 - WHOLE) {
             return;
         }
         let parts = [1.0, 0.0, -1.0];

@@ -12,11 +12,7 @@ pub(super) const ABREAST: usize = 2;
 pub(super) type Reg<S, R> = Regs<S, R, ABREAST>;
 
 #[inline(always)]
-pub(super) fn times<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    row: &[R; M],
-    z: &[Reg<S, R>; M],
-) -> Reg<S, R> {
+pub(super) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = z[0] * Reg::splat(simd, row[0]);
     for k in 1..M {
         sum = z[k].mul_add(Reg::splat(simd, row[k]), sum);
@@ -26,10 +22,7 @@ pub(super) fn times<S: Vector, R: Real, const M: usize>(
 
 /// The same motion in every lane.
 #[inline(always)]
-pub(super) fn splat<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    motion: &[f64; 3],
-) -> [Reg<S, R>; M] {
+pub(super) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
     let mut parts = [Reg::all(simd, 0.0); M];
     for (part, value) in parts.iter_mut().zip(motion) {
         *part = Reg::all(simd, *value);
@@ -39,31 +32,19 @@ pub(super) fn splat<S: Vector, R: Real, const M: usize>(
 
 /// Area between an end of a gap and a motion.
 #[inline(always)]
-pub(super) fn cross<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    z: &[Reg<S, R>; M],
-    end: [R; 2],
-) -> Reg<S, R> {
+pub(super) fn cross<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
     z[1] * Reg::splat(simd, end[0]) - z[0] * Reg::splat(simd, end[1])
 }
 
 /// Share of an end in the motion nearest to it.
 #[inline(always)]
-pub(super) fn share<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    z: &[Reg<S, R>; M],
-    row: [R; 2],
-) -> Reg<S, R> {
+pub(super) fn share<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
     z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
 }
 
 /// The value of a form.
 #[inline(always)]
-pub(super) fn value<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    form: &[R; 6],
-    z: &[Reg<S, R>; M],
-) -> Reg<S, R> {
+pub(super) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut k = 0;
     let mut sum = Reg::all(simd, 0.0);
     for i in 0..M {
@@ -80,11 +61,7 @@ pub(super) fn value<S: Vector, R: Real, const M: usize>(
 
 /// The largest of some forms.
 #[inline(always)]
-pub(super) fn largest<S: Vector, R: Real, const M: usize>(
-    simd: S,
-    forms: &[[R; 6]],
-    z: &[Reg<S, R>; M],
-) -> Reg<S, R> {
+pub(super) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut worst = Reg::all(simd, 0.0);
     for form in forms {
         worst = worst.max(value(simd, form, z));
@@ -131,10 +108,7 @@ pub(super) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg
 }
 
 #[inline(always)]
-pub(super) fn inner<S: Vector, R: Real, const M: usize>(
-    a: &[Reg<S, R>; M],
-    b: &[Reg<S, R>; M],
-) -> Reg<S, R> {
+pub(super) fn inner<S: Vector, R: Real, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = a[0] * b[0];
     for k in 1..M {
         sum = a[k].mul_add(b[k], sum);

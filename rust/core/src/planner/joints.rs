@@ -2,9 +2,7 @@
 
 use super::BLOCK;
 use super::drive::{Begin, State};
-use super::forms::{
-    ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value,
-};
+use super::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
 use super::model::{Model, Wheel};
 use super::real::Real;
 use super::registers::Truths;
@@ -22,10 +20,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             let from = cross(simd, &z, ends[0]);
             let to = zero - cross(simd, &z, ends[1]);
             let within = zero.below(from * to);
-            let [near, far] = [
-                Reg::splat(simd, per_length[0]),
-                Reg::splat(simd, per_length[1]),
-            ];
+            let [near, far] = [Reg::splat(simd, per_length[0]), Reg::splat(simd, per_length[1])];
             let first = (from.abs() * near).below(to.abs() * far);
             let part = first.select(share(simd, &z, shares[0]), share(simd, &z, shares[1]));
             for k in 0..2 {
@@ -89,14 +84,8 @@ impl<R: Real, const M: usize> Model<R, M> {
         let (mut least, mut most) = (one, number(-1.0));
         let mut side = zero;
         for joint in &self.turning {
-            let (ax, ay) = (
-                times(simd, &joint.along, &before),
-                times(simd, &joint.across, &before),
-            );
-            let (bx, by) = (
-                times(simd, &joint.along, &wanted),
-                times(simd, &joint.across, &wanted),
-            );
+            let (ax, ay) = (times(simd, &joint.along, &before), times(simd, &joint.across, &before));
+            let (bx, by) = (times(simd, &joint.along, &wanted), times(simd, &joint.across, &wanted));
             let ahead = ax * bx;
             (least, most) = (least.min(ahead), most.max(ahead));
             side = ahead.sign();
@@ -114,9 +103,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             turned[k] = before[k].flip(side).mul_add(kept, wanted[k]);
         }
         let low = lowered(simd, &self.metric, &turned);
-        let share = inner(&low, &wanted)
-            .max(zero)
-            .over(inner(&low, &turned).max(tiny));
+        let share = inner(&low, &wanted).max(zero).over(inner(&low, &turned).max(tiny));
         let late = zero.below(kept) & !rests;
         for k in 0..M {
             motion[k] = late.select(turned[k] * share, motion[k]);
@@ -156,11 +143,7 @@ impl<R: Real, const M: usize> Model<R, M> {
         let brakes = !same & moves & !busy & !loose;
         let forms = self.slowing.as_ref().unwrap_or(&self.speeding);
         let worst = largest(simd, forms, &state.motion);
-        let left = if forms.is_empty() {
-            zero
-        } else {
-            one - down_to_one(simd, worst)
-        };
+        let left = if forms.is_empty() { zero } else { one - down_to_one(simd, worst) };
         // Turning times, joint by joint.
         let lanes = Reg::<S, R>::lanes();
         let mut times = [R::default(); BLOCK];
@@ -168,9 +151,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             let mut columns = [[[R::default(); BLOCK]; M]; 2];
             let mut which = [R::default(); BLOCK];
             // Those that are set for no motion yet are where the angles say.
-            begins
-                .select(loose.select(number(-1.0), one), zero)
-                .store(&mut which);
+            begins.select(loose.select(number(-1.0), one), zero).store(&mut which);
             for k in 0..M {
                 before[k].store(&mut columns[0][k]);
                 wanted[k].store(&mut columns[1][k]);

@@ -11,10 +11,7 @@ pub(super) struct Wheel<R, const M: usize> {
 
 impl<R: Real, const M: usize> Wheel<R, M> {
     fn of(joint: &Joint) -> Self {
-        Self {
-            along: row(&joint.along),
-            across: row(&joint.across),
-        }
+        Self { along: row(&joint.along), across: row(&joint.across) }
     }
 }
 
@@ -79,17 +76,11 @@ fn row<R: Real, const M: usize>(from: &[f64]) -> [R; M] {
 impl<R: Real, const M: usize> Model<R, M> {
     pub fn new(facts: &Facts, dt: f64) -> Self {
         let limits = &facts.limits;
-        let forms =
-            |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
+        let forms = |forms: &[Form], factor: f64| forms.iter().map(|one| form(one, factor)).collect();
         let speeding: Vec<[R; 6]> = forms(&facts.speeding, 1.0 / (dt * dt));
         let turn = limits.steering_rate * dt;
-        let per_turn = (turn.is_finite() && !facts.joints.is_empty()).then(|| {
-            R::of(if turn < std::f64::consts::FRAC_PI_2 {
-                1.0 / turn.tan()
-            } else {
-                0.0
-            })
-        });
+        let per_turn = (turn.is_finite() && !facts.joints.is_empty())
+            .then(|| R::of(if turn < std::f64::consts::FRAC_PI_2 { 1.0 / turn.tan() } else { 0.0 }));
         let pair = |ends: [[f64; 2]; 2]| ends.map(|end| end.map(R::of));
         let gap = |gap: &Gap| (pair(gap.ends), pair(gap.shares), gap.per_length.map(R::of));
         let toward = facts.inside.as_ref().map(|inside| Toward {
@@ -122,10 +113,7 @@ impl<R: Real, const M: usize> Model<R, M> {
             metric: form(&facts.metric, 1.0),
             lengths: row(&facts.lengths),
             scaling: forms(&facts.scaling, 1.0),
-            lateral: limits
-                .lateral_acceleration
-                .is_finite()
-                .then(|| R::of(1.0 / limits.lateral_acceleration)),
+            lateral: limits.lateral_acceleration.is_finite().then(|| R::of(1.0 / limits.lateral_acceleration)),
             speeding,
             slowing: (!same).then(|| forms(&facts.slowing, 1.0 / (dt * dt))),
             slips: forms(&facts.slips, 1.0),
@@ -139,12 +127,7 @@ impl<R: Real, const M: usize> Model<R, M> {
     /// How long the joints take from one setting to another [s].
     pub fn time(&self, from: [R; M], start: Option<&[f64]>, to: [R; M]) -> f64 {
         let setting = |joint: &Wheel<R, M>, motion: [R; M]| {
-            let part = |row: &[R; M]| {
-                row.iter()
-                    .zip(motion)
-                    .map(|(a, b)| a.wide() * b.wide())
-                    .sum::<f64>()
-            };
+            let part = |row: &[R; M]| row.iter().zip(motion).map(|(a, b)| a.wide() * b.wide()).sum::<f64>();
             let (along, across) = (part(&joint.along), part(&joint.across));
             (across / along).atan()
         };
@@ -169,9 +152,7 @@ fn own_ways(joints: &[Joint]) -> impl Iterator<Item = &Joint> {
         pairs().all(|(a, b)| a == b) || pairs().all(|(a, b)| *a == -b)
     };
     joints.iter().enumerate().filter_map(move |(k, joint)| {
-        let same = |other: &Joint| {
-            alike(&joint.along, &other.along) && alike(&joint.across, &other.across)
-        };
+        let same = |other: &Joint| alike(&joint.along, &other.along) && alike(&joint.across, &other.across);
         (!joints[..k].iter().any(same)).then_some(joint)
     })
 }

@@ -40,29 +40,14 @@ impl Mppi {
         options.check()?;
         let facts = Facts::new(rover, limits)?;
         let half = |limit: f64, usual: f64| {
-            if limit.is_finite() {
-                limit / 2.0
-            } else {
-                usual
-            }
+            if limit.is_finite() { limit / 2.0 } else { usual }
         };
         let speed = half(limits.speed, 0.4);
-        let noise = options
-            .noise
-            .unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
+        let noise = options.noise.unwrap_or([speed, speed, half(limits.yaw_rate, 0.5)]);
         let (sin, cos) = facts.heading.sin_cos();
         // In the components' axes.
-        let points = options
-            .footprint
-            .iter()
-            .map(|[x, y]| [cos * x + sin * y, cos * y - sin * x])
-            .collect();
-        let settings = Settings {
-            steps: options.horizon,
-            dt: options.dt,
-            weights: options.weights,
-            points,
-        };
+        let points = options.footprint.iter().map(|[x, y]| [cos * x + sin * y, cos * y - sin * x]).collect();
+        let settings = Settings { steps: options.horizon, dt: options.dt, weights: options.weights, points };
         let samples = options.samples;
         let engine: Box<dyn Engine> = match (options.precision, facts.free) {
             (Precision::Double, 2) => Box::new(Machine::<f64, 2>::new(&facts, &settings, samples)),
@@ -73,12 +58,7 @@ impl Mppi {
         let count = options.horizon * facts.free;
         let mut planner = Self {
             rover: rover.clone(),
-            state: State {
-                controls: Vec::new(),
-                cycle: 0,
-                steering: Vec::new(),
-                progress: 0.0,
-            },
+            state: State { controls: Vec::new(), cycle: 0, steering: Vec::new(), progress: 0.0 },
             facts,
             settings,
             noise,
@@ -104,12 +84,7 @@ impl Mppi {
         self.state = State {
             controls: vec![[0.0; 3]; self.options.horizon],
             cycle: 0,
-            steering: self
-                .facts
-                .joints
-                .iter()
-                .map(|joint| joint.straight())
-                .collect(),
+            steering: self.facts.joints.iter().map(|joint| joint.straight()).collect(),
             progress: 0.0,
         };
         self.state.steering.resize(self.rover.steered().len(), 0.0);
@@ -124,19 +99,11 @@ impl Mppi {
     pub fn set_state(&mut self, state: State) -> Result<(), Error> {
         if state.controls.len() != self.options.horizon {
             let rule = format!("have {} rows", self.options.horizon);
-            return Err(Error::value(
-                "controls",
-                rule,
-                state.controls.len().to_string(),
-            ));
+            return Err(Error::value("controls", rule, state.controls.len().to_string()));
         }
         if state.steering.len() != self.rover.steered().len() {
             let rule = format!("have {} angles", self.rover.steered().len());
-            return Err(Error::value(
-                "steering",
-                rule,
-                state.steering.len().to_string(),
-            ));
+            return Err(Error::value("steering", rule, state.steering.len().to_string()));
         }
         finite("controls", state.controls.as_flattened())?;
         finite("steering", &state.steering)?;
@@ -205,13 +172,7 @@ impl Mppi {
         }
         self.follow(situation.path, situation.pose);
         self.prepare(&situation);
-        self.engine.roll(
-            &self.job,
-            situation.costmap,
-            &self.path,
-            &self.settings,
-            workers,
-        )?;
+        self.engine.roll(&self.job, situation.costmap, &self.path, &self.settings, workers)?;
         self.engine.costs(&mut self.costs);
         Ok(())
     }
@@ -225,10 +186,7 @@ impl Mppi {
                 let rule = format!("return {samples} costs, one per rollout");
                 return Err(Error::value("extra_cost", rule, extra.len().to_string()));
             }
-            if let Some(worst) = extra
-                .iter()
-                .position(|cost| cost.is_nan() || *cost == f64::NEG_INFINITY)
-            {
+            if let Some(worst) = extra.iter().position(|cost| cost.is_nan() || *cost == f64::NEG_INFINITY) {
                 let rule = "return numbers";
                 return Err(Error::value("extra_cost", rule, number(extra[worst])).at_row(worst));
             }
@@ -244,30 +202,19 @@ impl Mppi {
         let least = self.costs.iter().copied().fold(f64::INFINITY, f64::min);
         if least == f64::INFINITY {
             let rule = "leave one rollout possible";
-            return Err(Error::value(
-                "extra_cost",
-                rule,
-                "infinity for all".to_owned(),
-            ));
+            return Err(Error::value("extra_cost", rule, "infinity for all".to_owned()));
         }
         // Weights take the place of costs in the room of the mean's shares.
         let mut weights = std::mem::take(&mut self.motions);
         weights.clear();
-        weights.extend(
-            self.costs
-                .iter()
-                .map(|cost| ((least - cost) / self.options.temperature).exp()),
-        );
+        weights.extend(self.costs.iter().map(|cost| ((least - cost) / self.options.temperature).exp()));
         let sum: f64 = weights.iter().sum();
         let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         weights.resize(samples.div_ceil(BLOCK) * BLOCK, 0.0);
-        let done = self
-            .engine
-            .mean(&weights, &self.settings, workers, &mut self.mean);
+        let done = self.engine.mean(&weights, &self.settings, workers, &mut self.mean);
         self.motions = weights;
-        self.motions
-            .resize(self.options.horizon * self.facts.free, 0.0);
+        self.motions.resize(self.options.horizon * self.facts.free, 0.0);
         done?;
         if self.options.smoothing {
             smooth(&mut self.mean, self.facts.free, self.job.fixed);

@@ -28,14 +28,7 @@ const LN: [f32; 9] = [
 ];
 /// `sin x / x` and `cos x` up to an eighth of a turn, in powers of the square.
 const SIN: [f32; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
-const COS: [f32; 6] = [
-    1.0,
-    -0.5,
-    1.0 / 24.0,
-    -1.0 / 720.0,
-    1.0 / 40_320.0,
-    -1.0 / 3_628_800.0,
-];
+const COS: [f32; 6] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
 
 /// Where the numbers of one block come from.
 #[derive(Clone, Copy, Debug)]
@@ -97,10 +90,7 @@ impl<S: Simd> Words<S> {
 #[inline(always)]
 fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
     let [mut k0, mut k1] = [seed as u32, (seed >> 32) as u32];
-    let (m0, m1) = (
-        simd.splat_u32s(MULTIPLIERS[0]),
-        simd.splat_u32s(MULTIPLIERS[1]),
-    );
+    let (m0, m1) = (simd.splat_u32s(MULTIPLIERS[0]), simd.splat_u32s(MULTIPLIERS[1]));
     for _ in 0..ROUNDS {
         let (low0, high0) = simd.widening_mul_u32s(x[0].1, m0);
         let (low1, high1) = simd.widening_mul_u32s(x[2].1, m1);
@@ -116,11 +106,7 @@ fn philox<S: Simd>(simd: S, mut x: [Words<S>; 4], seed: u64) -> [Words<S>; 4] {
 }
 
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(
-    simd: S,
-    coefficients: [f32; N],
-    x: Reg<S, f32>,
-) -> Reg<S, f32> {
+fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: [f32; N], x: Reg<S, f32>) -> Reg<S, f32> {
     let mut sum = Reg::splat(simd, coefficients[N - 1]);
     for k in (0..N - 1).rev() {
         sum = sum.mul_add(x, Reg::splat(simd, coefficients[k]));
@@ -156,21 +142,12 @@ fn normal<S: Simd>(simd: S, a: Words<S>, b: Words<S>) -> [Reg<S, f32>; 2] {
     let cos = polynomial(simd, COS, square);
     let radius = radius.flip(b.and(0x8000_0000).real());
     let swap = b.has(1 << 30);
-    [
-        radius * swap.select(cos, sin),
-        radius * swap.select(sin, cos),
-    ]
+    [radius * swap.select(cos, sin), radius * swap.select(sin, cos)]
 }
 
 /// Numbers of mean 0 and variance 1 for a block of rollouts: `[step][component][rollout]`.
 #[inline(always)]
-pub(crate) fn fill<S: Simd>(
-    simd: S,
-    counter: Counter,
-    components: usize,
-    steps: usize,
-    to: &mut [f32],
-) {
+pub(crate) fn fill<S: Simd>(simd: S, counter: Counter, components: usize, steps: usize, to: &mut [f32]) {
     let lanes = S::F32_LANES;
     let mut who = [0_u32; BLOCK];
     for (k, who) in who.iter_mut().enumerate() {
@@ -181,12 +158,7 @@ pub(crate) fn fill<S: Simd>(
     for quad in 0..count.div_ceil(4) {
         for at in (0..BLOCK).step_by(lanes) {
             let rollout = Words(simd, S::as_simd_u32s(&who[at..at + lanes]).0[0]);
-            let x = [
-                rollout,
-                Words::all(simd, quad as u32),
-                Words::all(simd, counter.cycle),
-                Words::all(simd, 0),
-            ];
+            let x = [rollout, Words::all(simd, quad as u32), Words::all(simd, counter.cycle), Words::all(simd, 0)];
             let [a, b, c, d] = philox(simd, x, counter.seed);
             let pairs = [normal(simd, a, b), normal(simd, c, d)];
             for (k, value) in pairs.into_iter().flatten().enumerate() {

@@ -68,33 +68,21 @@ fn positive(argument: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(Error::value(
-        argument,
-        "be finite and positive",
-        number(value),
-    ))
+    Err(Error::value(argument, "be finite and positive", number(value)))
 }
 
 pub(super) fn not_negative(argument: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(Error::value(
-        argument,
-        "be finite and not negative",
-        number(value),
-    ))
+    Err(Error::value(argument, "be finite and not negative", number(value)))
 }
 
 impl Options {
     pub(super) fn check(&self) -> Result<(), Error> {
         for (name, count) in [("horizon", self.horizon), ("samples", self.samples)] {
             if count == 0 || count > MOST {
-                return Err(Error::value(
-                    name,
-                    format!("be 1 to {MOST}"),
-                    count.to_string(),
-                ));
+                return Err(Error::value(name, format!("be 1 to {MOST}"), count.to_string()));
             }
         }
         if self.horizon.saturating_mul(self.samples) > MOST << 4 {

@@ -52,16 +52,14 @@ impl Mppi {
         job.mean.clear();
         for t in 0..options.horizon {
             let from = (t + shift).min(options.horizon - 1);
-            job.mean
-                .extend_from_slice(&facts.motion(self.state.controls[from])[..free]);
+            job.mean.extend_from_slice(&facts.motion(self.state.controls[from])[..free]);
         }
         job.cap.clear();
         job.sigma.clear();
         let [sx, sy, sw] = self.noise;
         for k in 0..free {
             let turns = k + 1 == free;
-            job.cap
-                .push(if turns { limits.yaw_rate } else { limits.speed });
+            job.cap.push(if turns { limits.yaw_rate } else { limits.speed });
             job.sigma.push(match (turns, free, k) {
                 (true, ..) => sw,
                 (_, 3, 1) => sy,
@@ -69,11 +67,7 @@ impl Mppi {
                 _ => (facts.heading.cos() * sx).hypot(facts.heading.sin() * sy),
             });
         }
-        job.memory = if options.correlation > 0.0 {
-            (-options.dt / options.correlation).exp()
-        } else {
-            0.0
-        };
+        job.memory = if options.correlation > 0.0 { (-options.dt / options.correlation).exp() } else { 0.0 };
         job.fixed = options.fixed();
         job.seed = options.seed;
         job.cycle = self.state.cycle;
@@ -88,8 +82,7 @@ impl Mppi {
         for k in [free - 1, 0] {
             for side in [1.0, -1.0] {
                 let size = (2.0 * job.sigma[k]).min(job.cap[k]);
-                job.constant
-                    .extend((0..free).map(|j| if j == k { side * size } else { 0.0 }));
+                job.constant.extend((0..free).map(|j| if j == k { side * size } else { 0.0 }));
             }
         }
         let motion = facts.motion(situation.twist);

@@ -40,12 +40,7 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     fn and<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
     fn abs<S: Simd>(s: S, a: Self::Register<S>) -> Self::Register<S>;
     fn sqrt<S: Simd>(s: S, a: Self::Register<S>) -> Self::Register<S>;
-    fn fused<S: Simd>(
-        s: S,
-        a: Self::Register<S>,
-        b: Self::Register<S>,
-        c: Self::Register<S>,
-    ) -> Self::Register<S>;
+    fn fused<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>, c: Self::Register<S>) -> Self::Register<S>;
     fn below<S: Simd>(s: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Truths<S>;
     fn both<S: Simd>(s: S, a: Self::Truths<S>, b: Self::Truths<S>) -> Self::Truths<S>;
     fn either<S: Simd>(s: S, a: Self::Truths<S>, b: Self::Truths<S>) -> Self::Truths<S>;
@@ -64,12 +59,8 @@ pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {
     ) -> [[Self::Register<S>; 2]; 2];
     /// [`Vector::steady_roots`].
     fn roots<S: Vector>(s: S, a: Self::Register<S>) -> [Self::Register<S>; 2];
-    fn select<S: Simd>(
-        s: S,
-        mask: Self::Truths<S>,
-        yes: Self::Register<S>,
-        no: Self::Register<S>,
-    ) -> Self::Register<S>;
+    fn select<S: Simd>(s: S, mask: Self::Truths<S>, yes: Self::Register<S>, no: Self::Register<S>)
+    -> Self::Register<S>;
 }
 
 /// What a level makes of two registers, or of their truths.
@@ -142,12 +133,7 @@ macro_rules! real {
                 s.$sqrt(a)
             }
             #[inline(always)]
-            fn fused<S: Simd>(
-                s: S,
-                a: S::$register,
-                b: S::$register,
-                c: S::$register,
-            ) -> S::$register {
+            fn fused<S: Simd>(s: S, a: S::$register, b: S::$register, c: S::$register) -> S::$register {
                 s.$fused(a, b, c)
             }
             #[inline(always)]
@@ -178,12 +164,7 @@ macro_rules! real {
                 s.$roots(a)
             }
             #[inline(always)]
-            fn select<S: Simd>(
-                s: S,
-                mask: S::$truths,
-                yes: S::$register,
-                no: S::$register,
-            ) -> S::$register {
+            fn select<S: Simd>(s: S, mask: S::$truths, yes: S::$register, no: S::$register) -> S::$register {
                 s.$select(mask, yes, no)
             }
         }

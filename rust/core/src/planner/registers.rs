@@ -82,10 +82,7 @@ impl<S: Simd, R: Real, const N: usize> Regs<S, R, N> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: R) -> Self {
-        Self {
-            simd,
-            values: [R::splat(simd, value); N],
-        }
+        Self { simd, values: [R::splat(simd, value); N] }
     }
 
     /// The same, of a constant.
@@ -165,10 +162,7 @@ impl<S: Simd, R: Real, const N: usize> Regs<S, R, N> {
         for (k, value) in values.iter_mut().enumerate().skip(1) {
             *value = R::below(self.simd, self.values[k], other.values[k]);
         }
-        Truths {
-            simd: self.simd,
-            values,
-        }
+        Truths { simd: self.simd, values }
     }
 }
 
@@ -195,10 +189,7 @@ impl<S: Simd> Reg<S, f32> {
     /// Numbers of their bits.
     #[inline(always)]
     pub fn of_bits(simd: S, bits: S::u32s) -> Self {
-        Self {
-            simd,
-            values: [simd.transmute_f32s_u32s(bits)],
-        }
+        Self { simd, values: [simd.transmute_f32s_u32s(bits)] }
     }
 
     #[inline(always)]
@@ -214,30 +205,17 @@ impl<S: Vector, R: Real> Reg<S, R> {
     ///
     /// As [`Vector::corners`].
     #[inline(always)]
-    pub unsafe fn corners(
-        simd: S,
-        values: &[f32],
-        columns: usize,
-        [x, y]: [Self; 2],
-    ) -> [[Self; 2]; 2] {
+    pub unsafe fn corners(simd: S, values: &[f32], columns: usize, [x, y]: [Self; 2]) -> [[Self; 2]; 2] {
         // SAFETY: the caller's.
         let cells = unsafe { R::corners(simd, values, columns, [x.values[0], y.values[0]]) };
-        cells.map(|row| {
-            row.map(|value| Self {
-                simd,
-                values: [value],
-            })
-        })
+        cells.map(|row| row.map(|value| Self { simd, values: [value] }))
     }
 }
 
 impl<S: Simd> Truth<S, f32> {
     #[inline(always)]
     pub fn of(simd: S, value: S::m32s) -> Self {
-        Self {
-            simd,
-            values: [value],
-        }
+        Self { simd, values: [value] }
     }
 }
 
@@ -332,20 +310,8 @@ mod tests {
 
     #[test]
     fn roots_are_right_to_two_last_places_and_the_same_at_every_level() {
-        let extremes = [
-            0.0,
-            1e-310,
-            9e-31,
-            1e-30,
-            1.0,
-            1e36,
-            1.1e36,
-            1e300,
-            f64::MAX,
-        ];
-        let mut numbers: Vec<f64> = (0..20_000)
-            .map(|k| f64::from(k).mul_add(0.0067, -66.0).exp())
-            .collect();
+        let extremes = [0.0, 1e-310, 9e-31, 1e-30, 1.0, 1e36, 1.1e36, 1e300, f64::MAX];
+        let mut numbers: Vec<f64> = (0..20_000).map(|k| f64::from(k).mul_add(0.0067, -66.0).exp()).collect();
         for (k, extreme) in extremes.into_iter().enumerate() {
             numbers.insert(7 * k, extreme);
         }
@@ -353,15 +319,9 @@ mod tests {
         for (number, [inverse, root]) in numbers.iter().zip(&all[0]) {
             let exact = number.sqrt();
             // A root of a subnormal has all its digits.
-            assert!(
-                (root - exact).abs() <= 2.0 * f64::EPSILON * exact,
-                "{number}"
-            );
+            assert!((root - exact).abs() <= 2.0 * f64::EPSILON * exact, "{number}");
             let exact = 1.0 / exact;
-            assert!(
-                *inverse == exact || (inverse - exact).abs() <= 2.0 * f64::EPSILON * exact,
-                "{number}"
-            );
+            assert!(*inverse == exact || (inverse - exact).abs() <= 2.0 * f64::EPSILON * exact, "{number}");
         }
         for found in &all[1..] {
             assert!(found == &all[0]);
@@ -370,10 +330,7 @@ mod tests {
         let all = roots(&singles);
         for (number, [inverse, root]) in singles.iter().zip(&all[0]) {
             let exact = number.sqrt();
-            assert!(
-                *root == exact || (root - exact).abs() <= 2.0 * f32::EPSILON * exact,
-                "{number}"
-            );
+            assert!(*root == exact || (root - exact).abs() <= 2.0 * f32::EPSILON * exact, "{number}");
             let exact = 1.0 / exact;
             assert!(*inverse == exact, "{number}");
         }
@@ -386,10 +343,7 @@ mod tests {
     fn what_is_not_a_number_stays_so_and_infinity_is_no_odd_one_out() {
         for found in roots(&[f64::NAN, 4.0, f64::INFINITY, 9.0]) {
             assert!(found[0].iter().all(|part| part.is_nan()));
-            assert_eq!(
-                found[1..],
-                [[0.5, 2.0], [0.0, f64::INFINITY], [1.0 / 3.0, 3.0]]
-            );
+            assert_eq!(found[1..], [[0.5, 2.0], [0.0, f64::INFINITY], [1.0 / 3.0, 3.0]]);
         }
     }
 }

@@ -49,11 +49,7 @@ pub fn rollout(
     finite("twist", &present.twist)?;
     finite("steering", present.steering.unwrap_or_default())?;
     let facts = Facts::new(rover, limits)?;
-    let follow = if facts.free == 2 {
-        drive::<2>
-    } else {
-        drive::<3>
-    };
+    let follow = if facts.free == 2 { drive::<2> } else { drive::<3> };
     let share = workers.share_of_logs(poses.len() / (count + 1), count);
     let parts = poses.chunks_mut(share * (count + 1)).enumerate();
     each(parts, |(k, poses)| {
@@ -64,15 +60,7 @@ pub fn rollout(
         }
         if facts.stuck.is_none() && count > 0 {
             let end = first + poses.len() / (count + 1);
-            follow(
-                &facts,
-                &controls[first * count..end * count],
-                count,
-                dt,
-                present,
-                poses,
-                workers,
-            );
+            follow(&facts, &controls[first * count..end * count], count, dt, present, poses, workers);
         }
         Ok(())
     })
@@ -92,33 +80,20 @@ fn drive<const M: usize>(
     let straight: Vec<f64> = facts.joints.iter().map(|joint| joint.straight()).collect();
     let mut begin = Begin::default();
     let motion = facts.motion(present.twist);
-    setting::begin(
-        facts,
-        motion,
-        present.steering.unwrap_or(&straight),
-        &mut begin,
-    );
+    setting::begin(facts, motion, present.steering.unwrap_or(&straight), &mut begin);
     begin.heading = facts.heading;
     let largest = |twist: &[f64; 3]| facts.size_of(twist);
-    let fastest = controls
-        .iter()
-        .chain([&present.twist])
-        .map(largest)
-        .fold(0.0, f64::max);
+    let fastest = controls.iter().chain([&present.twist]).map(largest).fold(0.0, f64::max);
     begin.turns(facts.turns_at_most(fastest), dt);
     let late = ((present.delay / dt).round() as usize).min(count);
     let mut wishes = vec![0.0; count * M * BLOCK];
     let mut motions = wishes.clone();
     let mut track = vec![0.0; count * TRACK * BLOCK];
-    let blocks = controls
-        .chunks(BLOCK * count)
-        .zip(poses.chunks_mut(BLOCK * (count + 1)));
+    let blocks = controls.chunks(BLOCK * count).zip(poses.chunks_mut(BLOCK * (count + 1)));
     for (controls, poses) in blocks {
         for (lane, rollout) in controls.chunks_exact(count).enumerate() {
             for t in 0..count {
-                let wish = t
-                    .checked_sub(late)
-                    .map_or(motion, |t| facts.motion(rollout[t]));
+                let wish = t.checked_sub(late).map_or(motion, |t| facts.motion(rollout[t]));
                 for (k, part) in wish.iter().enumerate().take(M) {
                     wishes[(t * M + k) * BLOCK + lane] = *part;
                 }
@@ -138,11 +113,7 @@ fn drive<const M: usize>(
                 let place = |k: usize| track[(t * TRACK + k) * BLOCK + lane];
                 yaw += motions[(t * M + M - 1) * BLOCK + lane] * dt;
                 let (ahead, aside) = (place(0), place(1));
-                poses[t + 1] = [
-                    x + cos * ahead - sin * aside,
-                    y + sin * ahead + cos * aside,
-                    yaw,
-                ];
+                poses[t + 1] = [x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw];
             }
         }
     }

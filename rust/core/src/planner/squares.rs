@@ -17,11 +17,7 @@ pub(super) fn product(rows: &[&[f64]], factor: f64) -> Form {
     for i in 0..n {
         for j in i..n {
             let twice = if i == j { 1.0 } else { 2.0 };
-            form.push(
-                rows.iter()
-                    .map(|row| twice * factor * row[i] * row[j])
-                    .sum(),
-            );
+            form.push(rows.iter().map(|row| twice * factor * row[i] * row[j]).sum());
         }
     }
     form
@@ -64,12 +60,7 @@ pub(super) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
         let least = difference.symmetric_eigenvalues().min();
         least >= -ROUNDING * size
     };
-    let mean = |a: &Form, b: &Form| {
-        a.iter()
-            .zip(b)
-            .map(|(a, b)| f64::midpoint(*a, *b))
-            .collect()
-    };
+    let mean = |a: &Form, b: &Form| a.iter().zip(b).map(|(a, b)| f64::midpoint(*a, *b)).collect();
     for form in forms {
         if kept.iter().any(|other| covers(other, &form)) {
             continue;

@@ -41,11 +41,7 @@ impl Joint {
 
     /// How far the wheel has turned [rad]: never half a turn, as the velocity moves on a straight line.
     pub fn swept(&self, s: f64) -> f64 {
-        if self.turns {
-            (self.velocity(s) * self.origin.conj()).arg()
-        } else {
-            0.0
-        }
+        if self.turns { (self.velocity(s) * self.origin.conj()).arg() } else { 0.0 }
     }
 
     /// Where the wheel has turned so far [share of the chord].
@@ -119,10 +115,7 @@ impl Chord {
     pub fn between(rover: &Rover, start: Twist, end: Twist, angles: &[f64]) -> Way {
         let mut aligned = angles.to_vec();
         let mut speeds = vec![0.0; rover.wheels().len()];
-        let inputs = Inputs {
-            previous: Some(angles),
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
         rover.solve(end, inputs, &mut aligned, &mut speeds);
         let mut joints = Vec::with_capacity(angles.len());
         for (j, &i) in rover.steered().iter().enumerate() {
@@ -133,11 +126,7 @@ impl Chord {
             let velocity = |twist: Twist| {
                 let u = twist.at(wheel.x, wheel.y);
                 let still = rests(twist, wheel.x, wheel.y);
-                if still {
-                    Complex::default()
-                } else {
-                    Complex::new(u.x, u.y)
-                }
+                if still { Complex::default() } else { Complex::new(u.x, u.y) }
             };
             let (origin, target) = (velocity(start), velocity(end));
             let change = target - origin;
@@ -145,11 +134,7 @@ impl Chord {
             // From or to rest, or right through it, the direction stays, though the wheel may roll back.
             let turns = across.abs() > PARALLEL * origin.norm() * change.norm();
             let joint = Joint {
-                angle: if origin == Complex::default() {
-                    aligned[j]
-                } else {
-                    angles[j]
-                },
+                angle: if origin == Complex::default() { aligned[j] } else { angles[j] },
                 origin,
                 change,
                 turns,
@@ -162,20 +147,12 @@ impl Chord {
             }
             let last = joint.angle + joint.swept(1.0);
             if last < range.lower - ANGLE_TOLERANCE || last > range.upper + ANGLE_TOLERANCE {
-                let why = format!(
-                    "{:?} would have to steer to {}, outside {range}",
-                    wheel.name,
-                    radians(last)
-                );
+                let why = format!("{:?} would have to steer to {}, outside {range}", wheel.name, radians(last));
                 return Way::Closed(why.into());
             }
             joints.push(joint);
         }
-        Way::Open(Self {
-            start: start.into(),
-            end: end.into(),
-            joints,
-        })
+        Way::Open(Self { start: start.into(), end: end.into(), joints })
     }
 
     /// Change of the twist over the chord.
@@ -190,11 +167,7 @@ impl Chord {
 
     /// A measure of the way that grows with the chord and with the turning of every wheel.
     pub fn measure(&self, s: f64) -> f64 {
-        s + self
-            .joints
-            .iter()
-            .map(|joint| joint.swept(s).abs())
-            .sum::<f64>()
+        s + self.joints.iter().map(|joint| joint.swept(s).abs()).sum::<f64>()
     }
 
     /// Shares of the chord between which that measure grows alike.

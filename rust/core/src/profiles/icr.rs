@@ -80,31 +80,16 @@ impl IcrTransition {
         check_twist(rover, "start_twist", start)?;
         check_twist(rover, "end_twist", end)?;
         super::led::check_trail(rover)?;
-        let inputs = Inputs {
-            previous,
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous, ..Inputs::default() };
         inputs.check()?;
         let planner = Planner { rover, limits };
         planner.check_speed("start_twist", start)?;
         planner.check_speed("end_twist", end)?;
         let mut angles = vec![0.0; rover.steered().len()];
-        rover.solve(
-            start,
-            inputs,
-            &mut angles,
-            &mut vec![0.0; rover.wheels().len()],
-        );
-        let plan = Plan {
-            angles,
-            ..Plan::default()
-        };
+        rover.solve(start, inputs, &mut angles, &mut vec![0.0; rover.wheels().len()]);
+        let plan = Plan { angles, ..Plan::default() };
         let plan = planner.plan(plan, start, end)?;
-        Ok(Self {
-            rover: rover.clone(),
-            phases: plan.phases,
-            duration: plan.duration,
-        })
+        Ok(Self { rover: rover.clone(), phases: plan.phases, duration: plan.duration })
     }
 
     /// How long it takes [s].
@@ -138,11 +123,7 @@ impl IcrTransition {
         };
         // The end exactly, however the sum of the phases was rounded.
         let over = time >= self.duration;
-        let local = if over {
-            phase.duration
-        } else {
-            time - phase.start
-        };
+        let local = if over { phase.duration } else { time - phase.start };
         let twist = match &phase.motion {
             Motion::Along(chord, timing) => {
                 // A chord that takes no time is over when it begins, but not before.
@@ -171,11 +152,7 @@ fn along(chord: &Chord, [s, pace, second, _]: Derivatives, wheels: &mut Wheels<'
         // A joint that does not turn has no rate, however fast the chord goes.
         let turns = slope != 0.0;
         wheels.rates[j] = if turns { slope * pace } else { 0.0 };
-        wheels.accelerations[j] = if turns {
-            bend * pace * pace + slope * second
-        } else {
-            0.0
-        };
+        wheels.accelerations[j] = if turns { bend * pace * pace + slope * second } else { 0.0 };
     }
     chord.twist(s)
 }
@@ -183,21 +160,11 @@ fn along(chord: &Chord, [s, pace, second, _]: Derivatives, wheels: &mut Wheels<'
 fn check_twist(rover: &Rover, argument: &'static str, twist: Twist) -> Result<(), Error> {
     let parts = <[f64; 3]>::from(twist);
     finite(argument, &parts)?;
-    if parts
-        .iter()
-        .any(|part| *part != 0.0 && !SIZES.contains(&part.abs()))
-    {
-        let rule = format!(
-            "have parts between {:?} and {:?}, or 0",
-            SIZES.start(),
-            SIZES.end()
-        );
+    if parts.iter().any(|part| *part != 0.0 && !SIZES.contains(&part.abs())) {
+        let rule = format!("have parts between {:?} and {:?}, or 0", SIZES.start(), SIZES.end());
         return Err(Error::value(argument, rule, numbers(&parts)));
     }
-    rover.check(twist, None).map_err(|error| Error {
-        argument: argument.into(),
-        ..error
-    })
+    rover.check(twist, None).map_err(|error| Error { argument: argument.into(), ..error })
 }
 
 /// Rate and acceleration of the direction in which a pivot moves.

@@ -67,11 +67,7 @@ impl IcrLimits {
             return Ok(());
         }
         let rule = "be finite";
-        Err(Error::value(
-            "steering_rate",
-            rule,
-            number(self.steering_rate),
-        ))
+        Err(Error::value("steering_rate", rule, number(self.steering_rate)))
     }
 
     /// Largest acceleration of a steering joint: without a limit but that of the jerk, what a ramp up to the
@@ -79,11 +75,7 @@ impl IcrLimits {
     pub fn acceleration_of(&self, scrub: f64, radius: f64) -> f64 {
         let by_jerk = (self.steering_rate * self.steering_jerk).sqrt();
         let own = self.steering_acceleration.min(by_jerk);
-        if scrub == 0.0 {
-            own
-        } else {
-            own.min(self.wheel_acceleration * radius / scrub.abs() / 2.0)
-        }
+        if scrub == 0.0 { own } else { own.min(self.wheel_acceleration * radius / scrub.abs() / 2.0) }
     }
 }
 
@@ -148,9 +140,7 @@ impl Law {
         match *self {
             Self::Even(pace) => time / pace,
             Self::Angle(joint, rate) => joint.reaches(rate * time * joint.swing(near)[0].signum()),
-            Self::Speed(joint, rate) => {
-                joint.at_speed((rate * time).abs(), near >= joint.slowest())
-            }
+            Self::Speed(joint, rate) => joint.at_speed((rate * time).abs(), near >= joint.slowest()),
             Self::Rolling(..) => near,
         }
     }
@@ -206,9 +196,5 @@ pub(crate) fn laws(rover: &Rover, chord: &Chord, limits: &IcrLimits) -> Vec<Law>
 pub(crate) fn swing(u: [Complex<f64>; 4]) -> [f64; 3] {
     let [w, second, third] = [u[1] / u[0], u[2] / u[0], u[3] / u[0]];
     let bend = second - w * w;
-    [
-        w.im,
-        bend.im,
-        (third - second * w * 3.0 + w * w * w * 2.0).im,
-    ]
+    [w.im, bend.im, (third - second * w * 3.0 + w * w * w * 2.0).im]
 }

@@ -31,11 +31,7 @@ impl Wheels<'_> {
         let mut near = [0.0; MAX_WHEELS];
         let near = &mut near[..self.steering.len()];
         near.copy_from_slice(self.steering);
-        let inputs = Inputs {
-            previous: Some(near),
-            previous_speeds: None,
-            steering_rates: Some(self.rates),
-        };
+        let inputs = Inputs { previous: Some(near), previous_speeds: None, steering_rates: Some(self.rates) };
         rover.solve(twist, inputs, self.steering, self.speeds);
     }
 
@@ -70,45 +66,24 @@ impl Wheels<'_> {
 
     /// The twist that fits the wheels best, and how fast the worst of them slides under it [m/s].
     pub fn scrub(&self, rover: &Rover) -> Result<(Twist, f64), Error> {
-        let measured = Measured {
-            steering: self.steering,
-            speeds: self.speeds,
-            steering_rates: Some(self.rates),
-        };
+        let measured = Measured { steering: self.steering, speeds: self.speeds, steering_rates: Some(self.rates) };
         let (mut residual, mut weights) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
         let count = self.speeds.len();
         let residual = &mut residual[..count];
         let method = Method::LeastSquares;
-        let fit = rover.fit(
-            measured,
-            method,
-            Unseen::Zero,
-            residual,
-            &mut weights[..count],
-        )?;
-        Ok((
-            fit.twist,
-            residual
-                .iter()
-                .fold(0.0, |worst: f64, slip| worst.max(*slip)),
-        ))
+        let fit = rover.fit(measured, method, Unseen::Zero, residual, &mut weights[..count])?;
+        Ok((fit.twist, residual.iter().fold(0.0, |worst: f64, slip| worst.max(*slip))))
     }
 }
 
 /// Fails if the angle of a steered wheel depends on its own rate.
 pub(crate) fn check_trail(rover: &Rover) -> Result<(), Error> {
-    let trailing = rover
-        .steered()
-        .iter()
-        .map(|&i| &rover.wheels()[i])
-        .find(|wheel| wheel.trail != 0.0);
+    let trailing = rover.steered().iter().map(|&i| &rover.wheels()[i]).find(|wheel| wheel.trail != 0.0);
     match trailing {
         None => Ok(()),
         Some(wheel) => {
-            let rule = format!(
-                "have no steered wheel with trail: the angle of {:?} depends on its own rate",
-                wheel.name
-            );
+            let rule =
+                format!("have no steered wheel with trail: the angle of {:?} depends on its own rate", wheel.name);
             Err(Error::value("rover", rule, number(wheel.trail)))
         }
     }
@@ -126,29 +101,19 @@ impl BodyTransition {
     /// A rover that moves by a profile of `vx`, `vy` and `omega`; `previous` are the steering angles before it.
     pub fn new(rover: &Rover, profile: Profile, previous: Option<&[f64]>) -> Result<Self, Error> {
         check_trail(rover)?;
-        let inputs = Inputs {
-            previous,
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous, ..Inputs::default() };
         inputs.check()?;
         let ends = [("start_twist", 0.0), ("end_twist", profile.duration())];
         for (argument, time) in ends {
             rover
                 .check(twist_at(&profile, time)[0].into(), None)
-                .map_err(|error| Error {
-                    argument: argument.into(),
-                    ..error
-                })?;
+                .map_err(|error| Error { argument: argument.into(), ..error })?;
         }
         let mut angles = vec![0.0; rover.steered().len()];
         let mut speeds = vec![0.0; rover.wheels().len()];
         let start = twist_at(&profile, 0.0)[0].into();
         rover.solve(start, inputs, &mut angles, &mut speeds);
-        Ok(Self {
-            rover: rover.clone(),
-            profile,
-            previous: angles,
-        })
+        Ok(Self { rover: rover.clone(), profile, previous: angles })
     }
 
     /// As fast as limits of the acceleration and jerk of vx and vy each, and of omega, allow.
@@ -164,11 +129,7 @@ impl BodyTransition {
         let bounds = |axis: usize| {
             let [first, second] = limits[axis];
             // What does not change needs no limit.
-            let first = if start[axis] == end[axis] {
-                first.min(1.0)
-            } else {
-                first
-            };
+            let first = if start[axis] == end[axis] { first.min(1.0) } else { first };
             Bounds::symmetric(first, second, f64::INFINITY)
         };
         let (from, to) = (Moving::resting(&start), Moving::resting(&end));
@@ -255,10 +216,7 @@ impl ModuleTransition {
         duration: f64,
     ) -> Result<Self, Error> {
         check_modules(rover, start, end)?;
-        Ok(Self {
-            rover: rover.clone(),
-            profile: shape.between(&start.joined(), &end.joined(), duration)?,
-        })
+        Ok(Self { rover: rover.clone(), profile: shape.between(&start.joined(), &end.joined(), duration)? })
     }
 
     /// All modules as fast as their limits allow; wheels without a limit at the pace of the steering.
@@ -270,23 +228,12 @@ impl ModuleTransition {
         synchronise: Synchronise,
     ) -> Result<Self, Error> {
         check_modules(rover, start, end)?;
-        let steering = Bounds::symmetric(
-            limits.steering_rate,
-            limits.steering_acceleration,
-            limits.steering_jerk,
-        );
-        let rolling =
-            Bounds::symmetric(limits.wheel_acceleration, limits.wheel_jerk, f64::INFINITY);
+        let steering = Bounds::symmetric(limits.steering_rate, limits.steering_acceleration, limits.steering_jerk);
+        let rolling = Bounds::symmetric(limits.wheel_acceleration, limits.wheel_jerk, f64::INFINITY);
         let bounds = |bounds: Bounds, count: usize| vec![bounds; count];
         let (joints, wheels) = (start.steering.len(), start.speeds.len());
         let fastest = |from: &[f64], to: &[f64], bounds: &[Bounds]| {
-            time_optimal(
-                &Moving::resting(from),
-                &Moving::resting(to),
-                bounds,
-                synchronise,
-                None,
-            )
+            time_optimal(&Moving::resting(from), &Moving::resting(to), bounds, synchronise, None)
         };
         let is_limited = |bounds: &Bounds| bounds.velocity.min(bounds.acceleration).is_finite();
         let profile = if is_limited(&rolling) {
@@ -294,20 +241,13 @@ impl ModuleTransition {
             fastest(&start.joined(), &end.joined(), &bounds)?
         } else if joints == 0 {
             let rule = "be finite for a rover that does not steer";
-            return Err(Error::value(
-                "wheel_acceleration",
-                rule,
-                number(rolling.velocity),
-            ));
+            return Err(Error::value("wheel_acceleration", rule, number(rolling.velocity)));
         } else {
             let turning = fastest(start.steering, end.steering, &bounds(steering, joints))?;
             let duration = turning.duration().max(f64::MIN_POSITIVE);
             turning.beside(linear(start.speeds, end.speeds, duration)?)
         };
-        Ok(Self {
-            rover: rover.clone(),
-            profile,
-        })
+        Ok(Self { rover: rover.clone(), profile })
     }
 
     /// How long it takes [s].

@@ -23,10 +23,7 @@ pub struct Moving {
 impl Moving {
     /// Axes at rest.
     pub fn resting(values: &[f64]) -> Vec<Self> {
-        let at_rest = |&value: &f64| Self {
-            value,
-            ..Self::default()
-        };
+        let at_rest = |&value: &f64| Self { value, ..Self::default() };
         values.iter().map(at_rest).collect()
     }
 }
@@ -49,13 +46,7 @@ pub struct Bounds {
 impl Bounds {
     /// The same limits in both directions.
     pub fn symmetric(velocity: f64, acceleration: f64, jerk: f64) -> Self {
-        Self {
-            velocity,
-            minimum_velocity: -velocity,
-            acceleration,
-            minimum_acceleration: -acceleration,
-            jerk,
-        }
+        Self { velocity, minimum_velocity: -velocity, acceleration, minimum_acceleration: -acceleration, jerk }
     }
 
     fn check(&self, end: &Moving) -> Result<(), Error> {
@@ -68,18 +59,11 @@ impl Bounds {
         ];
         for (argument, limit, sign) in limits {
             if limit.is_nan() || limit * sign <= 0.0 {
-                let rule = if sign > 0.0 {
-                    "be positive"
-                } else {
-                    "be negative"
-                };
+                let rule = if sign > 0.0 { "be positive" } else { "be negative" };
                 return Err(Error::value(argument, rule, number(limit)));
             }
         }
-        if self.velocity == f64::INFINITY
-            && self.acceleration == f64::INFINITY
-            && self.jerk == f64::INFINITY
-        {
+        if self.velocity == f64::INFINITY && self.acceleration == f64::INFINITY && self.jerk == f64::INFINITY {
             let rule = "be finite where acceleration and jerk are not: something has to take time";
             return Err(Error::value("velocity", rule, "inf"));
         }
@@ -107,11 +91,7 @@ impl Bounds {
             numbers(&[slowest, fastest]),
             number(before)
         );
-        Err(Error::value(
-            "end_acceleration",
-            rule,
-            number(end.acceleration),
-        ))
+        Err(Error::value("end_acceleration", rule, number(end.acceleration)))
     }
 }
 
@@ -154,10 +134,7 @@ pub fn time_optimal(
     duration: Option<f64>,
 ) -> Result<Profile, Error> {
     if start.is_empty() || start.len() != end.len() || start.len() != bounds.len() {
-        let rule = format!(
-            "have one value for each of {} axes, and at least one",
-            start.len()
-        );
+        let rule = format!("have one value for each of {} axes, and at least one", start.len());
         return Err(Error::value("end", rule, end.len().to_string()));
     }
     let names = ["start", "start_velocity", "start_acceleration"];
@@ -185,11 +162,7 @@ pub fn time_optimal(
         return Err(Error::value("duration", rule, number(duration)));
     }
     // Alone, an axis has no one to wait for: given a duration, all of them take it.
-    let synchronise = if synchronise == Synchronise::Phase {
-        Synchronise::Phase
-    } else {
-        Synchronise::Time
-    };
+    let synchronise = if synchronise == Synchronise::Phase { Synchronise::Phase } else { Synchronise::Time };
     let found = solve(start, end, bounds, synchronise, Some(duration))?;
     if close(found.duration()) {
         return Ok(found);

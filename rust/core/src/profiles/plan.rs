@@ -31,13 +31,7 @@ pub(super) struct Plan {
 
 impl Plan {
     fn push(&mut self, action: Action, reason: impl Into<String>, duration: f64, motion: Motion) {
-        self.phases.push(Phase {
-            action,
-            reason: reason.into(),
-            start: self.duration,
-            duration,
-            motion,
-        });
+        self.phases.push(Phase { action, reason: reason.into(), start: self.duration, duration, motion });
         self.duration += duration;
     }
 }
@@ -68,8 +62,7 @@ impl Planner<'_> {
     fn fastest(&self, twist: Twist) -> f64 {
         let mut speeds = vec![0.0; self.rover.wheels().len()];
         let mut angles = vec![0.0; self.rover.steered().len()];
-        self.rover
-            .solve(twist, Inputs::default(), &mut angles, &mut speeds);
+        self.rover.solve(twist, Inputs::default(), &mut angles, &mut speeds);
         let driven = (0..speeds.len()).filter(|&i| super::chord::is_driven(self.rover, i));
         driven.fold(0.0, |most: f64, i| most.max(speeds[i].abs()))
     }
@@ -97,14 +90,11 @@ impl Planner<'_> {
             // To and from rest no wheel turns: not met.
             Failure::Closed(why) => infeasible(end, &why),
         };
-        let mut stopped = self
-            .drive(plan, start, Twist::ZERO, &format!("{why} on the way"))
-            .map_err(closed)?;
+        let mut stopped = self.drive(plan, start, Twist::ZERO, &format!("{why} on the way")).map_err(closed)?;
         if let Some(last) = stopped.phases.last_mut() {
             last.action = Action::Stop;
         }
-        self.drive(stopped, Twist::ZERO, end, "from rest")
-            .map_err(closed)
+        self.drive(stopped, Twist::ZERO, end, "from rest").map_err(closed)
     }
 
     /// Largest angle by which a wheel has to turn in any case [rad].
@@ -116,10 +106,7 @@ impl Planner<'_> {
 
     fn aligned(&self, angles: &[f64], twist: Twist) -> Vec<f64> {
         let mut aligned = angles.to_vec();
-        let inputs = Inputs {
-            previous: Some(angles),
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous: Some(angles), ..Inputs::default() };
         let mut speeds = vec![0.0; self.rover.wheels().len()];
         self.rover.solve(twist, inputs, &mut aligned, &mut speeds);
         aligned
@@ -138,18 +125,12 @@ impl Planner<'_> {
             across
         } else {
             // Opposite or equal directions: any way across both will do.
-            let axis = if a.z.abs() < a.xy().norm() {
-                Vector3::z()
-            } else {
-                Vector3::x()
-            };
+            let axis = if a.z.abs() < a.xy().norm() { Vector3::z() } else { Vector3::x() };
             (if a.norm() > 0.0 { a } else { b }).cross(&axis)
         };
         let normal = normal.try_normalize(0.0)?;
         let corner = |share: f64| {
-            let corner: Twist = ((a + b) / 2.0 + normal * (share * largest))
-                .component_div(&size)
-                .into();
+            let corner: Twist = ((a + b) / 2.0 + normal * (share * largest)).component_div(&size).into();
             let excess = (self.fastest(corner) / self.limits.wheel_speed).max(1.0);
             Twist::from(Vector3::from(corner) / excess)
         };
@@ -159,25 +140,15 @@ impl Planner<'_> {
             planner.drive(half, corner, end, why).ok()
         };
         // Which corner is best shows without the limits that take long to plan for.
-        let firm = IcrLimits {
-            steering_acceleration: f64::INFINITY,
-            steering_jerk: f64::INFINITY,
-            ..*self.limits
-        };
-        let quick = Planner {
-            rover: self.rover,
-            limits: &firm,
-        };
+        let firm = IcrLimits { steering_acceleration: f64::INFINITY, steering_jerk: f64::INFINITY, ..*self.limits };
+        let quick = Planner { rover: self.rover, limits: &firm };
         let tried = |corner: Twist, why: String| {
             let duration = around(&quick, corner, &why)?.duration;
             Some((duration, corner, why))
         };
-        let beside = DETOURS.iter().filter_map(|&share| {
-            tried(
-                corner(share),
-                "around what stands in the way of one chord".into(),
-            )
-        });
+        let beside = DETOURS
+            .iter()
+            .filter_map(|&share| tried(corner(share), "around what stands in the way of one chord".into()));
         // Right over a pivot its wheel comes to rest, and rolls away again however it is turned there.
         let over = self.rover.steered().iter().filter_map(|&i| {
             let wheel = &self.rover.wheels()[i];
@@ -185,11 +156,7 @@ impl Planner<'_> {
             let change = to - from;
             let nearest = -from.dot(&change) / change.norm_squared();
             let omega = start.omega + nearest * (end.omega - start.omega);
-            let about = Twist {
-                vx: omega * wheel.y,
-                vy: -omega * wheel.x,
-                omega,
-            };
+            let about = Twist { vx: omega * wheel.y, vy: -omega * wheel.x, omega };
             let name = &wheel.name;
             let why = format!("right over the pivot of {name:?}, past which no wheel turns");
             (nearest > 0.0 && nearest < 1.0).then(|| tried(about, why))?
@@ -210,9 +177,7 @@ impl Planner<'_> {
         let aligned: Vec<f64> = chord.joints.iter().map(|joint| joint.angle).collect();
         let turn = |(a, b): (&f64, &f64)| (a - b).abs() > SAME_ANGLE;
         if plan.angles.iter().zip(&aligned).any(turn) {
-            let profile = self
-                .align(&plan.angles, &aligned)
-                .map_err(Failure::Refused)?;
+            let profile = self.align(&plan.angles, &aligned).map_err(Failure::Refused)?;
             let reason = if start == Twist::ZERO {
                 "the wheels turn at rest to where the motion begins"
             } else {
@@ -224,33 +189,16 @@ impl Planner<'_> {
         let smooth = self.smoothness();
         let timing = Timing::new(&chord, &laws(self.rover, &chord, self.limits), &smooth)
             .ok_or_else(|| Failure::Refused(infeasible(end, "a limit leaves no room to move")))?;
-        plan.angles = chord
-            .joints
-            .iter()
-            .map(|joint| joint.angle + joint.swept(1.0))
-            .collect();
-        plan.push(
-            Action::Drive,
-            why,
-            timing.duration(),
-            Motion::Along(chord, timing),
-        );
+        plan.angles = chord.joints.iter().map(|joint| joint.angle + joint.swept(1.0)).collect();
+        plan.push(Action::Drive, why, timing.duration(), Motion::Along(chord, timing));
         Ok(plan)
     }
 
     /// Nothing to do.
     fn hold(&self, mut plan: Plan, start: Twist, end: Twist) -> Result<Plan, Failure> {
         if let Way::Open(chord) = Chord::between(self.rover, start, end, &plan.angles) {
-            let timing = Timing::Binding {
-                bounds: Vec::new(),
-                duration: 0.0,
-            };
-            plan.push(
-                Action::Drive,
-                "there already",
-                0.0,
-                Motion::Along(chord, timing),
-            );
+            let timing = Timing::Binding { bounds: Vec::new(), duration: 0.0 };
+            plan.push(Action::Drive, "there already", 0.0, Motion::Along(chord, timing));
         }
         Ok(plan)
     }
@@ -260,10 +208,7 @@ impl Planner<'_> {
             let wheel = &self.rover.wheels()[i];
             self.limits.acceleration_of(wheel.scrub, wheel.radius)
         };
-        Smoothness {
-            accelerations: self.rover.steered().iter().map(limit).collect(),
-            jerk: self.limits.steering_jerk,
-        }
+        Smoothness { accelerations: self.rover.steered().iter().map(limit).collect(), jerk: self.limits.steering_jerk }
     }
 
     /// All joints in proportion, as fast as the slowest allows.

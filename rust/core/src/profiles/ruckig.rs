@@ -2,9 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use rsruckig::prelude::{
-    DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler, Trajectory,
-};
+use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler, Trajectory};
 use rsruckig::profile::Profile as Found;
 
 use super::{Axis, Bounds, Moving, Piece, Profile, Synchronise, coast};
@@ -23,16 +21,7 @@ pub(super) fn solve(
 ) -> Result<Profile, Error> {
     let axes = if synchronise == Synchronise::None {
         (0..start.len())
-            .map(|i| {
-                ask(
-                    &start[i..=i],
-                    &end[i..=i],
-                    &bounds[i..=i],
-                    synchronise,
-                    duration,
-                )?
-                .pop()
-            })
+            .map(|i| ask(&start[i..=i], &end[i..=i], &bounds[i..=i], synchronise, duration)?.pop())
             .collect::<Option<Vec<_>>>()
     } else {
         ask(start, end, bounds, synchronise, duration).map(together)
@@ -64,13 +53,8 @@ fn ask(
 ) -> Option<Vec<Axis>> {
     let natural = Units::of(start, end, bounds, duration);
     let short = natural.shortened(start, end);
-    let plain = Units {
-        time: 1.0,
-        lengths: vec![1.0; start.len()],
-    };
-    [plain, short, natural]
-        .iter()
-        .find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
+    let plain = Units { time: 1.0, lengths: vec![1.0; start.len()] };
+    [plain, short, natural].iter().find_map(|units| ask_in(units, start, end, bounds, synchronise, duration))
 }
 
 /// Asks the library, and checks what it says.
@@ -86,9 +70,7 @@ fn ask_in(
     let mut input = InputParameter::<0>::new(Some(count));
     // Every value as `unit(axis, order of the derivative)` makes it about 1.
     let scaled = |order: i32, part: &dyn Fn(usize) -> f64| {
-        let values = (0..count)
-            .map(|i| part(i) * units.factor(i, order))
-            .collect();
+        let values = (0..count).map(|i| part(i) * units.factor(i, order)).collect();
         DataArrayOrVec::<f64, 0>::Heap(values)
     };
     input.current_position = scaled(0, &|_| 0.0);
@@ -157,27 +139,17 @@ impl Units {
             let strong = start.acceleration.abs().max(end.acceleration.abs()) * time * time;
             power_of_two((end.value - start.value).abs().max(fast).max(strong))
         };
-        Self {
-            time,
-            lengths: start.iter().zip(end).map(length).collect(),
-        }
+        Self { time, lengths: start.iter().zip(end).map(length).collect() }
     }
 
     /// The same, with lengths by the distances alone, where there are any.
     fn shortened(&self, start: &[Moving], end: &[Moving]) -> Self {
         let length = |((start, end), &whole): ((&Moving, &Moving), &f64)| {
             let distance = (end.value - start.value).abs();
-            if distance > 0.0 {
-                power_of_two(distance)
-            } else {
-                whole
-            }
+            if distance > 0.0 { power_of_two(distance) } else { whole }
         };
         let lengths = start.iter().zip(end).zip(&self.lengths).map(length);
-        Self {
-            time: self.time,
-            lengths: lengths.collect(),
-        }
+        Self { time: self.time, lengths: lengths.collect() }
     }
 
     /// What takes a derivative of this order into the units.
@@ -196,77 +168,44 @@ fn power_of_two(size: f64) -> f64 {
 }
 
 /// The pieces of one axis.
-fn read(
-    found: &Found,
-    units: &Units,
-    axis: usize,
-    start: &Moving,
-    end: &Moving,
-    bounds: &Bounds,
-) -> Axis {
+fn read(found: &Found, units: &Units, axis: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> Axis {
     let back = |[value, velocity, acceleration, jerk]: [f64; 4]| {
         let factor = |order| units.factor(axis, order);
-        [
-            start.value + value / factor(0),
-            velocity / factor(1),
-            acceleration / factor(2),
-            jerk / factor(3),
-        ]
+        [start.value + value / factor(0), velocity / factor(1), acceleration / factor(2), jerk / factor(3)]
     };
     let brake = &found.brake;
     let braking = brake.duration > 0.0;
     let before = (0..2)
         .filter(|&i| braking && brake.t[i] > 0.0)
         .map(|i| (brake.t[i], [brake.p[i], brake.v[i], brake.a[i], brake.j[i]]));
-    let after = (0..7)
-        .filter(|&i| found.t[i] > 0.0)
-        .map(|i| (found.t[i], [found.p[i], found.v[i], found.a[i], found.j[i]]));
+    let after =
+        (0..7).filter(|&i| found.t[i] > 0.0).map(|i| (found.t[i], [found.p[i], found.v[i], found.a[i], found.j[i]]));
     let mut pieces = Vec::with_capacity(9);
     let mut duration = 0.0;
     let mut last = [end.value, end.velocity, end.acceleration, 0.0];
     for (length, state) in before.chain(after) {
         let (length, state) = (length * units.time, back(state));
-        pieces.push(Piece {
-            start: duration,
-            state,
-        });
+        pieces.push(Piece { start: duration, state });
         last = coast(state, length);
         duration += length;
     }
     if pieces.is_empty() {
-        pieces.push(Piece {
-            start: 0.0,
-            state: [start.value, end.velocity, 0.0, 0.0],
-        });
+        pieces.push(Piece { start: 0.0, state: [start.value, end.velocity, 0.0, 0.0] });
     }
     let [velocity, acceleration] = match (bounds.acceleration, bounds.jerk) {
         (f64::INFINITY, f64::INFINITY) => [last[1], 0.0],
         (_, f64::INFINITY) => [end.velocity, last[2]],
         _ => [end.velocity, end.acceleration],
     };
-    Axis {
-        pieces,
-        duration,
-        end: [end.value, velocity, acceleration, last[3]],
-    }
+    Axis { pieces, duration, end: [end.value, velocity, acceleration, last[3]] }
 }
 
 /// Whether the pieces join, arrive and stay within the limits.
-fn is_sound(
-    axis: &Axis,
-    units: &Units,
-    i: usize,
-    start: &Moving,
-    end: &Moving,
-    bounds: &Bounds,
-) -> bool {
+fn is_sound(axis: &Axis, units: &Units, i: usize, start: &Moving, end: &Moving, bounds: &Bounds) -> bool {
     if !axis.duration.is_finite() || axis.check().is_err() {
         return false;
     }
-    let ways = axis
-        .pieces
-        .iter()
-        .map(|piece| (piece.state[0] - start.value).abs());
+    let ways = axis.pieces.iter().map(|piece| (piece.state[0] - start.value).abs());
     let extent = ways.fold((end.value - start.value).abs(), f64::max);
     let size = extent + f64::EPSILON / TOLERANCE * (start.value.abs() + end.value.abs());
     let mut value = start.value;
@@ -274,18 +213,13 @@ fn is_sound(
         if (piece.state[0] - value).abs() > TOLERANCE * size {
             return false;
         }
-        let next = axis
-            .pieces
-            .get(k + 1)
-            .map_or(axis.duration, |next| next.start);
+        let next = axis.pieces.get(k + 1).map_or(axis.duration, |next| next.start);
         value = coast(piece.state, next - piece.start)[0];
     }
     let [velocity, acceleration, jerk] = axis.peaks();
     let fastest = bounds.velocity.max(-bounds.minimum_velocity);
     let strongest = bounds.acceleration.max(-bounds.minimum_acceleration);
-    let within = |peak: f64, limit: f64, order| {
-        peak <= limit * (1.0 + TOLERANCE) + TOLERANCE / units.factor(i, order)
-    };
+    let within = |peak: f64, limit: f64, order| peak <= limit * (1.0 + TOLERANCE) + TOLERANCE / units.factor(i, order);
     // Braking into the limits starts beyond them.
     let start_velocity = start.velocity.abs() + start.acceleration.powi(2) / bounds.jerk;
     (value - end.value).abs() <= TOLERANCE * size

@@ -46,9 +46,7 @@ impl Shape {
 
 /// From start to end at constant velocity.
 pub fn linear(start: &[f64], end: &[f64], duration: f64) -> Result<Profile, Error> {
-    shape(start, end, duration, |change| {
-        vec![([change / duration, 0.0, 0.0], duration)]
-    })
+    shape(start, end, duration, |change| vec![([change / duration, 0.0, 0.0], duration)])
 }
 
 /// Constant acceleration for the time `ramp` [s], constant velocity, and the mirror image of the start.
@@ -91,10 +89,7 @@ fn check_ramp(duration: f64, ramp: f64) -> Result<(), Error> {
     if ramp > 0.0 && ramp <= duration / 2.0 {
         return Ok(());
     }
-    let rule = format!(
-        "be positive and at most half the duration of {} s",
-        number(duration)
-    );
+    let rule = format!("be positive and at most half the duration of {} s", number(duration));
     Err(Error::value("ramp", rule, number(ramp)))
 }
 
@@ -103,12 +98,7 @@ type Stretch = ([f64; 3], f64);
 
 /// Every axis by the same recipe for its change of value. A recipe is its own mirror image: values before
 /// the middle count from the start and the others from the end, so that both ends are exact.
-fn shape(
-    start: &[f64],
-    end: &[f64],
-    duration: f64,
-    recipe: impl Fn(f64) -> Vec<Stretch>,
-) -> Result<Profile, Error> {
+fn shape(start: &[f64], end: &[f64], duration: f64, recipe: impl Fn(f64) -> Vec<Stretch>) -> Result<Profile, Error> {
     finite("start", start)?;
     finite("end", end)?;
     positive("duration", duration)?;
@@ -126,10 +116,7 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
     let mut pieces: Vec<Piece> = Vec::with_capacity(stretches.len());
     let (mut time, mut value) = (0.0, start);
     for (state, length) in stretches.iter().map(rest) {
-        pieces.push(Piece {
-            start: time,
-            state: [value, state[1], state[2], state[3]],
-        });
+        pieces.push(Piece { start: time, state: [value, state[1], state[2], state[3]] });
         time += length;
         value += super::coast(state, length)[0];
     }
@@ -149,20 +136,11 @@ fn chain(start: f64, end: f64, duration: f64, stretches: &[Stretch]) -> Axis {
     });
     // What is left of a velocity or acceleration that ends in rest is rounding.
     let ends = |i: usize| {
-        let largest = stretches
-            .iter()
-            .fold(0.0, |a: f64, (moving, _)| a.max(moving[i - 1].abs()));
-        if last[i].abs() <= 1e-14 * largest {
-            0.0
-        } else {
-            last[i]
-        }
+        let largest = stretches.iter().fold(0.0, |a: f64, (moving, _)| a.max(moving[i - 1].abs()));
+        if last[i].abs() <= 1e-14 * largest { 0.0 } else { last[i] }
     };
     Axis {
-        pieces: pieces
-            .into_iter()
-            .filter(|piece| piece.start < duration)
-            .collect(),
+        pieces: pieces.into_iter().filter(|piece| piece.start < duration).collect(),
         duration,
         end: [end, ends(1), ends(2), last[3]],
     }

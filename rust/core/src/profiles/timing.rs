@@ -58,11 +58,7 @@ impl Timing {
     pub fn new(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Self> {
         let turning = chord.joints.iter().any(|joint| joint.swing(0.5)[0] != 0.0);
         let rolling = laws.iter().any(|law| matches!(law, Law::Rolling(..)));
-        let firm = smooth.jerk == f64::INFINITY
-            && smooth
-                .accelerations
-                .iter()
-                .all(|limit| *limit == f64::INFINITY);
+        let firm = smooth.jerk == f64::INFINITY && smooth.accelerations.iter().all(|limit| *limit == f64::INFINITY);
         let timing = if !turning || (firm && !rolling) {
             binding(chord, laws)
         } else {
@@ -85,9 +81,7 @@ impl Timing {
             Self::Sampled(axis) => axis.at(time),
             Self::Binding { bounds, duration } => {
                 if time >= *duration {
-                    let last = bounds
-                        .last()
-                        .map_or([0.0; 4], |bound| bound.at(f64::INFINITY));
+                    let last = bounds.last().map_or([0.0; 4], |bound| bound.at(f64::INFINITY));
                     return [1.0, last[1], last[2], 0.0];
                 }
                 let next = bounds.partition_point(|bound| bound.start <= time);
@@ -110,18 +104,9 @@ impl Bound {
         let onward = if to >= from { time } else { -time };
         let near = f64::midpoint(self.from, self.to);
         let found = self.law.place(from + onward, near);
-        let s = if time >= self.time() {
-            self.to
-        } else {
-            found.clamp(self.from, self.to)
-        };
+        let s = if time >= self.time() { self.to } else { found.clamp(self.from, self.to) };
         let pace = self.law.pace(s);
-        [
-            s,
-            1.0 / pace,
-            -self.law.slope(s) / (pace * pace * pace),
-            0.0,
-        ]
+        [s, 1.0 / pace, -self.law.slope(s) / (pace * pace * pace), 0.0]
     }
 }
 
@@ -166,12 +151,7 @@ fn binding(chord: &Chord, laws: &[Law]) -> Timing {
                 }
                 until = b;
             }
-            let bound = Bound {
-                start: clock,
-                from,
-                to: until,
-                law: laws[current],
-            };
+            let bound = Bound { start: clock, from, to: until, law: laws[current] };
             let time = bound.time();
             if time > 0.0 {
                 clock += time;
@@ -182,10 +162,7 @@ fn binding(chord: &Chord, laws: &[Law]) -> Timing {
             current = if next == current { last } else { next };
         }
     }
-    Timing::Binding {
-        bounds,
-        duration: clock,
-    }
+    Timing::Binding { bounds, duration: clock }
 }
 
 /// Slope and bend of every joint's angle at one place.
@@ -197,14 +174,8 @@ fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
         let swings = chord.joints.iter().map(|joint| joint.swing(s));
         swings.map(|[slope, bend, _]| [slope, bend]).collect()
     };
-    let ceilings: Vec<f64> = places
-        .iter()
-        .map(|&s| {
-            laws.iter()
-                .fold(0.0, |pace: f64, law| pace.max(law.pace(s)))
-                .powi(-2)
-        })
-        .collect();
+    let ceilings: Vec<f64> =
+        places.iter().map(|&s| laws.iter().fold(0.0, |pace: f64, law| pace.max(law.pace(s))).powi(-2)).collect();
     let bends: Vec<Bends> = places.iter().map(|&s| bends(s)).collect();
     let cell = |k: usize, highest: f64| Cell {
         length: places[k + 1] - places[k],
@@ -227,44 +198,25 @@ fn sampled(chord: &Chord, laws: &[Law], smooth: &Smoothness) -> Option<Axis> {
         let next = (square + 2.0 * cell.length * most).clamp(0.0, highest[k + 1]);
         let acceleration = (next - square) / (2.0 * cell.length);
         let pace = square.sqrt();
-        pieces.push(Piece {
-            start: clock,
-            state: [places[k], pace, acceleration, 0.0],
-        });
+        pieces.push(Piece { start: clock, state: [places[k], pace, acceleration, 0.0] });
         clock += 2.0 * cell.length / (pace + next.sqrt());
         square = next;
     }
     let last = pieces.last()?.state;
-    let axis = Axis {
-        pieces,
-        duration: clock,
-        end: [1.0, 0.0, last[2], 0.0],
-    };
+    let axis = Axis { pieces, duration: clock, end: [1.0, 0.0, last[2], 0.0] };
     if !clock.is_finite() {
         return None;
     }
     let stretched = |axis: Axis| {
         let excess = excess(chord, laws, smooth, &axis);
-        stretch(
-            axis,
-            if excess > 1.0 {
-                excess * (1.0 + MARGIN)
-            } else {
-                1.0
-            },
-        )
+        stretch(axis, if excess > 1.0 { excess * (1.0 + MARGIN) } else { 1.0 })
     };
     if smooth.jerk == f64::INFINITY {
         return Some(stretched(axis));
     }
-    let strongest = smooth
-        .accelerations
-        .iter()
-        .fold(f64::INFINITY, |a: f64, b| a.min(*b));
+    let strongest = smooth.accelerations.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
     let build_up = (strongest / smooth.jerk).min(clock);
-    let smoothed = WIDTHS
-        .iter()
-        .map(|share| stretched(average(&axis, share * build_up)));
+    let smoothed = WIDTHS.iter().map(|share| stretched(average(&axis, share * build_up)));
     smoothed.min_by(|a, b| a.duration.total_cmp(&b.duration))
 }
 
@@ -281,10 +233,7 @@ struct Cell<'a> {
 impl Cell<'_> {
     /// Least and greatest second derivative from a squared pace; empty if the first is the greater.
     fn room(&self, square: f64) -> (f64, f64) {
-        let mut room = (
-            -square / (2.0 * self.length),
-            (self.highest - square) / (2.0 * self.length),
-        );
+        let mut room = (-square / (2.0 * self.length), (self.highest - square) / (2.0 * self.length));
         let mut narrow = |factor: f64, offset: f64, limit: f64| {
             if factor == 0.0 {
                 if offset.abs() > limit {
@@ -299,11 +248,7 @@ impl Cell<'_> {
             if limit.is_finite() {
                 narrow(first[0], first[1] * square, limit);
                 // At the end of the cell the squared pace has grown.
-                narrow(
-                    last[0] + last[1] * 2.0 * self.length,
-                    last[1] * square,
-                    limit,
-                );
+                narrow(last[0] + last[1] * 2.0 * self.length, last[1] * square, limit);
             }
         }
         room
@@ -345,40 +290,19 @@ fn excess(chord: &Chord, laws: &[Law], smooth: &Smoothness, axis: &Axis) -> f64 
     let worst_of = |piece: &Piece, end: f64, checks: usize| {
         let step = (end - piece.start) / checks as f64;
         let states = (0..=checks).map(|check| super::coast(piece.state, step * check as f64));
-        states.fold(0.0, |worst: f64, state| {
-            worst.max(strain(chord, laws, smooth, state))
-        })
+        states.fold(0.0, |worst: f64, state| worst.max(strain(chord, laws, smooth, state)))
     };
-    let coarse = axis
-        .pieces
-        .iter()
-        .zip(ends())
-        .map(|(piece, end)| worst_of(piece, end, CHECKS));
+    let coarse = axis.pieces.iter().zip(ends()).map(|(piece, end)| worst_of(piece, end, CHECKS));
     let coarse: Vec<f64> = coarse.collect();
     let worst = coarse.iter().fold(0.0, |a: f64, b| a.max(*b));
-    let tight = axis
-        .pieces
-        .iter()
-        .zip(ends())
-        .zip(&coarse)
-        .filter(|(_, own)| **own >= worst * TIGHT);
-    tight.fold(worst, |worst, ((piece, end), _)| {
-        worst.max(worst_of(piece, end, FINE_CHECKS))
-    })
+    let tight = axis.pieces.iter().zip(ends()).zip(&coarse).filter(|(_, own)| **own >= worst * TIGHT);
+    tight.fold(worst, |worst, ((piece, end), _)| worst.max(worst_of(piece, end, FINE_CHECKS)))
 }
 
 /// By how much the time would have to be stretched at one place, given with its derivatives.
-fn strain(
-    chord: &Chord,
-    laws: &[Law],
-    smooth: &Smoothness,
-    [s, pace, second, third]: Derivatives,
-) -> f64 {
+fn strain(chord: &Chord, laws: &[Law], smooth: &Smoothness, [s, pace, second, third]: Derivatives) -> f64 {
     let s = s.clamp(0.0, 1.0);
-    let mut worst = laws
-        .iter()
-        .fold(0.0, |most: f64, law| most.max(law.pace(s)))
-        * pace;
+    let mut worst = laws.iter().fold(0.0, |most: f64, law| most.max(law.pace(s))) * pace;
     for (joint, &limit) in chord.joints.iter().zip(&smooth.accelerations) {
         let [slope, bend, twist] = joint.swing(s);
         let acceleration = bend * pace * pace + slope * second;
@@ -432,9 +356,5 @@ fn average(axis: &Axis, width: f64) -> Axis {
         pieces.push(Piece { start: time, state });
         value = super::coast(state, end - time)[0];
     }
-    Axis {
-        pieces,
-        duration,
-        end: [1.0, 0.0, 0.0, 0.0],
-    }
+    Axis { pieces, duration, end: [1.0, 0.0, 0.0, 0.0] }
 }

@@ -118,8 +118,7 @@ impl Chain {
         let count = |argument: &'static str, length: usize, least, most: usize| {
             let rule = format!("hold {least} to {most}");
             let fits = (least..=most).contains(&length);
-            fits.then_some(())
-                .ok_or_else(|| Error::value(argument, rule, length.to_string()))
+            fits.then_some(()).ok_or_else(|| Error::value(argument, rule, length.to_string()))
         };
         count("parts", parts.len(), 0, MAX_PARTS)?;
         count("wheels", wheels.len(), 3, MAX_WHEELS)?;
@@ -147,13 +146,7 @@ impl Chain {
         for joint in &joints {
             joint.range.check("joint_limit")?;
         }
-        let mut chain = Self {
-            parts,
-            wheels,
-            joints,
-            steering,
-            balance: Vector3::zeros(),
-        };
+        let mut chain = Self { parts, wheels, joints, steering, balance: Vector3::zeros() };
         chain.balance = chain.mean_wheel();
         Ok(chain)
     }
@@ -198,11 +191,10 @@ impl Chain {
 
     /// The joint that steers a wheel.
     pub fn steering_joint(&self, wheel: usize) -> Option<usize> {
-        self.carriers(wheel)
-            .find_map(|part| match self.parts[part].turning {
-                Turning::Steering(joint) => Some(joint),
-                _ => None,
-            })
+        self.carriers(wheel).find_map(|part| match self.parts[part].turning {
+            Turning::Steering(joint) => Some(joint),
+            _ => None,
+        })
     }
 
     /// The parts between the body and a wheel, innermost last.
@@ -241,19 +233,12 @@ impl Chain {
 
     /// Mean of the wheel centres at angles 0 [m].
     fn mean_wheel(&self) -> Vector3<f64> {
-        let level = PlanPose {
-            x: 0.0,
-            y: 0.0,
-            yaw: 0.0,
-        };
+        let level = PlanPose { x: 0.0, y: 0.0, yaw: 0.0 };
         let Some(placed) = self.place(level, &[0.0; MAX_STATE], &[]) else {
             return Vector3::zeros();
         };
         let count = self.wheels.len();
-        (0..count)
-            .map(|wheel| placed.wheel(wheel).centre)
-            .sum::<Vector3<f64>>()
-            / count as f64
+        (0..count).map(|wheel| placed.wheel(wheel).centre).sum::<Vector3<f64>>() / count as f64
     }
 }
 
@@ -367,9 +352,7 @@ impl Placed<'_> {
     }
 
     fn carrier(&self, part: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
-        part.map_or((self.rotation, self.origin), |part| {
-            (self.parts[part].rotation, self.parts[part].origin)
-        })
+        part.map_or((self.rotation, self.origin), |part| (self.parts[part].rotation, self.parts[part].origin))
     }
 
     /// A wheel.
@@ -409,42 +392,27 @@ impl Placed<'_> {
     /// Derivatives of a point fixed to the body by z, roll and pitch.
     pub fn body_slopes(&self, point: Vector3<f64>) -> [Vector3<f64>; 3] {
         let arm = point - self.origin;
-        [
-            Vector3::z(),
-            self.roll_axis.cross(&arm),
-            self.pitch_axis.cross(&arm),
-        ]
+        [Vector3::z(), self.roll_axis.cross(&arm), self.pitch_axis.cross(&arm)]
     }
 
     /// The free angles between the body and a wheel: index, axis times the derivative of the part's angle by the
     /// free one, and a point of the axis, in world axes.
-    pub fn free_axes(
-        &self,
-        wheel: usize,
-    ) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
-        self.turning_axes(wheel)
-            .filter_map(|(turning, axis, origin)| match turning {
-                Turning::Free(joint) | Turning::Across(joint, _) => Some((joint, axis, origin)),
-                Turning::Steering(_) => None,
-            })
+    pub fn free_axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
+        self.turning_axes(wheel).filter_map(|(turning, axis, origin)| match turning {
+            Turning::Free(joint) | Turning::Across(joint, _) => Some((joint, axis, origin)),
+            Turning::Steering(_) => None,
+        })
     }
 
     /// The same for the steering angles.
-    pub fn steering_axes(
-        &self,
-        wheel: usize,
-    ) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
-        self.turning_axes(wheel)
-            .filter_map(|(turning, axis, origin)| match turning {
-                Turning::Steering(joint) => Some((joint, axis, origin)),
-                _ => None,
-            })
+    pub fn steering_axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Vector3<f64>)> {
+        self.turning_axes(wheel).filter_map(|(turning, axis, origin)| match turning {
+            Turning::Steering(joint) => Some((joint, axis, origin)),
+            _ => None,
+        })
     }
 
-    fn turning_axes(
-        &self,
-        wheel: usize,
-    ) -> impl Iterator<Item = (Turning, Vector3<f64>, Vector3<f64>)> {
+    fn turning_axes(&self, wheel: usize) -> impl Iterator<Item = (Turning, Vector3<f64>, Vector3<f64>)> {
         self.chain.carriers(wheel).map(|part| {
             let placed = &self.parts[part];
             let turning = self.chain.parts[part].turning;

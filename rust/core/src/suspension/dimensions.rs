@@ -38,9 +38,7 @@ impl std::str::FromStr for Steered {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self, Error> {
-        let found = [Self::Front, Self::Corners, Self::All]
-            .into_iter()
-            .find(|steered| steered.name() == name);
+        let found = [Self::Front, Self::Corners, Self::All].into_iter().find(|steered| steered.name() == name);
         let rule = "be 'front', 'corners' or 'all'";
         found.ok_or_else(|| Error::value("steered", rule, format!("{name:?}")))
     }
@@ -59,20 +57,8 @@ impl Bogie {
     /// Names of the five vectors of [`Dimensions`], in their order.
     pub fn names(self) -> [&'static str; 5] {
         match self {
-            Self::Behind => [
-                "rocker_pivot",
-                "rocker_to_front",
-                "rocker_to_bogie",
-                "bogie_to_middle",
-                "bogie_to_rear",
-            ],
-            Self::InFront => [
-                "rocker_pivot",
-                "rocker_to_rear",
-                "rocker_to_bogie",
-                "bogie_to_front",
-                "bogie_to_middle",
-            ],
+            Self::Behind => ["rocker_pivot", "rocker_to_front", "rocker_to_bogie", "bogie_to_middle", "bogie_to_rear"],
+            Self::InFront => ["rocker_pivot", "rocker_to_rear", "rocker_to_bogie", "bogie_to_front", "bogie_to_middle"],
         }
     }
 
@@ -106,30 +92,18 @@ impl Differential {
     /// Angle of the right rocker about +y at this angle of the left one, and its derivative; None where the
     /// linkage does not reach.
     pub fn right(self, left: f64) -> Option<[f64; 2]> {
-        let Self::Bar {
-            half_length: b,
-            lever: h,
-            rod: l,
-        } = self
-        else {
+        let Self::Bar { half_length: b, lever: h, rod: l } = self else {
             return Some([-left, -1.0]);
         };
         // Closure of a rod: (l + h sin q + s b sin d)^2 + b^2 (1 - cos d)^2 + h^2 (1 - cos q)^2 = l^2, with s = 1 on
         // the left and -1 on the right: once for the bar's angle d, once for the right rocker.
         let (sin, cos) = left.sin_cos();
         let ahead = l + h * sin;
-        let bar = root(
-            2.0 * ahead * b,
-            -2.0 * b * b,
-            l * l - ahead * ahead - 2.0 * b * b - (h * (1.0 - cos)).powi(2),
-        )?;
+        let bar = root(2.0 * ahead * b, -2.0 * b * b, l * l - ahead * ahead - 2.0 * b * b - (h * (1.0 - cos)).powi(2))?;
         let (sin_bar, cos_bar) = bar.sin_cos();
         let back = l - b * sin_bar;
-        let right = root(
-            2.0 * back * h,
-            -2.0 * h * h,
-            l * l - back * back - 2.0 * h * h - (b * (1.0 - cos_bar)).powi(2),
-        )?;
+        let right =
+            root(2.0 * back * h, -2.0 * h * h, l * l - back * back - 2.0 * h * h - (b * (1.0 - cos_bar)).powi(2))?;
         // Half the derivatives of the closures by the rockers and by the bar.
         let by = |q: f64, s: f64| {
             let x = l + h * q.sin() + s * b * sin_bar;
@@ -141,19 +115,11 @@ impl Differential {
     }
 
     fn check(self) -> Result<(), Error> {
-        let Self::Bar {
-            half_length,
-            lever,
-            rod,
-        } = self
-        else {
+        let Self::Bar { half_length, lever, rod } = self else {
             return Ok(());
         };
         let lengths = [half_length, lever, rod];
-        if lengths
-            .iter()
-            .all(|length| length.is_finite() && *length > 0.0)
-        {
+        if lengths.iter().all(|length| length.is_finite() && *length > 0.0) {
             return Ok(());
         }
         let rule = "hold three lengths, finite and positive";
@@ -170,11 +136,7 @@ fn root(a: f64, b: f64, c: f64) -> Option<f64> {
     }
     let (middle, half) = (a.atan2(b), (c / size).acos());
     let nearest = [middle - half, middle + half].map(|t| t.sin().atan2(t.cos()));
-    Some(if nearest[0].abs() < nearest[1].abs() {
-        nearest[0]
-    } else {
-        nearest[1]
-    })
+    Some(if nearest[0].abs() < nearest[1].abs() { nearest[0] } else { nearest[1] })
 }
 
 /// Smallest and largest angle of a joint [rad].
@@ -189,10 +151,7 @@ pub struct JointRange {
 impl Default for JointRange {
     /// No stops.
     fn default() -> Self {
-        Self {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-        }
+        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY }
     }
 }
 
@@ -208,11 +167,7 @@ impl JointRange {
             return Ok(());
         }
         let rule = "hold the lower angle below the upper, and 0 between them";
-        Err(Error::value(
-            argument,
-            rule,
-            numbers(&[self.lower, self.upper]),
-        ))
+        Err(Error::value(argument, rule, numbers(&[self.lower, self.upper])))
     }
 }
 
@@ -249,13 +204,7 @@ impl Dimensions {
     /// The vectors with their names.
     pub fn vectors(&self) -> [(&'static str, [f64; 3]); 5] {
         let [first, second] = self.bogie_to_wheels;
-        let vectors = [
-            self.rocker_pivot,
-            self.rocker_to_wheel,
-            self.rocker_to_bogie,
-            first,
-            second,
-        ];
+        let vectors = [self.rocker_pivot, self.rocker_to_wheel, self.rocker_to_bogie, first, second];
         let names = self.bogie.names();
         std::array::from_fn(|i| (names[i], vectors[i]))
     }
@@ -272,11 +221,7 @@ impl Dimensions {
 
     /// Centre of the left wheel of a pair, counted from the front, in the rover's frame at joint angles 0 [m].
     pub fn level_place(&self, pair: usize) -> [f64; 3] {
-        let joint = if self.bogie.carries(pair) {
-            self.rocker_to_bogie
-        } else {
-            [0.0; 3]
-        };
+        let joint = if self.bogie.carries(pair) { self.rocker_to_bogie } else { [0.0; 3] };
         let to_wheel = self.to_wheel(pair);
         std::array::from_fn(|k| self.rocker_pivot[k] + joint[k] + to_wheel[k])
     }
@@ -319,28 +264,18 @@ mod tests {
 
     #[test]
     fn a_bar_turns_the_right_rocker_back_and_nearly_as_far() {
-        let bar = Differential::Bar {
-            half_length: 0.4,
-            lever: 0.2,
-            rod: 0.3,
-        };
+        let bar = Differential::Bar { half_length: 0.4, lever: 0.2, rod: 0.3 };
         for k in -8..=8 {
             let left = f64::from(k) * 0.05;
             let [right, slope] = bar.right(left).unwrap_or([f64::NAN; 2]);
             // Rods of finite length: an even term of second order.
-            assert!(
-                (right + left).abs() <= 0.7 * left * left + 1e-15,
-                "{left} {right}"
-            );
+            assert!((right + left).abs() <= 0.7 * left * left + 1e-15, "{left} {right}");
             // The linkage is the same seen from the other side.
             assert!((bar.right(right).unwrap_or([f64::NAN; 2])[0] - left).abs() < 1e-12);
             let step = 1e-6;
             let at = |q| bar.right(q).map_or(f64::NAN, |[right, _]| right);
             let difference = (at(left + step) - at(left - step)) / (2.0 * step);
-            assert!(
-                (slope - difference).abs() < 1e-8,
-                "{left} {slope} {difference}"
-            );
+            assert!((slope - difference).abs() < 1e-8, "{left} {slope} {difference}");
         }
         assert_eq!(bar.right(3.0), None);
         assert_eq!(Differential::Gear.right(0.3), Some([-0.3, -1.0]));

@@ -66,11 +66,7 @@ pub(crate) fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
 
 #[inline(always)]
 pub(crate) fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
-    [
-        a[1].mul_add(b[2], -(a[2] * b[1])),
-        a[2].mul_add(b[0], -(a[0] * b[2])),
-        a[0].mul_add(b[1], -(a[1] * b[0])),
-    ]
+    [a[1].mul_add(b[2], -(a[2] * b[1])), a[2].mul_add(b[0], -(a[0] * b[2])), a[0].mul_add(b[1], -(a[1] * b[0]))]
 }
 
 #[inline(always)]
@@ -81,11 +77,7 @@ pub(crate) fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
 /// `a + length * b`.
 #[inline(always)]
 pub(crate) fn along<S: Simd>(a: Vectors<S>, length: Lanes<S>, b: Vectors<S>) -> Vectors<S> {
-    [
-        b[0].mul_add(length, a[0]),
-        b[1].mul_add(length, a[1]),
-        b[2].mul_add(length, a[2]),
-    ]
+    [b[0].mul_add(length, a[0]), b[1].mul_add(length, a[1]), b[2].mul_add(length, a[2])]
 }
 
 #[inline(always)]
@@ -167,12 +159,7 @@ pub(crate) struct Placing<'a, S: Simd> {
 /// Sine and cosine of the angle of a part's own, and its derivative by the free angle; NaN where a differential does
 /// not reach.
 #[inline(always)]
-fn across<S: Vector>(
-    simd: S,
-    differential: Differential,
-    left: Lanes<S>,
-    turned: Turned<S>,
-) -> (Turned<S>, Lanes<S>) {
+fn across<S: Vector>(simd: S, differential: Differential, left: Lanes<S>, turned: Turned<S>) -> (Turned<S>, Lanes<S>) {
     if differential == Differential::Gear {
         return ((-turned.0, turned.1), all(simd, -1.0));
     }
@@ -194,11 +181,7 @@ impl<'a, S: Vector> Placing<'a, S> {
     #[inline(always)]
     pub fn new(simd: S, plan: &'a Plan) -> Self {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let body = Limb {
-            plane: 0,
-            turned: (zero, one),
-            origin: [zero; 3],
-        };
+        let body = Limb { plane: 0, turned: (zero, one), origin: [zero; 3] };
         Self {
             plan,
             limbs: [body; MOST_PARTS + 1],
@@ -234,11 +217,7 @@ impl<'a, S: Vector> Placing<'a, S> {
                 let ((sin, cos), (s, c)) = (parent.turned, turned);
                 turned = (sin.mul_add(c, cos * s), cos.mul_add(c, -(sin * s)));
             }
-            self.limbs[k + 1] = Limb {
-                plane: part.plane,
-                turned,
-                origin,
-            };
+            self.limbs[k + 1] = Limb { plane: part.plane, turned, origin };
             self.slopes[k] = slope;
         }
         for (k, wheel) in self.plan.wheels.iter().enumerate().take(MAX_WHEELS) {
@@ -311,11 +290,7 @@ impl<'a, S: Vector> Placing<'a, S> {
             let [ahead, up] = limb.in_plane(limb.origin);
             let rate = self.slopes[k] * rates[part.joint % MAX_FREE];
             let [turns, forth, down] = self.flow[part.parent];
-            self.flow[k + 1] = [
-                turns + rate,
-                rate.mul_add(up, forth),
-                rate.mul_add(ahead, down),
-            ];
+            self.flow[k + 1] = [turns + rate, rate.mul_add(up, forth), rate.mul_add(ahead, down)];
         }
     }
 

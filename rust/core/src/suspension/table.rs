@@ -30,10 +30,7 @@ const BETA_2: Turn = Some((2, 1.0));
 pub(super) const FIRST_PSI: usize = 3;
 
 // The angles alpha of the chain: exactly a quarter turn down, none, a quarter turn up.
-const DOWN: Direction = Direction {
-    sin: -1.0,
-    cos: 0.0,
-};
+const DOWN: Direction = Direction { sin: -1.0, cos: 0.0 };
 const LEVEL: Direction = Direction { sin: 0.0, cos: 1.0 };
 const UP: Direction = Direction { sin: 1.0, cos: 0.0 };
 
@@ -99,15 +96,7 @@ impl Dimensions {
             let place = steered.position(|&other| other == wheel)?;
             Some((FIRST_PSI + place, 1.0))
         };
-        let row = |frame, parent, joint, gamma, d, a, alpha| Link {
-            frame,
-            parent,
-            joint,
-            gamma,
-            d,
-            a,
-            alpha,
-        };
+        let row = |frame, parent, joint, gamma, d, a, alpha| Link { frame, parent, joint, gamma, d, a, alpha };
         let mut rows = [row("D", None, None, 0.0, k1, k2, DOWN); FRAMES];
         rows[B1] = row("B1", Some(D), RHO, k9, bogie, k6, LEVEL);
         rows[B2] = row("B2", Some(D), MINUS_RHO, k9, -bogie, k6, LEVEL);
@@ -147,11 +136,7 @@ impl<'a> Posture<'a> {
             let local = link.parent_from_frame(joints, right[0]);
             frames[k] = link.parent.map_or(local, |parent| frames[parent] * local);
         }
-        Self {
-            links,
-            frames,
-            right: right[1],
-        }
+        Self { links, frames, right: right[1] }
     }
 
     /// `rover_from_frame` of every frame, in the order of the table.
@@ -173,16 +158,11 @@ impl<'a> Posture<'a> {
     /// angle, and a point of the axis, in the rover's frame. A direction fixed to the wheel changes with the
     /// angle by `axis x direction`, a point by `axis x (point - origin)`.
     pub fn axes(&self, wheel: usize) -> impl Iterator<Item = (usize, Vector3<f64>, Point3<f64>)> {
-        let links = std::iter::successors(Some(&self.links[A1 + wheel]), |link| {
-            link.parent.map(|parent| &self.links[parent])
-        });
+        let links =
+            std::iter::successors(Some(&self.links[A1 + wheel]), |link| link.parent.map(|parent| &self.links[parent]));
         links.filter_map(|link| {
             let (joint, _) = link.joint?;
-            let sign = if link.joint == MINUS_RHO {
-                self.right
-            } else {
-                1.0
-            };
+            let sign = if link.joint == MINUS_RHO { self.right } else { 1.0 };
             let parent = &self.frames[link.parent?];
             let axis = parent.rotation * Vector3::z() * sign;
             Some((joint, axis, Point3::from(parent.translation.vector)))
@@ -214,10 +194,7 @@ mod tests {
         let (step, posture) = (1e-5, rover.posture(&joints)?);
         let rim = Point3::new(0.1, 0.05, -0.2);
         for wheel in 0..6 {
-            let (mut point, mut axle) = (
-                [Vector3::zeros(); MAX_JOINTS],
-                [Vector3::zeros(); MAX_JOINTS],
-            );
+            let (mut point, mut axle) = ([Vector3::zeros(); MAX_JOINTS], [Vector3::zeros(); MAX_JOINTS]);
             for (joint, axis, origin) in posture.axes(wheel) {
                 point[joint] += axis.cross(&(posture.wheel(wheel) * rim - origin));
                 axle[joint] += axis.cross(&(posture.wheel(wheel) * Vector3::y()));

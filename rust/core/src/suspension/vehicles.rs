@@ -66,31 +66,14 @@ impl Chain {
         let mut wheels = Vec::with_capacity(MAX_WHEELS);
         for (wheel, name) in WHEELS.into_iter().enumerate() {
             let (pair, side) = (wheel / 2, wheel % 2);
-            let carrier = if of.bogie.carries(pair) {
-                2 + side
-            } else {
-                side
-            };
+            let carrier = if of.bogie.carries(pair) { 2 + side } else { side };
             let centre = on_side(of.to_wheel(pair), side);
             let steering = of.steered.wheels().iter().position(|&other| other == wheel);
-            wheels.push(mount(
-                &mut parts,
-                name,
-                carrier,
-                centre,
-                of.wheel_radius,
-                steering,
-            ));
+            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
         }
-        let joint = |name: &'static str, range| Joint {
-            name: name.into(),
-            range,
-        };
-        let joints = vec![
-            joint("rho", of.rocker_limit),
-            joint("beta_1", of.bogie_limit),
-            joint("beta_2", of.bogie_limit),
-        ];
+        let joint = |name: &'static str, range| Joint { name: name.into(), range };
+        let joints =
+            vec![joint("rho", of.rocker_limit), joint("beta_1", of.bogie_limit), joint("beta_2", of.bogie_limit)];
         let steering = vec![of.steering; of.steered.wheels().len()];
         let mut chain = Self::new(parts, wheels, joints, steering)?;
         // The body hangs in the rocker axis.
@@ -104,10 +87,7 @@ impl Chain {
         of.steering.check()?;
         of.bogie_limit.check("bogie_limit")?;
         let side_vectors = [of.bogie_pivot, of.bogie_to_front, of.bogie_to_middle];
-        for ([_, y, _], argument) in
-            side_vectors
-                .into_iter()
-                .zip(["bogie_pivot", "bogie_to_front", "bogie_to_middle"])
+        for ([_, y, _], argument) in side_vectors.into_iter().zip(["bogie_pivot", "bogie_to_front", "bogie_to_middle"])
         {
             finite(argument, &[y])?;
         }
@@ -119,24 +99,9 @@ impl Chain {
             turning: Turning::Free(joint),
         };
         let mut parts = vec![
-            part(
-                "left bogie",
-                on_side(of.bogie_pivot, 0),
-                Vector3::y_axis(),
-                0,
-            ),
-            part(
-                "right bogie",
-                on_side(of.bogie_pivot, 1),
-                Vector3::y_axis(),
-                1,
-            ),
-            part(
-                "rear bogie",
-                Vector3::from(of.rear_pivot),
-                Vector3::x_axis(),
-                2,
-            ),
+            part("left bogie", on_side(of.bogie_pivot, 0), Vector3::y_axis(), 0),
+            part("right bogie", on_side(of.bogie_pivot, 1), Vector3::y_axis(), 1),
+            part("rear bogie", Vector3::from(of.rear_pivot), Vector3::x_axis(), 2),
         ];
         let (mut wheels, mut joint) = (Vec::with_capacity(MAX_WHEELS), 0);
         for (wheel, name) in WHEELS.into_iter().enumerate() {
@@ -146,19 +111,9 @@ impl Chain {
             let steering = of.steered[pair].then_some(joint);
             joint += usize::from(of.steered[pair]);
             let centre = on_side(centre, side);
-            wheels.push(mount(
-                &mut parts,
-                name,
-                carrier,
-                centre,
-                of.wheel_radius,
-                steering,
-            ));
+            wheels.push(mount(&mut parts, name, carrier, centre, of.wheel_radius, steering));
         }
-        let joints = ["beta_1", "beta_2", "beta_3"].map(|name| Joint {
-            name: name.into(),
-            range: of.bogie_limit,
-        });
+        let joints = ["beta_1", "beta_2", "beta_3"].map(|name| Joint { name: name.into(), range: of.bogie_limit });
         Self::new(parts, wheels, joints.into(), vec![of.steering; joint])
     }
 
@@ -188,27 +143,9 @@ impl Chain {
         };
         let half = wheelbase / 2.0;
         let parts = vec![
-            part(
-                "front axle",
-                None,
-                half,
-                Vector3::z_axis(),
-                Turning::Steering(0),
-            ),
-            part(
-                "rear roll",
-                None,
-                -half,
-                Vector3::x_axis(),
-                Turning::Free(0),
-            ),
-            part(
-                "rear axle",
-                Some(1),
-                0.0,
-                Vector3::z_axis(),
-                Turning::Steering(1),
-            ),
+            part("front axle", None, half, Vector3::z_axis(), Turning::Steering(0)),
+            part("rear roll", None, -half, Vector3::x_axis(), Turning::Free(0)),
+            part("rear axle", Some(1), 0.0, Vector3::z_axis(), Turning::Steering(1)),
         ];
         let names = ["front_left", "front_right", "rear_left", "rear_right"];
         let wheels = names.into_iter().enumerate().map(|(wheel, name)| {
@@ -220,18 +157,12 @@ impl Chain {
                 radius: wheel_radius,
             }
         });
-        let joint = Joint {
-            name: "gamma".into(),
-            range: limit,
-        };
+        let joint = Joint { name: "gamma".into(), range: limit };
         Self::new(parts, wheels.collect(), vec![joint], vec![steering; 2])
     }
 
     /// Three to six wheels on the body itself; of these, three touch. Centres `[x, y, z]` [m].
-    pub fn rigid(
-        wheels: &[(&str, [f64; 3], Option<SteeringRange>)],
-        wheel_radius: f64,
-    ) -> Result<Self, Error> {
+    pub fn rigid(wheels: &[(&str, [f64; 3], Option<SteeringRange>)], wheel_radius: f64) -> Result<Self, Error> {
         positive("wheel_radius", wheel_radius)?;
         let (mut parts, mut mounts, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
         for (name, centre, range) in wheels {
@@ -239,12 +170,7 @@ impl Chain {
             let name = (*name).to_owned();
             let centre = Vector3::from(*centre);
             let Some(range) = range else {
-                mounts.push(Mount {
-                    name: name.into(),
-                    part: None,
-                    centre,
-                    radius: wheel_radius,
-                });
+                mounts.push(Mount { name: name.into(), part: None, centre, radius: wheel_radius });
                 continue;
             };
             range.check()?;
@@ -283,12 +209,7 @@ fn mount(
 ) -> Mount {
     let name = Cow::Borrowed(name);
     let Some(joint) = steering else {
-        return Mount {
-            name,
-            part: Some(carrier),
-            centre,
-            radius,
-        };
+        return Mount { name, part: Some(carrier), centre, radius };
     };
     parts.push(Part {
         name: format!("{name} steering").into(),
@@ -297,12 +218,7 @@ fn mount(
         axis: Vector3::z_axis(),
         turning: Turning::Steering(joint),
     });
-    Mount {
-        name,
-        part: Some(parts.len() - 1),
-        centre: Vector3::zeros(),
-        radius,
-    }
+    Mount { name, part: Some(parts.len() - 1), centre: Vector3::zeros(), radius }
 }
 
 #[cfg(test)]
@@ -315,11 +231,7 @@ mod tests {
     fn chains() -> Result<Vec<Chain>, Error> {
         let level = SteeringRange::default();
         let mut bar = *RockerBogie::perseverance()?.dimensions();
-        bar.differential = Differential::Bar {
-            half_length: 0.6,
-            lever: 0.2,
-            rod: 0.3,
-        };
+        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
         bar.steered = Steered::All;
         Ok(vec![
             Chain::rocker_bogie(RockerBogie::rocky7()?.dimensions())?,
@@ -351,10 +263,7 @@ mod tests {
 
     #[test]
     fn slopes_are_the_differences_of_points() -> Result<(), Error> {
-        let (steering, rim) = (
-            [0.2, -0.1, 0.3, 0.05, -0.2, 0.1],
-            Vector3::new(0.03, 0.0, -0.04),
-        );
+        let (steering, rim) = ([0.2, -0.1, 0.3, 0.05, -0.2, 0.1], Vector3::new(0.03, 0.0, -0.04));
         let numbers = [0.3, -0.2, 0.7, 0.4, 0.1, -0.2, 0.15, -0.1, 0.25];
         let at = |chain: &Chain, numbers: [f64; 9], wheel: usize| {
             let [x, y, yaw, state @ ..] = numbers;
@@ -372,8 +281,7 @@ mod tests {
                     let (mut ahead, mut behind) = (numbers, numbers);
                     ahead[k] += step;
                     behind[k] -= step;
-                    let difference =
-                        (at(&chain, ahead, wheel)?.0 - at(&chain, behind, wheel)?.0) / (2.0 * step);
+                    let difference = (at(&chain, ahead, wheel)?.0 - at(&chain, behind, wheel)?.0) / (2.0 * step);
                     // Rounding: 1 m / 1e-6 of 2e-16.
                     assert!((slopes[k] - difference).amax() < 1e-9, "{wheel} {k}");
                 }
@@ -386,11 +294,7 @@ mod tests {
     fn a_rocker_bogie_is_its_table() -> Result<(), Error> {
         let mut rovers = vec![RockerBogie::rocky7()?, RockerBogie::open_source_rover()?];
         let mut bar = *RockerBogie::perseverance()?.dimensions();
-        bar.differential = Differential::Bar {
-            half_length: 0.6,
-            lever: 0.2,
-            rod: 0.3,
-        };
+        bar.differential = Differential::Bar { half_length: 0.6, lever: 0.2, rod: 0.3 };
         rovers.push(RockerBogie::new(bar)?);
         assert_eq!(rovers[1].dimensions().bogie, Bogie::InFront);
         for rover in rovers {

@@ -28,11 +28,7 @@ pub const BIAS: &str = "gyroscope_bias";
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
-        Self {
-            core,
-            rover: self.rover.clone_ref(py),
-            replayed: None,
-        }
+        Self { core, rover: self.rover.clone_ref(py), replayed: None }
     }
 
     pub(super) fn in_space(&self) -> bool {
@@ -41,11 +37,7 @@ impl Preintegrated {
 
     /// Rows of a tangent that count.
     pub(super) fn rows(&self) -> &'static [usize] {
-        if self.in_space() {
-            &[0, 1, 2, 3, 4, 5]
-        } else {
-            &PLANE
-        }
+        if self.in_space() { &[0, 1, 2, 3, 4, 5] } else { &PLANE }
     }
 
     pub(super) fn replayed(&mut self, py: Python<'_>) -> PyResult<&Replayed> {
@@ -54,9 +46,7 @@ impl Preintegrated {
             let replayed = compute(py, core.len(), || core.replay()).map_err(|e| raise(e, &[]))?;
             self.replayed = Some(replayed);
         }
-        self.replayed
-            .as_ref()
-            .ok_or_else(|| refuse("samples", "be there", "none"))
+        self.replayed.as_ref().ok_or_else(|| refuse("samples", "be there", "none"))
     }
 
     /// Columns by the names of `by_dimension`, `by_slip` and the bias.
@@ -74,18 +64,11 @@ impl Preintegrated {
         }
     }
 
-    pub(super) fn table<'py>(
-        &mut self,
-        py: Python<'py>,
-        columns: &[Column],
-    ) -> PyResult<Matrix<'py>> {
+    pub(super) fn table<'py>(&mut self, py: Python<'py>, columns: &[Column]) -> PyResult<Matrix<'py>> {
         let rows = self.rows();
         let replayed = self.replayed(py)?;
         let by: Vec<_> = columns.iter().map(|&column| replayed.by(column)).collect();
-        let table: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|&row| by.iter().map(|one| one[row]).collect())
-            .collect();
+        let table: Vec<Vec<f64>> = rows.iter().map(|&row| by.iter().map(|one| one[row]).collect()).collect();
         Ok(PyArray2::from_vec2(py, &table)?)
     }
 
@@ -102,24 +85,13 @@ impl Preintegrated {
         Ok(tables)
     }
 
-    pub(super) fn square<'py>(
-        &self,
-        py: Python<'py>,
-        matrix: impl Fn(usize, usize) -> f64,
-    ) -> PyResult<Matrix<'py>> {
+    pub(super) fn square<'py>(&self, py: Python<'py>, matrix: impl Fn(usize, usize) -> f64) -> PyResult<Matrix<'py>> {
         let rows = self.rows();
-        let table: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|&i| rows.iter().map(|&k| matrix(i, k)).collect())
-            .collect();
+        let table: Vec<Vec<f64>> = rows.iter().map(|&i| rows.iter().map(|&k| matrix(i, k)).collect()).collect();
         Ok(PyArray2::from_vec2(py, &table)?)
     }
 
-    pub(super) fn pose_of(
-        &self,
-        argument: &'static str,
-        value: &Bound<'_, PyAny>,
-    ) -> PyResult<Motion3> {
+    pub(super) fn pose_of(&self, argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Motion3> {
         if !self.in_space() {
             let pose = numbers(argument, value)?;
             if pose.iter().any(|part| !part.is_finite()) {
@@ -133,12 +105,7 @@ impl Preintegrated {
         Motion3::from_matrix(argument, &matrix).map_err(|error| raise(error, &[]))
     }
 
-    pub(super) fn written<'py>(
-        &self,
-        py: Python<'py>,
-        motion: &Motion3,
-        yaw: f64,
-    ) -> Bound<'py, PyAny> {
+    pub(super) fn written<'py>(&self, py: Python<'py>, motion: &Motion3, yaw: f64) -> Bound<'py, PyAny> {
         if self.in_space() {
             let rows = motion.matrix().map(Vec::from);
             return PyArray1::from_slice(py, rows.concat().as_slice())
@@ -150,11 +117,7 @@ impl Preintegrated {
     }
 
     /// What changes by name make of the motion, in its tangent.
-    pub(super) fn change(
-        &mut self,
-        py: Python<'_>,
-        changes: &Bound<'_, PyDict>,
-    ) -> PyResult<([f64; 6], Named)> {
+    pub(super) fn change(&mut self, py: Python<'_>, changes: &Bound<'_, PyDict>) -> PyResult<([f64; 6], Named)> {
         let (mut sum, mut wanted) = ([0.0; 6], Vec::new());
         for (name, values) in changes {
             let name: String = name.extract()?;

@@ -23,10 +23,7 @@ pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
 }
 
 /// Attitudes of a log, and how many numbers each has.
-pub fn attitudes<'py>(
-    value: &Bound<'py, PyAny>,
-    leading: &[usize],
-) -> PyResult<(Rows<'py>, usize)> {
+pub fn attitudes<'py>(value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<(Rows<'py>, usize)> {
     let shape = Scalars::read("attitude", value)?.shape;
     let width = match shape.as_slice() {
         [_, width @ 2..=4] => *width,

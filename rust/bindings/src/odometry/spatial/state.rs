@@ -48,19 +48,13 @@ impl Odometry3State {
 
     fn residuals(&self) -> Vec<f64> {
         let slips = self.slip[..self.wheels].iter();
-        slips
-            .map(|[along, aside]| sliding(*along, *aside))
-            .collect()
+        slips.map(|[along, aside]| sliding(*along, *aside)).collect()
     }
 }
 
 /// How fast a contact slides; one without an encoder slides sideways.
 fn sliding(along: f64, aside: f64) -> f64 {
-    if along.is_nan() {
-        aside.abs()
-    } else {
-        along.hypot(aside)
-    }
+    if along.is_nan() { aside.abs() } else { along.hypot(aside) }
 }
 
 fn matrix<'py>(py: Python<'py>, numbers: &[f64], width: usize) -> PyResult<Matrix<'py>> {
@@ -142,18 +136,13 @@ impl Odometry3State {
     #[getter]
     fn worst_wheel<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyString>> {
         let worst = worst_wheel(&self.residuals())?;
-        Some(PyString::new(
-            py,
-            &self.arm.get().chain.wheels()[worst].name,
-        ))
+        Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
     }
 
     /// Flags of the sample, a `Health`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?
-            .getattr("Health")?
-            .call1((self.health,))
+        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
     }
 
     fn __repr__(&self) -> String {

@@ -46,12 +46,7 @@ pub(crate) struct Buffers {
 
 impl<'a> Journey<'a> {
     /// Fails where a duration is not one.
-    pub fn new(
-        twists: Table<'a>,
-        count: usize,
-        steps: Durations<'a>,
-        starts: &'a [[f64; 3]],
-    ) -> Result<Self, Error> {
+    pub fn new(twists: Table<'a>, count: usize, steps: Durations<'a>, starts: &'a [[f64; 3]]) -> Result<Self, Error> {
         Ok(Self {
             twists,
             count,
@@ -76,26 +71,17 @@ impl<'a> Journey<'a> {
 
     /// So many logs are read at a time.
     pub fn block(&self) -> usize {
-        (BLOCK_ROWS / self.count.max(1))
-            .next_multiple_of(GROUP)
-            .max(GROUP)
+        (BLOCK_ROWS / self.count.max(1)).next_multiple_of(GROUP).max(GROUP)
     }
 
     /// The steps of a log from `first` on, at most a block of them.
-    fn piece<'b>(
-        &self,
-        log: usize,
-        first: usize,
-        buffers: &'b mut Buffers,
-    ) -> (&'b [[f64; 3]], Steps<'b>)
+    fn piece<'b>(&self, log: usize, first: usize, buffers: &'b mut Buffers) -> (&'b [[f64; 3]], Steps<'b>)
     where
         'a: 'b,
     {
         let end = self.count.min(first + BLOCK_ROWS);
         let from = log * self.count;
-        let numbers = self
-            .twists
-            .get(3 * (from + first), 3 * (from + end), &mut buffers.twists);
+        let numbers = self.twists.get(3 * (from + first), 3 * (from + end), &mut buffers.twists);
         let steps = self.steps.get(first, end, &mut buffers.steps);
         (numbers.as_chunks().0, steps)
     }
@@ -134,11 +120,7 @@ impl<'a> Journey<'a> {
         let short = self.count <= SHORT_LOG;
         let mut rest = logs;
         while short && !rest.is_empty() {
-            let end = if self.twists.is_read() {
-                rest.end.min(rest.start + self.block())
-            } else {
-                rest.end
-            };
+            let end = if self.twists.is_read() { rest.end.min(rest.start + self.block()) } else { rest.end };
             let block = rest.start..end;
             let (first, last) = (3 * block.start * self.count, 3 * end * self.count);
             let numbers = self.twists.get(first, last, &mut buffers.twists);
@@ -179,13 +161,9 @@ impl<'a> Journey<'a> {
             for (k, twist) in twists.iter().enumerate() {
                 let step = Steps::Constant(steps.get(k));
                 let twist = std::slice::from_ref(twist);
-                bound
-                    .extend(twist, step)
-                    .map_err(|error| error.below(from + k))?;
+                bound.extend(twist, step).map_err(|error| error.below(from + k))?;
                 if let Some(rover) = self.rover {
-                    rover
-                        .check_speeds(Twist::from(twist[0]), None)
-                        .map_err(|error| error.at_row(from + k))?;
+                    rover.check_speeds(Twist::from(twist[0]), None).map_err(|error| error.at_row(from + k))?;
                 }
             }
         }
@@ -236,11 +214,7 @@ struct LogBound<'j, 'a> {
 
 impl<'j, 'a> LogBound<'j, 'a> {
     fn new(journey: &'j Journey<'a>, log: usize) -> Self {
-        Self {
-            journey,
-            start: journey.size_of_start(log),
-            sizes: 0.0,
-        }
+        Self { journey, start: journey.size_of_start(log), sizes: 0.0 }
     }
 
     /// Whether all poses up to the end of these twists are surely finite.
@@ -272,9 +246,7 @@ pub fn integrate<'a>(
     let short = level != Level::Plain && count <= SHORT_LOG;
     if !fresh {
         let shares = (0..logs).step_by(share);
-        workers.each(shares, |first| {
-            journey.check(level, first..logs.min(first + share))
-        })?;
+        workers.each(shares, |first| journey.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1)).enumerate();
     workers.each(targets, |(k, poses)| {

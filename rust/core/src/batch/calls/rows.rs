@@ -20,8 +20,7 @@ pub(super) const FEW: usize = 8;
 /// The rows in blocks of this size.
 fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
     let end = rows.end;
-    rows.step_by(size)
-        .map(move |first| first..end.min(first + size))
+    rows.step_by(size).map(move |first| first..end.min(first + size))
 }
 
 /// Rows at a time out of a share: all, unless they have to be read.
@@ -54,11 +53,7 @@ impl<'a> Commands<'a> {
     {
         let (joints, wheels) = (self.rover.steered().len(), self.rover.wheels().len());
         let twists = self.twists.rows(rows.clone(), 3, twists);
-        let Beside {
-            previous: held,
-            previous_speeds,
-            steering_rates,
-        } = self.beside;
+        let Beside { previous: held, previous_speeds, steering_rates } = self.beside;
         let inputs = Inputs {
             previous: held.map(|table| table.rows(rows.clone(), joints, previous)),
             previous_speeds: previous_speeds.map(|table| table.rows(rows.clone(), wheels, speeds)),
@@ -80,13 +75,7 @@ impl<'a> Commands<'a> {
         Ok(())
     }
 
-    fn solve(
-        &self,
-        twists: &[[f64; 3]],
-        inputs: Inputs<'_>,
-        steering: &mut [f64],
-        speeds: &mut [f64],
-    ) {
+    fn solve(&self, twists: &[[f64; 3]], inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         if let Some(plan) = &self.plan {
             return plan.solve(self.level, twists, inputs, steering, speeds, self.past);
         }
@@ -124,15 +113,7 @@ pub fn inverse<'a>(
     };
     let share = workers.share(count);
     let (twists, beside) = (Some(commands.twists), commands.beside);
-    let block = block_of(
-        share,
-        [
-            twists,
-            beside.previous,
-            beside.previous_speeds,
-            beside.steering_rates,
-        ],
-    );
+    let block = block_of(share, [twists, beside.previous, beside.previous_speeds, beside.steering_rates]);
     if !fresh {
         workers.each((0..count).step_by(share), |first| {
             let buffers = &mut Default::default();
@@ -146,9 +127,7 @@ pub fn inverse<'a>(
     let block = if fresh { block.min(BLOCK_ROWS) } else { block };
     // A rover without steered wheels has no columns to cut.
     let mut steering = steering.chunks_mut((share * joints).max(1));
-    let targets = speeds
-        .chunks_mut(share * wheels)
-        .map(|speeds| (steering.next().unwrap_or_default(), speeds));
+    let targets = speeds.chunks_mut(share * wheels).map(|speeds| (steering.next().unwrap_or_default(), speeds));
     workers.each(targets.enumerate(), |(k, (steering, speeds))| {
         let buffers = &mut Default::default();
         let first = k * share;
@@ -159,12 +138,7 @@ pub fn inverse<'a>(
             }
             let (from, end) = (rows.start - first, rows.end - first);
             let steering = &mut steering[from * joints..end * joints];
-            commands.solve(
-                twists,
-                inputs,
-                steering,
-                &mut speeds[from * wheels..end * wheels],
-            );
+            commands.solve(twists, inputs, steering, &mut speeds[from * wheels..end * wheels]);
         }
         Ok(())
     })
@@ -182,11 +156,7 @@ struct Reports<'a> {
 }
 
 impl<'a> Reports<'a> {
-    fn rows<'b>(
-        &self,
-        rows: Range<usize>,
-        [steering, speeds, rates]: &'b mut [Vec<f64>; 3],
-    ) -> Log<'b>
+    fn rows<'b>(&self, rows: Range<usize>, [steering, speeds, rates]: &'b mut [Vec<f64>; 3]) -> Log<'b>
     where
         'a: 'b,
     {
@@ -195,9 +165,7 @@ impl<'a> Reports<'a> {
         Log {
             steering: readings.steering.rows(rows.clone(), joints, steering),
             speeds: readings.speeds.rows(rows.clone(), wheels, speeds),
-            steering_rates: readings
-                .steering_rates
-                .map(|table| table.rows(rows, joints, rates)),
+            steering_rates: readings.steering_rates.map(|table| table.rows(rows, joints, rates)),
         }
     }
 
@@ -214,8 +182,7 @@ impl<'a> Reports<'a> {
                 self.rover.forward(measured, self.unseen).map(drop)
             }
         };
-        (0..count)
-            .try_for_each(|k| solvable(log.row(self.rover, k)).map_err(|error| error.at_row(k)))
+        (0..count).try_for_each(|k| solvable(log.row(self.rover, k)).map_err(|error| error.at_row(k)))
     }
 
     fn solve(&self, log: Log<'_>, twists: &mut [[f64; 3]]) -> Result<(), Error> {
@@ -224,8 +191,7 @@ impl<'a> Reports<'a> {
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
-            *twist =
-                single_forward::solve_row(self.level, self.rover, measured, self.unseen)?.into();
+            *twist = single_forward::solve_row(self.level, self.rover, measured, self.unseen)?.into();
         }
         Ok(())
     }
@@ -251,11 +217,7 @@ pub fn forward<'a>(
         past: is_large(twists.as_flattened().len()),
     };
     let share = workers.share(count);
-    let tables = [
-        Some(readings.steering),
-        Some(readings.speeds),
-        readings.steering_rates,
-    ];
+    let tables = [Some(readings.steering), Some(readings.speeds), readings.steering_rates];
     let block = block_of(share, tables);
     let check = |rows: Range<usize>, log: Log<'_>| {
         let checked = reports.check(log, rows.len());

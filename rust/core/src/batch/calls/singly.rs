@@ -40,44 +40,29 @@ pub fn fit(
     let plan = ((count >= FEW || method == Method::Robust) && log.steering_rates.is_none())
         .then(|| Plan::new(rover, method, unseen))
         .flatten();
-    let twists = fits
-        .twists
-        .chunks_mut(share)
-        .zip(fits.ranks.chunks_mut(share));
+    let twists = fits.twists.chunks_mut(share).zip(fits.ranks.chunks_mut(share));
     let slips = fits.residual.chunks_mut(share * wheels);
     let says = fits.weights.chunks_mut(share * wheels);
-    let parts = twists
-        .zip(fits.sigmas.chunks_mut(share))
-        .zip(slips)
-        .zip(says);
-    workers.each(
-        parts.enumerate(),
-        |(k, ((((twists, ranks), sigmas), residual), weights))| {
-            let count = twists.len();
-            let log = log.rows(rover, k * share..k * share + count);
-            let failed = |error: Error| error.below(k * share);
-            let mut fits = Fits {
-                twists,
-                ranks,
-                sigmas,
-                residual,
-                weights,
+    let parts = twists.zip(fits.sigmas.chunks_mut(share)).zip(slips).zip(says);
+    workers.each(parts.enumerate(), |(k, ((((twists, ranks), sigmas), residual), weights))| {
+        let count = twists.len();
+        let log = log.rows(rover, k * share..k * share + count);
+        let failed = |error: Error| error.below(k * share);
+        let mut fits = Fits { twists, ranks, sigmas, residual, weights };
+        if let Some(plan) = &plan
+            && let Some(done) = plan.fit(workers.here().level, log, &mut fits)
+        {
+            return done.map_err(failed);
+        }
+        for k in 0..count {
+            let solve = |residual: &mut [f64], weights: &mut [f64]| {
+                rover.fit(log.row(rover, k), method, unseen, residual, weights)
             };
-            if let Some(plan) = &plan
-                && let Some(done) = plan.fit(workers.here().level, log, &mut fits)
-            {
-                return done.map_err(failed);
-            }
-            for k in 0..count {
-                let solve = |residual: &mut [f64], weights: &mut [f64]| {
-                    rover.fit(log.row(rover, k), method, unseen, residual, weights)
-                };
-                let solved = fits.one(k, wheels, solve);
-                solved.map_err(|error| failed(error.at_row(k)))?;
-            }
-            Ok(())
-        },
-    )
+            let solved = fits.one(k, wheels, solve);
+            solved.map_err(|error| failed(error.at_row(k)))?;
+        }
+        Ok(())
+    })
 }
 
 /// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
@@ -107,33 +92,25 @@ pub fn sensitivity(
     let jobs: Vec<_> = twists
         .chunks_mut(share)
         .map(|twists| {
-            let parts = parts.iter_mut().map(|(quantity, wheels, parts)| {
-                (*quantity, *wheels, parts.next().unwrap_or_default())
-            });
+            let parts = parts
+                .iter_mut()
+                .map(|(quantity, wheels, parts)| (*quantity, *wheels, parts.next().unwrap_or_default()));
             (twists, parts.collect::<Vec<_>>())
         })
         .collect();
-    workers.each(
-        jobs.into_iter().enumerate(),
-        |(k, (twists, mut targets))| {
-            let log = log.rows(rover, k * share..k * share + twists.len());
-            let failed = |error: Error| error.below(k * share);
-            if let Some(plan) = &plan {
-                let ask = Ask {
-                    plan,
-                    log,
-                    twists,
-                    targets: &mut targets,
-                };
-                if let Some(done) = workers.here().level.run(ask) {
-                    return done.map_err(failed);
-                }
+    workers.each(jobs.into_iter().enumerate(), |(k, (twists, mut targets))| {
+        let log = log.rows(rover, k * share..k * share + twists.len());
+        let failed = |error: Error| error.below(k * share);
+        if let Some(plan) = &plan {
+            let ask = Ask { plan, log, twists, targets: &mut targets };
+            if let Some(done) = workers.here().level.run(ask) {
+                return done.map_err(failed);
             }
-            for (k, twist) in twists.iter_mut().enumerate() {
-                let done = plain(rover, log, k, k, twist, &mut targets);
-                done.map_err(|error| failed(error.at_row(k)))?;
-            }
-            Ok(())
-        },
-    )
+        }
+        for (k, twist) in twists.iter_mut().enumerate() {
+            let done = plain(rover, log, k, k, twist, &mut targets);
+            done.map_err(|error| failed(error.at_row(k)))?;
+        }
+        Ok(())
+    })
 }

@@ -10,33 +10,17 @@ use crate::geometry::Twist;
 use crate::rover::Rover;
 
 /// Whether the rover can make each twist. Fails where one is not finite.
-pub fn admissible(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    answers: &mut [bool],
-    workers: Workers,
-) -> Result<(), Error> {
+pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
     let share = workers.share(twists.len());
     let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
     workers.each(jobs.enumerate(), |(k, (twists, answers))| {
-        admissible_rows(rover, twists, answers, workers.here())
-            .map_err(|error| error.below(k * share))
+        admissible_rows(rover, twists, answers, workers.here()).map_err(|error| error.below(k * share))
     })
 }
 
-fn admissible_rows(
-    rover: &Rover,
-    twists: &[[f64; 3]],
-    answers: &mut [bool],
-    workers: Workers,
-) -> Result<(), Error> {
+fn admissible_rows(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
     if let Some(cone) = rover.whole_cone()
-        && let Some(done) = workers.level.run(Admissible {
-            rover,
-            cone,
-            twists,
-            answers,
-        })
+        && let Some(done) = workers.level.run(Admissible { rover, cone, twists, answers })
     {
         return done;
     }
@@ -99,13 +83,7 @@ fn project_rows(
     workers: Workers,
 ) -> Result<(), Error> {
     if let Some(cone) = rover.whole_cone()
-        && let Some(done) = workers.level.run(Project {
-            rover,
-            cone,
-            keep,
-            twists,
-            projected,
-        })
+        && let Some(done) = workers.level.run(Project { rover, cone, keep, twists, projected })
     {
         return done;
     }

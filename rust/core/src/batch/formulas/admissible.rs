@@ -28,10 +28,7 @@ impl Kernel for Admissible<'_> {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let mut twists = [Column::ZERO; 3];
         let [mut yes, mut doubts] = [Column::ZERO; 2];
-        let blocks = self
-            .twists
-            .chunks(BLOCK)
-            .zip(self.answers.chunks_mut(BLOCK));
+        let blocks = self.twists.chunks(BLOCK).zip(self.answers.chunks_mut(BLOCK));
         for (block, (rows, answers)) in blocks.enumerate() {
             unweave(simd, rows.as_flattened(), &mut twists);
             let mut doubt = zero.below(zero);
@@ -76,10 +73,7 @@ impl Kernel for Project<'_> {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let [mut wanted, mut found] = [[Column::ZERO; 3]; 2];
         let mut doubts = Column::ZERO;
-        let blocks = self
-            .twists
-            .chunks(BLOCK)
-            .zip(self.projected.chunks_mut(BLOCK));
+        let blocks = self.twists.chunks(BLOCK).zip(self.projected.chunks_mut(BLOCK));
         for (block, (rows, targets)) in blocks.enumerate() {
             unweave(simd, rows.as_flattened(), &mut wanted);
             let mut doubt = zero.below(zero);
@@ -97,9 +91,7 @@ impl Kernel for Project<'_> {
                 for (k, target) in targets.iter_mut().enumerate() {
                     if doubts.0[k] != 0.0 {
                         let point = self.rover.project(rows[k].into(), self.keep);
-                        *target = point
-                            .map_err(|error| error.at_row(block * BLOCK + k))?
-                            .into();
+                        *target = point.map_err(|error| error.at_row(block * BLOCK + k))?.into();
                     }
                 }
             }
@@ -141,10 +133,6 @@ impl Kernel for JudgeOne<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let twist = <[f64; 3]>::from(self.twist).map(|part| Lanes::splat(simd, part));
         let verdict = self.cone.judge(simd, twist);
-        if verdict.yes.any() {
-            Some(true)
-        } else {
-            verdict.no.any().then_some(false)
-        }
+        if verdict.yes.any() { Some(true) } else { verdict.no.any().then_some(false) }
     }
 }

@@ -69,10 +69,7 @@ impl Steered {
         let [_, _, omega] = asked.twist;
         let [x, y] = self.velocity(simd, asked.twist);
         let x = x + zero; // no minus zero
-        let before = asked
-            .before
-            .max(splat(self.range.lower))
-            .min(splat(self.range.upper));
+        let before = asked.before.max(splat(self.range.lower)).min(splat(self.range.upper));
         let rests = self.rests(simd, asked.twist);
         let turning = omega + asked.rate;
         let square = x.mul_add(x, y * y);
@@ -87,9 +84,7 @@ impl Steered {
             along = (-across).mul_add(across, square).max(zero).sqrt();
             still = rests & straight; // steering drags the contact of a resting pivot
             sure = (splat(LEFT) * speed).below(along);
-            let lean = angle(simd, along, across.abs())
-                .flip(across.sign())
-                .flip(x.sign());
+            let lean = angle(simd, along, across.abs()).flip(across.sign()).flip(x.sign());
             (near, far) = (half - lean, (half + lean) + splat(PI));
         }
         let ahead = zero.at_most(x);
@@ -102,8 +97,7 @@ impl Steered {
         let level = further.abs().at_most(zero);
         let mut back = further.below(zero) | (level & zero.below(lead));
         // Exactly as near is as sure as far from it.
-        let doubt =
-            |lead: Lanes<S>, bound: f64| zero.below(lead.abs()) & lead.abs().below(splat(bound));
+        let doubt = |lead: Lanes<S>, bound: f64| zero.below(lead.abs()) & lead.abs().below(splat(bound));
         sure = sure & !(doubt(further, CLOSE) | (level & doubt(lead, CLOSE)));
         sure = sure & !(both & (lead.abs() - splat(UNDECIDED)).abs().below(splat(CLOSE)));
         if let Some(common) = common {
@@ -139,9 +133,7 @@ impl Steered {
         let [lower, upper] = self.ends;
         let slip = |end: Direction| (y * splat(end.cos) - x * splat(end.sin)) - across;
         let (first, last) = (slip(lower), slip(upper));
-        let held = (first * last).below(splat(0.0))
-            | (first * first).at_most(none)
-            | (last * last).at_most(none);
+        let held = (first * last).below(splat(0.0)) | (first * first).at_most(none) | (last * last).at_most(none);
         held & (splat(LEFT * LEFT) * square).at_most(along) & !self.rests(simd, twist)
     }
 
@@ -165,12 +157,7 @@ impl Steered {
 
     /// What scrub leaves of a rim speed, and where that keeps its digits.
     #[inline(always)]
-    fn scrubbed<S: Simd>(
-        &self,
-        simd: S,
-        rolled: Lanes<S>,
-        turning: Lanes<S>,
-    ) -> (Lanes<S>, Mask<S>) {
+    fn scrubbed<S: Simd>(&self, simd: S, rolled: Lanes<S>, turning: Lanes<S>) -> (Lanes<S>, Mask<S>) {
         let zero = Lanes::splat(simd, 0.0);
         if self.scrub == 0.0 {
             return (rolled, zero.at_most(zero));

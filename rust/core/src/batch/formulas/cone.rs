@@ -102,10 +102,7 @@ impl Cone {
             least = least.max(ux.abs() + uy.abs());
         }
         let most = vx.abs() + vy.abs() + omega.abs() * splat(self.arm);
-        [
-            least * splat(SURE[0] * SLIP_TOLERANCE),
-            most * splat(SURE[1] * SLIP_TOLERANCE),
-        ]
+        [least * splat(SURE[0] * SLIP_TOLERANCE), most * splat(SURE[1] * SLIP_TOLERANCE)]
     }
 
     /// Whether the rover can make each twist.
@@ -113,10 +110,7 @@ impl Cone {
     pub fn judge<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Verdict<S> {
         let usual = usual(simd, twist);
         let zero = Lanes::splat(simd, 0.0);
-        let mut verdict = Verdict {
-            yes: usual,
-            no: zero.below(zero),
-        };
+        let mut verdict = Verdict { yes: usual, no: zero.below(zero) };
         if self.banks.is_empty() && self.wedges.is_empty() {
             return verdict;
         }
@@ -135,10 +129,7 @@ impl Cone {
     #[inline(always)]
     fn within<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], joints: &[usize]) -> Verdict<S> {
         let zero = Lanes::splat(simd, 0.0);
-        let mut verdict = Verdict {
-            yes: zero.at_most(zero),
-            no: zero.below(zero),
-        };
+        let mut verdict = Verdict { yes: zero.at_most(zero), no: zero.below(zero) };
         let bounds = self.bounds(simd, twist);
         for wedge in &self.wedges {
             if joints.contains(&wedge.joint) {

@@ -53,10 +53,7 @@ impl Fits<'_> {
         wheels: usize,
         solve: impl FnOnce(&mut [f64], &mut [f64]) -> Result<Fit, Error>,
     ) -> Result<(), Error> {
-        let (residual, weights) = (
-            row_mut(self.residual, wheels, k),
-            row_mut(self.weights, wheels, k),
-        );
+        let (residual, weights) = (row_mut(self.residual, wheels, k), row_mut(self.weights, wheels, k));
         let fit = solve(residual, weights)?;
         self.twists[k] = fit.twist.into();
         (self.ranks[k], self.sigmas[k]) = (fit.rank as i64, fit.sigma_min);
@@ -80,9 +77,7 @@ impl<'a> Plan<'a> {
         let solution = match method {
             Method::LeastSquares | Method::Robust => solution,
             Method::MiddleWheels => {
-                rover
-                    .estimate(readings, at_rest, method, unseen, &mut weights)
-                    .ok()?;
+                rover.estimate(readings, at_rest, method, unseen, &mut weights).ok()?;
                 let normal = rover.normal(readings, |i| weights[i]);
                 rover.solution(normal, unseen).ok()?
             }
@@ -93,45 +88,17 @@ impl<'a> Plan<'a> {
             Method::Robust => Some(robust::Plan::new(rover, &forward)?),
             _ => None,
         };
-        Some(Self {
-            rover,
-            method,
-            unseen,
-            forward,
-            robust,
-            weights,
-            rank,
-            sigma_min,
-        })
+        Some(Self { rover, method, unseen, forward, robust, weights, rank, sigma_min })
     }
 
     /// Fits every row; nothing where the level has no kernels.
-    pub fn fit(
-        &self,
-        level: Level,
-        log: Log<'_>,
-        fits: &mut Fits<'_>,
-    ) -> Option<Result<(), Error>> {
+    pub fn fit(&self, level: Level, log: Log<'_>, fits: &mut Fits<'_>) -> Option<Result<(), Error>> {
         let (joints, wheels) = (self.rover.steered().len(), self.weights.len());
         with_columns(joints + 4 * wheels, |columns| {
             if self.robust.is_none() {
-                return level.run(Solve::<false> {
-                    plan: self,
-                    log,
-                    fits,
-                    columns,
-                    late: &mut [],
-                });
+                return level.run(Solve::<false> { plan: self, log, fits, columns, late: &mut [] });
             }
-            with_columns(3 * wheels, |late| {
-                level.run(Solve::<true> {
-                    plan: self,
-                    log,
-                    fits,
-                    columns,
-                    late,
-                })
-            })
+            with_columns(3 * wheels, |late| level.run(Solve::<true> { plan: self, log, fits, columns, late }))
         })
     }
 }
@@ -163,10 +130,7 @@ impl<const ROBUST: bool> Kernel for Solve<'_, '_, ROBUST> {
         }
         let mut now = Block::new(seen.as_chunks_mut().0, weights);
         let (weights, seen) = self.late.split_at_mut(self.late.len() / 3);
-        let mut late = Late {
-            block: Block::new(seen.as_chunks_mut().0, weights),
-            rows: [0; BLOCK],
-        };
+        let mut late = Late { block: Block::new(seen.as_chunks_mut().0, weights), rows: [0; BLOCK] };
         let rows = self.fits.twists.len();
         let mut done = Ok(());
         for first in (0..rows).step_by(BLOCK) {
@@ -246,10 +210,7 @@ impl Late<'_> {
             }
             fits.twists[row] = [0, 1, 2].map(|part: usize| twists[part].0[k]);
             (fits.ranks[row], fits.sigmas[row]) = (plan.rank as i64, sigmas.0[k]);
-            let columns = [
-                (&mut *fits.residual, &*residuals),
-                (fits.weights, &*block.weights),
-            ];
+            let columns = [(&mut *fits.residual, &*residuals), (fits.weights, &*block.weights)];
             for (target, columns) in columns {
                 for (number, column) in row_mut(target, wheels, row).iter_mut().zip(columns) {
                     *number = column.0[k];
@@ -312,37 +273,19 @@ impl Rows {
 
     /// Half the slope of its squared residual.
     #[inline(always)]
-    pub fn slope<S: Vector>(
-        &self,
-        simd: S,
-        seen: [Lanes<S>; 2],
-        unknowns: [Lanes<S>; 3],
-    ) -> [Lanes<S>; 3] {
+    pub fn slope<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         self.moment(simd, self.miss(simd, seen, unknowns))
     }
 
     /// What the unknowns leave of its readings.
     #[inline(always)]
-    fn miss<S: Vector>(
-        &self,
-        simd: S,
-        seen: [Lanes<S>; 2],
-        unknowns: [Lanes<S>; 3],
-    ) -> [Lanes<S>; 2] {
-        [
-            dot(simd, &self.rows[0], unknowns) - seen[0],
-            dot(simd, &self.rows[1], unknowns) - seen[1],
-        ]
+    fn miss<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> [Lanes<S>; 2] {
+        [dot(simd, &self.rows[0], unknowns) - seen[0], dot(simd, &self.rows[1], unknowns) - seen[1]]
     }
 
     /// Its squared residual.
     #[inline(always)]
-    pub fn square<S: Vector>(
-        &self,
-        simd: S,
-        seen: [Lanes<S>; 2],
-        unknowns: [Lanes<S>; 3],
-    ) -> Lanes<S> {
+    pub fn square<S: Vector>(&self, simd: S, seen: [Lanes<S>; 2], unknowns: [Lanes<S>; 3]) -> Lanes<S> {
         let [along, across] = self.miss(simd, seen, unknowns);
         along.mul_add(along, across * across)
     }

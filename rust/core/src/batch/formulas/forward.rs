@@ -17,26 +17,10 @@ use crate::estimate::Unseen;
 
 impl Plan<'_> {
     /// Fails at the first row that cannot be read.
-    pub fn check(
-        &self,
-        level: Level,
-        log: Log<'_>,
-        rows: Range<usize>,
-        unseen: Unseen,
-    ) -> Result<(), Error> {
-        let joints = if self.solution.is_none() {
-            self.joints
-        } else {
-            0
-        };
+    pub fn check(&self, level: Level, log: Log<'_>, rows: Range<usize>, unseen: Unseen) -> Result<(), Error> {
+        let joints = if self.solution.is_none() { self.joints } else { 0 };
         with_columns(joints, |steering| {
-            let check = Check {
-                plan: self,
-                log,
-                rows,
-                unseen,
-                steering,
-            };
+            let check = Check { plan: self, log, rows, unseen, steering };
             level.run(check).unwrap_or(Ok(()))
         })
     }
@@ -50,20 +34,10 @@ impl Plan<'_> {
         twists: &mut [[f64; 3]],
         past: bool,
     ) -> Result<(), Error> {
-        with_columns(
-            self.joints + self.wheels.len() + self.rates(log),
-            |columns| {
-                let solve = Solve {
-                    plan: self,
-                    log,
-                    unseen,
-                    twists,
-                    past,
-                    columns,
-                };
-                level.run(solve).unwrap_or(Ok(()))
-            },
-        )
+        with_columns(self.joints + self.wheels.len() + self.rates(log), |columns| {
+            let solve = Solve { plan: self, log, unseen, twists, past, columns };
+            level.run(solve).unwrap_or(Ok(()))
+        })
     }
 }
 

@@ -33,13 +33,7 @@ pub(crate) fn follow(
     if level == Level::Plain {
         return walk.follow(twists, steps, poses);
     }
-    level.run(Follow {
-        twists,
-        steps,
-        poses,
-        past,
-        walk,
-    });
+    level.run(Follow { twists, steps, poses, past, walk });
 }
 
 struct Follow<'a> {
@@ -77,12 +71,7 @@ impl Kernel for Place<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
-        let Logs {
-            count,
-            steps,
-            starts,
-            ..
-        } = self.logs;
+        let Logs { count, steps, starts, .. } = self.logs;
         let room = 3 * ABREAST * S::F64_LANES;
         let logs = self.poses.len() / (count + 1);
         let mut output = Output::new(simd, self.poses.as_flattened_mut(), room, self.past);
@@ -93,11 +82,7 @@ impl Kernel for Place<'_> {
                 [one] => *one,
                 starts => starts[log],
             };
-            walk = if start == starts[0] {
-                first
-            } else {
-                Walk::new(start)
-            };
+            walk = if start == starts[0] { first } else { Walk::new(start) };
             output.next(3).copy_from_slice(&start);
             let twists = &self.logs.twists[log * count..(log + 1) * count];
             along(simd, twists, steps, &mut output, &mut walk);
@@ -107,13 +92,7 @@ impl Kernel for Place<'_> {
 
 /// All steps of a log, or of a piece of one.
 #[inline(always)]
-fn along<S: Vector>(
-    simd: S,
-    twists: &[[f64; 3]],
-    steps: Steps<'_>,
-    output: &mut Output<'_, S>,
-    walk: &mut Walk,
-) {
+fn along<S: Vector>(simd: S, twists: &[[f64; 3]], steps: Steps<'_>, output: &mut Output<'_, S>, walk: &mut Walk) {
     let (many, few) = (ABREAST * S::F64_LANES, S::F64_LANES);
     let mut first = 0;
     while first < twists.len() {
@@ -136,13 +115,7 @@ fn along<S: Vector>(
                 *dt = steps.get(k);
             }
             let mut placed = [0.0; 3 * LANES];
-            let done = go::<S, 1>(
-                simd,
-                padded.as_flattened(),
-                Steps::Each(&dts),
-                &mut placed,
-                walk,
-            );
+            let done = go::<S, 1>(simd, padded.as_flattened(), Steps::Each(&dts), &mut placed, walk);
             poses.copy_from_slice(&placed[..3 * size]);
             done
         };
@@ -204,11 +177,7 @@ fn go<S: Vector, const N: usize>(
         let (ahead, left) = (ahead[m] * length.0[m], left[m] * length.0[m]);
         let easts = so_far(simd, cos * ahead - sin * left);
         let norths = so_far(simd, sin.mul_add(ahead, cos * left));
-        let pose = [
-            x.beyond(east + easts),
-            y.beyond(north + norths),
-            yaw.beyond(turns[m]),
-        ];
+        let pose = [x.beyond(east + easts), y.beyond(north + norths), yaw.beyond(turns[m])];
         Lanes::braid(pose, &mut poses[width * m..]);
         east = east + easts.spread(simd);
         north = north + norths.spread(simd);
@@ -229,10 +198,7 @@ impl<S: Vector> Sums<S> {
     /// The same in every lane.
     #[inline(always)]
     fn splat(simd: S, sum: &Sum) -> Self {
-        Self {
-            sum: Lanes::splat(simd, sum.sum),
-            lost: Lanes::splat(simd, sum.lost),
-        }
+        Self { sum: Lanes::splat(simd, sum.sum), lost: Lanes::splat(simd, sum.lost) }
     }
 
     /// So much more than the sum.

@@ -86,22 +86,10 @@ impl<'a> Plan<'a> {
     }
 
     /// Fails at the first row that the rover cannot make; rows count from `first`.
-    pub fn check(
-        &self,
-        level: Level,
-        twists: &[[f64; 3]],
-        inputs: Inputs<'_>,
-        first: usize,
-    ) -> Result<(), Error> {
+    pub fn check(&self, level: Level, twists: &[[f64; 3]], inputs: Inputs<'_>, first: usize) -> Result<(), Error> {
         let swinging = !self.cone.is_whole && inputs.steering_rates.is_some();
         with_columns(if swinging { self.joints } else { 0 }, |rates| {
-            let check = Check {
-                plan: self,
-                twists,
-                inputs,
-                first,
-                rates,
-            };
+            let check = Check { plan: self, twists, inputs, first, rates };
             let checked = level.run(check);
             checked.unwrap_or_else(|| self.check_rows(twists, inputs, 0, first))
         })
@@ -121,31 +109,15 @@ impl<'a> Plan<'a> {
         let rolling = inputs.previous_speeds.map_or(0, |_| self.parts.len());
         let beside = joints(inputs.previous) + joints(inputs.steering_rates) + rolling;
         with_columns(self.joints + self.parts.len() + beside, |columns| {
-            level.run(Solve {
-                plan: self,
-                twists,
-                inputs,
-                steering,
-                speeds,
-                past,
-                columns,
-            })
+            level.run(Solve { plan: self, twists, inputs, steering, speeds, past, columns })
         });
     }
 
     /// Row by row; `row` is the first of the twists among those of the inputs, `first` among those of the batch.
-    fn check_rows(
-        &self,
-        twists: &[[f64; 3]],
-        inputs: Inputs<'_>,
-        row: usize,
-        first: usize,
-    ) -> Result<(), Error> {
+    fn check_rows(&self, twists: &[[f64; 3]], inputs: Inputs<'_>, row: usize, first: usize) -> Result<(), Error> {
         for (k, twist) in twists.iter().enumerate() {
             let inputs = inputs.row(self.rover, row + k);
-            let checked = inputs
-                .check()
-                .and_then(|()| self.rover.check(Twist::from(*twist), inputs.steering_rates));
+            let checked = inputs.check().and_then(|()| self.rover.check(Twist::from(*twist), inputs.steering_rates));
             checked.map_err(|error| error.at_row(first + row + k))?;
         }
         Ok(())
@@ -153,13 +125,7 @@ impl<'a> Plan<'a> {
 
     /// Whether the plain core would surely let a twist pass.
     #[inline(always)]
-    fn passes<S: Simd>(
-        &self,
-        simd: S,
-        twist: [Lanes<S>; 3],
-        rates: &[Column],
-        k: usize,
-    ) -> Mask<S> {
+    fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rates: &[Column], k: usize) -> Mask<S> {
         let mut passes = self.cone.judge(simd, twist).yes;
         if self.cone.is_whole {
             return passes;
@@ -174,11 +140,7 @@ impl<'a> Plan<'a> {
                 let rate = rates.get(joint).map_or(zero, |rates| rates.load(simd, k));
                 let mut fits = steered.reaches(simd, twist, rate);
                 if (!fits).any() {
-                    let asked = Asked {
-                        twist,
-                        before: zero,
-                        rate,
-                    };
+                    let asked = Asked { twist, before: zero, rate };
                     let chosen = steered.choose(simd, asked, None);
                     fits = fits | (chosen.inside & chosen.sure);
                 }
@@ -223,9 +185,7 @@ pub(in crate::batch) fn pivots_apart(wheels: &[Wheel]) -> [[f64; 2]; 2] {
 
 /// The rows of a block out of those of a batch.
 fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[f64] {
-    values.map_or(&[], |values| {
-        &values[first * width..(first + count) * width]
-    })
+    values.map_or(&[], |values| &values[first * width..(first + count) * width])
 }
 
 /// Whether all numbers are surely at most so large, by the sum of their squares. False for NaN.
@@ -265,20 +225,12 @@ impl Kernel for Check<'_> {
     fn run<S: Vector>(self, simd: S) -> Self::Output {
         let plan = self.plan;
         let (joints, wheels) = (plan.joints, plan.parts.len());
-        let Inputs {
-            previous,
-            previous_speeds,
-            steering_rates,
-        } = self.inputs;
+        let Inputs { previous, previous_speeds, steering_rates } = self.inputs;
         let mut columns = [Column::ZERO; 3];
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
             let first = b * BLOCK;
             let of = |values, width| block(values, width, first, rows.len());
-            let beside = [
-                of(previous, joints),
-                of(previous_speeds, wheels),
-                of(steering_rates, joints),
-            ];
+            let beside = [of(previous, joints), of(previous_speeds, wheels), of(steering_rates, joints)];
             let mut pass = true;
             for values in beside {
                 pass = pass && all_within(simd, values, f64::MAX);

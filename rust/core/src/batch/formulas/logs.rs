@@ -21,12 +21,7 @@ pub(crate) trait Watch<S: Vector> {
 
 /// As many logs as there are lanes, from log `first` on, or fewer: what is missing stands still.
 #[inline(always)]
-pub(crate) fn side_by_side<S: Vector>(
-    simd: S,
-    logs: Logs<'_>,
-    first: usize,
-    watch: &mut impl Watch<S>,
-) {
+pub(crate) fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, watch: &mut impl Watch<S>) {
     let Logs { count, steps, .. } = logs;
     let mut logs = logs.twists[first * count..].chunks_exact(count.max(1));
     let logs: [&[[f64; 3]]; LANES] = std::array::from_fn(|_| logs.next().unwrap_or_default());
@@ -46,8 +41,7 @@ pub(crate) fn side_by_side<S: Vector>(
                 padded[..numbers.len()].copy_from_slice(numbers);
             }
         }
-        let twists: [&[f64; WIDTH]; LANES] =
-            std::array::from_fn(|lane| tiles[lane].get(k).unwrap_or(&padded[lane]));
+        let twists: [&[f64; WIDTH]; LANES] = std::array::from_fn(|lane| tiles[lane].get(k).unwrap_or(&padded[lane]));
         columns(simd, &twists, &mut numbers);
         watch.tile(simd, &numbers, &dts);
     }

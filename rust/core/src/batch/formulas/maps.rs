@@ -95,9 +95,7 @@ impl Kernel for Mapped<'_> {
             let usual = usual & moderate(dt);
             if (!usual).any() {
                 let mut marks = [0.0; MOST];
-                usual
-                    .select(zero, one)
-                    .store(S::as_mut_simd_f64s(&mut marks).0, 0);
+                usual.select(zero, one).store(S::as_mut_simd_f64s(&mut marks).0, 0);
                 for (j, target) in targets.iter_mut().enumerate() {
                     if marks[j] != 0.0 {
                         let k = rows.start + j;
@@ -175,11 +173,7 @@ fn log<S: Vector>(simd: S, [x, y, yaw]: [Lanes<S>; 3], dt: Lanes<S>) -> Row<S> {
 }
 
 #[inline(always)]
-fn compose<S: Vector>(
-    simd: S,
-    [x, y, yaw]: [Lanes<S>; 3],
-    [ahead, left, turn]: [Lanes<S>; 3],
-) -> Row<S> {
+fn compose<S: Vector>(simd: S, [x, y, yaw]: [Lanes<S>; 3], [ahead, left, turn]: [Lanes<S>; 3]) -> Row<S> {
     let (sin, cos) = sin_cos(simd, yaw);
     let [dx, dy] = turned([sin, cos], [ahead, left]);
     let near = yaw.abs().at_most(Lanes::splat(simd, LARGEST_ANGLE));
@@ -206,9 +200,7 @@ mod tests {
     use crate::batch::{self, Level, Workers};
     use crate::error::Error;
 
-    const CORNERS: [f64; 12] = [
-        0.0, -0.0, 5e-324, -1e-310, 1e-150, 1e-9, FRAC_PI_2, PI, -PI, 7.0, 1e12, -1e200,
-    ];
+    const CORNERS: [f64; 12] = [0.0, -0.0, 5e-324, -1e-310, 1e-150, 1e-9, FRAC_PI_2, PI, -PI, 7.0, 1e12, -1e200];
 
     /// The size of the terms of a result: where they cancel, their rounding stays.
     fn size(map: Map, first: [f64; 3], second: [f64; 3], dt: f64) -> [f64; 3] {
@@ -234,27 +226,16 @@ mod tests {
                             0 => CORNERS[(numbers.between(0.0, 12.0) as usize).min(11)],
                             _ => numbers.between(-4.0, 4.0),
                         };
-                        if k % 3 == 0 {
-                            [number(), number(), number()]
-                        } else {
-                            [0.5, number(), 0.1 * number()]
-                        }
+                        if k % 3 == 0 { [number(), number(), number()] } else { [0.5, number(), 0.1 * number()] }
                     })
                     .collect()
             };
             let (first, second) = (rows(), rows());
             let dts: Vec<_> = (0..count).map(|_| numbers.between(0.001, 2.0)).collect();
-            let steps = if round % 3 == 0 {
-                Steps::Constant(0.1)
-            } else {
-                Steps::Each(&dts)
-            };
+            let steps = if round % 3 == 0 { Steps::Constant(0.1) } else { Steps::Each(&dts) };
             for level in Level::available() {
                 let mut found = vec![[f64::NAN; 3]; count];
-                let workers = Workers {
-                    level,
-                    ..Workers::PLAIN
-                };
+                let workers = Workers { level, ..Workers::PLAIN };
                 batch::map(map, &first, &second, steps, &mut found, workers)?;
                 for (k, found) in found.into_iter().enumerate() {
                     let dt = steps.get(k);

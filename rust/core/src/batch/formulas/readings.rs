@@ -63,12 +63,7 @@ impl Rows {
                 (wheel.pivot_rows(), Kind::Steered(wheel.heading, offset))
             }
         };
-        Self {
-            rows: rows.map(|row| rover.shifted(&row).into()),
-            radius: wheel.radius,
-            says,
-            kind,
-        }
+        Self { rows: rows.map(|row| rover.shifted(&row).into()), radius: wheel.radius, says, kind }
     }
 
     /// What it adds to the normal equations, whichever way it points: the moments of one with scrub or trail follow that.
@@ -118,11 +113,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Wheels with a say of 1 or 0, and the solution of their normal equations, where it is a constant.
-    pub fn weighted(
-        rover: &'a Rover,
-        solution: Option<Matrix3<f64>>,
-        weight: impl Fn(usize) -> f64,
-    ) -> Option<Self> {
+    pub fn weighted(rover: &'a Rover, solution: Option<Matrix3<f64>>, weight: impl Fn(usize) -> f64) -> Option<Self> {
         let turned = |wheel: &Wheel| wheel.heading.abs() > LARGEST_ANGLE / 2.0;
         if rover.reading_bound > LARGEST_ROVER || rover.wheels().iter().any(turned) {
             return None;
@@ -140,8 +131,7 @@ impl<'a> Plan<'a> {
             wheels,
             joints: rover.steered().len(),
             normal,
-            solution: solution
-                .map(|solution| [0, 1, 2].map(|k| solution.row(k).transpose().into())),
+            solution: solution.map(|solution| [0, 1, 2].map(|k| solution.row(k).transpose().into())),
         })
     }
 
@@ -169,12 +159,7 @@ pub(super) struct Kept<'a> {
 impl<'a> Kept<'a> {
     /// Nothing yet; no readings are kept of wheels without a place for them.
     pub fn new(seen: &'a mut [[Column; 2]]) -> Self {
-        Self {
-            seen,
-            unknowns: [Column::ZERO; 3],
-            rolling: Column::ZERO,
-            doubts: Column::ZERO,
-        }
+        Self { seen, unknowns: [Column::ZERO; 3], rolling: Column::ZERO, doubts: Column::ZERO }
     }
 }
 
@@ -207,8 +192,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
 ) -> bool {
     let splat = |number| Lanes::splat(simd, number);
     let (zero, one) = (splat(0.0), splat(1.0));
-    let [largest_angle, largest_speed] =
-        [LARGEST_ANGLE / 2.0, LARGEST_SPEED].map(|largest| splat(largest * largest));
+    let [largest_angle, largest_speed] = [LARGEST_ANGLE / 2.0, LARGEST_SPEED].map(|largest| splat(largest * largest));
     let mut all: Mask<S> = zero.at_most(zero);
     for k in 0..BLOCK / S::F64_LANES {
         fetch_ahead(simd, log.steering, k, BLOCK / S::F64_LANES);
@@ -304,12 +288,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
 impl Plan<'_> {
     /// Takes the readings of a block apart.
     #[inline(always)]
-    pub(super) fn hear<'c, S: Vector>(
-        &self,
-        simd: S,
-        log: Log<'_>,
-        columns: &'c mut [Column],
-    ) -> Heard<'c> {
+    pub(super) fn hear<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> Heard<'c> {
         let (steering, rest) = columns.split_at_mut(self.joints);
         let (speeds, rates) = rest.split_at_mut(self.wheels.len());
         unweave(simd, log.steering, steering);
@@ -317,21 +296,12 @@ impl Plan<'_> {
         if !rates.is_empty() {
             unweave(simd, log.steering_rates.unwrap_or_default(), rates);
         }
-        Heard {
-            steering,
-            speeds,
-            rates,
-        }
+        Heard { steering, speeds, rates }
     }
 
     /// The normal equations of a register of angles.
     #[inline(always)]
-    pub(super) fn normal<S: Vector>(
-        &self,
-        simd: S,
-        steering: &[Column],
-        k: usize,
-    ) -> [Lanes<S>; 6] {
+    pub(super) fn normal<S: Vector>(&self, simd: S, steering: &[Column], k: usize) -> [Lanes<S>; 6] {
         let splat = |number| Lanes::splat(simd, number);
         let mut normal = [splat(0.0); 6];
         for (sum, constant) in normal.iter_mut().zip(self.normal) {
@@ -400,11 +370,8 @@ pub(super) fn solve<S: Vector>(
     let (yy, yz, zz) = (a * f - c * c, b * c - a * e, a * d - b * b);
     let whole = a * xx + b * xy + c * xz;
     let share = Lanes::splat(simd, 1.0).quotient(whole);
-    let unknowns = [
-        (xx * x + xy * y + xz * z) * share,
-        (xy * x + yy * y + yz * z) * share,
-        (xz * x + yz * y + zz * z) * share,
-    ];
+    let unknowns =
+        [(xx * x + xy * y + xz * z) * share, (xy * x + yy * y + yz * z) * share, (xz * x + yz * y + zz * z) * share];
     // The pivots, times those before them.
     let sure = least.below(a) & (least * a).below(zz) & (least * zz).below(whole);
     (unknowns, sure)

@@ -56,11 +56,7 @@ impl Plan {
             let [cx, cy] = [rover.centre.x, rover.centre.y];
             products(rows.map(|[x, y, z]| [x, y, z * rover.size - x * cy + y * cx]))
         };
-        let wheel = |rows: &Rows| Wheel {
-            rows: *rows,
-            normal: rows.normal(),
-            raw: raw(rows.rows),
-        };
+        let wheel = |rows: &Rows| Wheel { rows: *rows, normal: rows.normal(), raw: raw(rows.rows) };
         let wheels: Vec<_> = forward.wheels.iter().map(wheel).collect();
         (wheels.len() <= MOST).then_some(Self { wheels })
     }
@@ -161,10 +157,8 @@ impl<'a> Block<'a> {
                 let length = chunk.len();
                 let of = |half: usize| &chosen[half * S::F64_LANES..(half + 1) * S::F64_LANES];
                 let more = length.saturating_sub(S::F64_LANES);
-                let mut pair = [
-                    Rounds::load(simd, plan, self, of(0), length),
-                    Rounds::load(simd, plan, self, of(1), more),
-                ];
+                let mut pair =
+                    [Rounds::load(simd, plan, self, of(0), length), Rounds::load(simd, plan, self, of(1), more)];
                 let pair = &mut pair[..1 + usize::from(more > 0)];
                 for _ in 0..*phase {
                     let mut active = zero.below(zero);
@@ -206,13 +200,7 @@ impl<'a> Block<'a> {
 
     /// Smallest singular values. Marks the rows that are for the plain core; whether there are none.
     #[inline(always)]
-    pub fn finish<S: Vector>(
-        &mut self,
-        simd: S,
-        plan: &Plan,
-        count: usize,
-        sigmas: &mut Column,
-    ) -> bool {
+    pub fn finish<S: Vector>(&mut self, simd: S, plan: &Plan, count: usize, sigmas: &mut Column) -> bool {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let mut all = zero.at_most(zero);
         for k in 0..count.div_ceil(S::F64_LANES) {
@@ -272,17 +260,9 @@ fn turned<S: Vector>(simd: S, [p, q, pq, pr, qr]: [Lanes<S>; 5]) -> [Lanes<S>; 5
     let length = apart.mul_add(apart, twice * twice).sqrt();
     let under = apart.abs() + length;
     let nothing = under.at_most(zero);
-    let tangent = twice
-        .quotient(nothing.select(one, under))
-        .flip(apart.sign());
+    let tangent = twice.quotient(nothing.select(one, under)).flip(apart.sign());
     let cos = one.quotient(tangent.mul_add(tangent, one).sqrt());
     let sin = tangent * cos;
     let moved = tangent * pq;
-    [
-        p - moved,
-        q + moved,
-        zero,
-        cos * pr - sin * qr,
-        sin * pr + cos * qr,
-    ]
+    [p - moved, q + moved, zero, cos * pr - sin * qr, sin * pr + cos * qr]
 }

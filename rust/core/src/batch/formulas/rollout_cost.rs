@@ -93,9 +93,7 @@ pub fn rollout_cost<'a>(
     journey.largest = if plan.is_some() { LARGEST_TOTAL } else { -1.0 };
     let share = workers.share_of_logs(logs, count);
     if !fresh {
-        workers.each((0..logs).step_by(share), |first| {
-            journey.check(level, first..logs.min(first + share))
-        })?;
+        workers.each((0..logs).step_by(share), |first| journey.check(level, first..logs.min(first + share)))?;
     }
     let targets = poses.chunks_mut(share * (count + 1));
     let targets = targets.zip(costs.pieces(share)).enumerate();
@@ -110,14 +108,7 @@ pub fn rollout_cost<'a>(
                 journey.check(level, logs.clone())?;
             }
             if let Some(plan) = &plan {
-                level.run(Judged {
-                    plan,
-                    rover,
-                    logs: journey.logs(logs, buffers),
-                    previous,
-                    poses,
-                    costs,
-                });
+                level.run(Judged { plan, rover, logs: journey.logs(logs, buffers), previous, poses, costs });
                 continue;
             }
             for (j, poses) in poses.chunks_exact_mut(count + 1).enumerate() {
@@ -140,12 +131,7 @@ fn is_folded(part: &Part) -> bool {
 }
 
 /// The worst of one rollout, step by step: speed, angle, rate and scrub.
-fn worst(
-    rover: &Rover,
-    controls: &[[f64; 3]],
-    steps: Steps<'_>,
-    previous: Option<&[f64]>,
-) -> [f64; 4] {
+fn worst(rover: &Rover, controls: &[[f64; 3]], steps: Steps<'_>, previous: Option<&[f64]>) -> [f64; 4] {
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let mut held = [0.0; MAX_WHEELS];
     held[..joints].copy_from_slice(previous.unwrap_or(&[0.0; MAX_WHEELS][..joints]));
@@ -155,10 +141,7 @@ fn worst(
     for (k, control) in controls.iter().enumerate() {
         let twist = Twist::from(*control);
         let (angles, speeds) = (&mut angles[..joints], &mut speeds[..wheels]);
-        let inputs = Inputs {
-            previous: Some(&held[..joints]),
-            ..Inputs::default()
-        };
+        let inputs = Inputs { previous: Some(&held[..joints]), ..Inputs::default() };
         rover.solve(twist, inputs, angles, speeds);
         rover.slow_down(twist, angles, speeds);
         let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -196,11 +179,7 @@ impl Kernel for Judged<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let count = self.logs.count;
         let rollouts = self.poses.len() / (count + 1);
-        let place = Place {
-            logs: self.logs,
-            poses: self.poses,
-            past: false,
-        };
+        let place = Place { logs: self.logs, poses: self.poses, past: false };
         place.run(simd);
         for first in (0..rollouts).step_by(S::F64_LANES) {
             let mut judge = Judge {
@@ -296,11 +275,7 @@ impl<S: Vector> Watch<S> for Judge<'_, '_, S> {
 /// Twists at a step.
 #[inline(always)]
 fn twist<S: Vector>(simd: S, twists: &[S::f64s; WIDTH], t: usize) -> [Lanes<S>; 3] {
-    [
-        Lanes::load(simd, twists, 3 * t),
-        Lanes::load(simd, twists, 3 * t + 1),
-        Lanes::load(simd, twists, 3 * t + 2),
-    ]
+    [Lanes::load(simd, twists, 3 * t), Lanes::load(simd, twists, 3 * t + 1), Lanes::load(simd, twists, 3 * t + 2)]
 }
 
 impl<S: Vector> Judge<'_, '_, S> {

@@ -56,8 +56,7 @@ impl Kernel for Ask<'_, '_> {
             }
             weave(simd, &twists, self.twists[first..end].as_flattened_mut());
             for quad in (0..BLOCK / S::F64_LANES).step_by(QUAD) {
-                let rows =
-                    first + quad * S::F64_LANES..end.min(first + (quad + QUAD) * S::F64_LANES);
+                let rows = first + quad * S::F64_LANES..end.min(first + (quad + QUAD) * S::F64_LANES);
                 if rows.is_empty() {
                     break;
                 }
@@ -164,13 +163,7 @@ fn multiply<S: Vector>(
 
 /// What turns gradients into twists, of four registers from `quad` on.
 #[inline(always)]
-fn invert<S: Vector>(
-    simd: S,
-    plan: &readings::Plan<'_>,
-    steering: &[Column],
-    quad: usize,
-    inverse: &mut [Column; 9],
-) {
+fn invert<S: Vector>(simd: S, plan: &readings::Plan<'_>, steering: &[Column], quad: usize, inverse: &mut [Column; 9]) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     for k in 0..QUAD {
         let normal = plan.normal(simd, steering, quad + k);
@@ -188,11 +181,7 @@ fn invert<S: Vector>(
 
 /// Sums of products in four registers.
 #[inline(always)]
-fn summed<S: Vector>(
-    simd: S,
-    sums: &[Sum; 3],
-    products: &[[S::f64s; QUAD]],
-) -> [[Lanes<S>; QUAD]; 3] {
+fn summed<S: Vector>(simd: S, sums: &[Sum; 3], products: &[[S::f64s; QUAD]]) -> [[Lanes<S>; QUAD]; 3] {
     let mut parts = [[Lanes::splat(simd, 0.0); QUAD]; 3];
     for (part, sum) in parts.iter_mut().zip(sums) {
         for (place, share) in sum {
@@ -207,11 +196,7 @@ fn summed<S: Vector>(
 
 /// What the inverse makes of a gradient.
 #[inline(always)]
-fn turned<S: Vector>(
-    simd: S,
-    gradient: &[[Lanes<S>; QUAD]; 3],
-    inverse: &[Column; 9],
-) -> [[Lanes<S>; QUAD]; 3] {
+fn turned<S: Vector>(simd: S, gradient: &[[Lanes<S>; QUAD]; 3], inverse: &[Column; 9]) -> [[Lanes<S>; QUAD]; 3] {
     let mut derivative = [[Lanes::splat(simd, 0.0); QUAD]; 3];
     for (gradient, inverse) in gradient.iter().zip(inverse.as_chunks::<3>().0) {
         for (derivative, inverse) in derivative.iter_mut().zip(inverse) {

@@ -79,10 +79,7 @@ impl Kernel for Extremes<'_> {
             return None;
         }
         let mut extremes = [f64::INFINITY, 0.0];
-        let ends = [
-            least[0].min(least[1]).min(least[2].min(least[3])),
-            most[0].max(most[1]).max(most[2].max(most[3])),
-        ];
+        let ends = [least[0].min(least[1]).min(least[2].min(least[3])), most[0].max(most[1]).max(most[2].max(most[3]))];
         let mut lanes = [[0.0; LANES]; 2];
         for (lanes, end) in lanes.iter_mut().zip(ends) {
             end.store(S::as_mut_simd_f64s(lanes).0, 0);

@@ -60,9 +60,7 @@ impl Reach {
             lower: end(-range.lower),
             symmetric: range.lower == -range.upper,
             folded,
-            ways: if range.lower > quarter.lower + NEAR_AN_END
-                && range.upper < quarter.upper - NEAR_AN_END
-            {
+            ways: if range.lower > quarter.lower + NEAR_AN_END && range.upper < quarter.upper - NEAR_AN_END {
                 ONLY
             } else if range.lower < -WIDE && range.upper > WIDE {
                 EITHER
@@ -79,9 +77,7 @@ impl Reach {
         let (along, rise) = (x.abs(), y.abs());
         let inside = |[ahead, across]: [f64; 2]| {
             let bound = Lanes::splat(simd, ahead) * along;
-            Lanes::splat(simd, across)
-                .mul_add(rise, margin)
-                .below(bound)
+            Lanes::splat(simd, across).mul_add(rise, margin).below(bound)
         };
         if self.symmetric {
             return inside(self.upper);
@@ -144,10 +140,7 @@ impl Steered {
     /// Whether the pivot rests, by the same operations as the plain core.
     #[inline(always)]
     pub fn rests<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
-        let ahead = Self {
-            heading: None,
-            ..*self
-        };
+        let ahead = Self { heading: None, ..*self };
         let [ux, uy] = ahead.velocity(simd, twist);
         let arm = Lanes::splat(simd, self.x.abs() + self.y.abs());
         let [vx, vy, omega] = absolute(twist);
@@ -165,11 +158,7 @@ pub(crate) fn absolute<S: Simd>([vx, vy, omega]: [Lanes<S>; 3]) -> [Lanes<S>; 3]
 /// A register of twists.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, columns: &[Column; 3], k: usize) -> [Lanes<S>; 3] {
-    [
-        columns[0].load(simd, k),
-        columns[1].load(simd, k),
-        columns[2].load(simd, k),
-    ]
+    [columns[0].load(simd, k), columns[1].load(simd, k), columns[2].load(simd, k)]
 }
 
 /// One steered wheel through a block.
@@ -198,10 +187,7 @@ impl Steered {
         let splat = |number| Lanes::splat(simd, number);
         let half = angle + splat(PI);
         let other = splat(0.0).below(angle).select(half - splat(TAU), half);
-        let (below, above) = (
-            splat(self.range.lower) - other,
-            other - splat(self.range.upper),
-        );
+        let (below, above) = (splat(self.range.lower) - other, other - splat(self.range.upper));
         let beyond = below.max(above);
         let near = splat(-UNDECIDED).below(lead(simd, angle));
         let sure = !near | splat(2.0 * CLOSE).below(beyond.abs());
@@ -228,18 +214,12 @@ impl Steered {
 impl<S: Simd> Steer<'_, S> {
     /// Where the wheel surely moves and is surely within its range. What is known of it beforehand leaves the loop.
     #[inline(always)]
-    pub fn run<const TURNED: bool, const WAYS: u8>(
-        self,
-        simd: S,
-        steered: &Steered,
-        reach: &Reach,
-    ) -> Mask<S> {
+    pub fn run<const TURNED: bool, const WAYS: u8>(self, simd: S, steered: &Steered, reach: &Reach) -> Mask<S> {
         let mut steered = *steered;
         if !TURNED {
             steered.heading = None;
         }
-        let [lower, upper] =
-            [steered.range.lower, steered.range.upper].map(|end| Lanes::splat(simd, end));
+        let [lower, upper] = [steered.range.lower, steered.range.upper].map(|end| Lanes::splat(simd, end));
         let at_an_end = Lanes::splat(simd, AT_AN_END);
         let zero = Lanes::splat(simd, 0.0);
         let mut sure = zero.at_most(zero);
@@ -265,11 +245,9 @@ impl<S: Simd> Steer<'_, S> {
                     sure = sure & clear;
                     let one = Lanes::splat(simd, 1.0);
                     let back = x.below(zero);
-                    for (votes, vote) in self.votes.iter_mut().zip([
-                        back.select(zero, one),
-                        back.select(one, zero),
-                        near.flip(sign),
-                    ]) {
+                    for (votes, vote) in
+                        self.votes.iter_mut().zip([back.select(zero, one), back.select(one, zero), near.flip(sign)])
+                    {
                         votes.store(k, votes.load(simd, k) + undecided.select(vote, zero));
                     }
                 }

@@ -18,11 +18,7 @@ pub(crate) type PerStep<S> = [Lanes<S>; STEPS];
 
 /// One row of numbers per lane into one register per number.
 #[inline(always)]
-pub(crate) fn columns<S: Vector, const N: usize>(
-    simd: S,
-    rows: &[&[f64; N]; LANES],
-    columns: &mut [S::f64s; N],
-) {
+pub(crate) fn columns<S: Vector, const N: usize>(simd: S, rows: &[&[f64; N]; LANES], columns: &mut [S::f64s; N]) {
     for (c, columns) in columns.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         let mut group = *columns;
         for (j, register) in group.iter_mut().enumerate() {

@@ -76,14 +76,7 @@ fn crew() -> &'static Crew {
     let new = Box::into_raw(Box::new(Crew {
         process,
         turn: Mutex::new(()),
-        board: Mutex::new(Board {
-            task: None,
-            places: 0,
-            inside: 0,
-            helpers: 0,
-            parked: 0,
-            panic: None,
-        }),
+        board: Mutex::new(Board { task: None, places: 0, inside: 0, helpers: 0, parked: 0, panic: None }),
         tasks: AtomicUsize::new(0),
         called: Condvar::new(),
         left: Condvar::new(),

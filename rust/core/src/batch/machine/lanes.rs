@@ -30,19 +30,13 @@ impl<S: Simd> Lanes<S> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {
-        Self {
-            simd,
-            values: simd.splat_f64s(value),
-        }
+        Self { simd, values: simd.splat_f64s(value) }
     }
 
     /// A register of a column.
     #[inline(always)]
     pub fn load(simd: S, column: &[S::f64s], k: usize) -> Self {
-        Self {
-            simd,
-            values: column[k],
-        }
+        Self { simd, values: column[k] }
     }
 
     #[inline(always)]
@@ -64,10 +58,7 @@ impl<S: Simd> Lanes<S> {
     /// `self * factor + term`, rounded once.
     #[inline(always)]
     pub fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.with(
-            self.simd
-                .mul_add_f64s(self.values, factor.values, term.values),
-        )
+        self.with(self.simd.mul_add_f64s(self.values, factor.values, term.values))
     }
 
     #[inline(always)]
@@ -115,34 +106,22 @@ impl<S: Simd> Lanes<S> {
     /// False where either is NaN.
     #[inline(always)]
     pub fn below(self, other: Self) -> Mask<S> {
-        Mask {
-            simd: self.simd,
-            values: self.simd.less_than_f64s(self.values, other.values),
-        }
+        Mask { simd: self.simd, values: self.simd.less_than_f64s(self.values, other.values) }
     }
 
     /// False where either is NaN.
     #[inline(always)]
     pub fn at_most(self, other: Self) -> Mask<S> {
         let values = self.simd.less_than_or_equal_f64s(self.values, other.values);
-        Mask {
-            simd: self.simd,
-            values,
-        }
+        Mask { simd: self.simd, values }
     }
 
     /// The whole number in the lowest bits of `self + 1.5 * 2^52`: whether bit `bit` of it is set.
     #[inline(always)]
     pub fn has_bit(self, bit: u64) -> Mask<S> {
         let simd = self.simd;
-        let bits = simd.and_u64s(
-            simd.transmute_u64s_f64s(self.values),
-            simd.splat_u64s(1 << bit),
-        );
-        Mask {
-            simd,
-            values: simd.greater_than_u64s(bits, simd.splat_u64s(0)),
-        }
+        let bits = simd.and_u64s(simd.transmute_u64s_f64s(self.values), simd.splat_u64s(1 << bit));
+        Mask { simd, values: simd.greater_than_u64s(bits, simd.splat_u64s(0)) }
     }
 }
 
@@ -165,9 +144,7 @@ impl<S: Vector> Lanes<S> {
     #[inline(always)]
     pub fn unbraid(simd: S, rows: &[f64]) -> [Self; 3] {
         match S::as_simd_f64s(rows).0 {
-            [a, b, c, ..] => simd
-                .unbraid([*a, *b, *c])
-                .map(|values| Self { simd, values }),
+            [a, b, c, ..] => simd.unbraid([*a, *b, *c]).map(|values| Self { simd, values }),
             _ => [Self::splat(simd, 0.0); 3],
         }
     }
@@ -344,9 +321,6 @@ impl<S: Simd> Not for Mask<S> {
 
     #[inline(always)]
     fn not(self) -> Self {
-        Self {
-            values: self.simd.not_m64s(self.values),
-            ..self
-        }
+        Self { values: self.simd.not_m64s(self.values), ..self }
     }
 }

@@ -134,10 +134,7 @@ impl FromStr for Level {
         let available = Self::available();
         let found = available.iter().find(|level| level.name() == name);
         found.copied().ok_or_else(|| {
-            let names: Vec<_> = available
-                .iter()
-                .map(|level| format!("{:?}", level.name()))
-                .collect();
+            let names: Vec<_> = available.iter().map(|level| format!("{:?}", level.name())).collect();
             let rule = format!("be one this machine has ({})", names.join(", "));
             Error::value("kernel", rule, format!("{name:?}"))
         })

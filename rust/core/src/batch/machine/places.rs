@@ -26,10 +26,7 @@ impl Places {
     pub fn new(data: usize, axes: impl Iterator<Item = (usize, isize)>, item: usize) -> Self {
         let mut places = Self {
             lowest: data,
-            terms: vec![Term {
-                bytes: 1,
-                most: item.saturating_sub(1),
-            }],
+            terms: vec![Term { bytes: 1, most: item.saturating_sub(1) }],
             is_empty: item == 0,
             repeats: false,
         };
@@ -121,18 +118,14 @@ mod tests {
         let mut all: Vec<usize> = (start..start + item).collect();
         for (length, stride) in axes {
             let along = |k: usize| stride * k.cast_signed();
-            all = all
-                .iter()
-                .flat_map(|byte| (0..*length).map(move |k| byte.wrapping_add_signed(along(k))))
-                .collect();
+            all = all.iter().flat_map(|byte| (0..*length).map(move |k| byte.wrapping_add_signed(along(k)))).collect();
         }
         all
     }
 
     #[test]
     fn columns_of_one_table_are_apart_and_neighbours_are_not() {
-        let column =
-            |first: usize, count| places(1000 + 8 * first, &[(100_000, 160), (count, 8)], 8);
+        let column = |first: usize, count| places(1000 + 8 * first, &[(100_000, 160), (count, 8)], 8);
         assert!(!column(0, 4).share(&column(4, 4)));
         assert!(column(0, 5).share(&column(4, 4)));
         let every_second = |first: usize| places(1000 + 8 * first, &[(5000, 160), (4, 16)], 8);
@@ -160,9 +153,8 @@ mod tests {
         };
         for _ in 0..20_000 {
             let mut any = || {
-                let axes: Vec<(usize, isize)> = (0..random(4))
-                    .map(|_| (random(4) as usize, random(41) as isize - 20))
-                    .collect();
+                let axes: Vec<(usize, isize)> =
+                    (0..random(4)).map(|_| (random(4) as usize, random(41) as isize - 20)).collect();
                 (1000 + random(60) as usize, axes, 1 + random(8) as usize)
             };
             let ((a, first, size), (b, second, other)) = (any(), any());
@@ -170,10 +162,7 @@ mod tests {
             let theirs = bytes(b, &second, other);
             let expected = ours.iter().any(|byte| theirs.contains(byte));
             let found = places(a, &first, size).share(&places(b, &second, other));
-            assert_eq!(
-                found, expected,
-                "{a} {first:?} {size}, {b} {second:?} {other}"
-            );
+            assert_eq!(found, expected, "{a} {first:?} {size}, {b} {second:?} {other}");
         }
     }
 }

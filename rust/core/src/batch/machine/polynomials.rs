@@ -45,11 +45,7 @@ const COS: [f64; 6] = [
 ];
 
 /// A quarter turn in three parts, each what the ones before leave over.
-const QUARTER: [f64; 3] = [
-    std::f64::consts::FRAC_PI_2,
-    6.123_233_995_736_766e-17,
-    -1.497_384_904_859_169_8e-33,
-];
+const QUARTER: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 
 /// Adding this brings the nearest whole number into the lowest bits.
 pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
@@ -87,11 +83,7 @@ pub(crate) fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
     let t = over.over(under);
     let z = t * t;
     let rest = (t * z).fused(polynomial(simd, ATAN, z), t);
-    let from = V::either(
-        eighth,
-        V::all(simd, std::f64::consts::FRAC_PI_4),
-        V::all(simd, 0.0),
-    );
+    let from = V::either(eighth, V::all(simd, std::f64::consts::FRAC_PI_4), V::all(simd, 0.0));
     let near = from + rest;
     let from_quarter = V::all(simd, std::f64::consts::FRAC_PI_2) - near;
     V::either(x.less(y), from_quarter, near)
@@ -136,10 +128,7 @@ fn in_quarter<S: Simd, V: Numbers<S>>(simd: S, shifted: V, sin: V, cos: V) -> (V
     let (minus, zero) = (V::all(simd, -0.0), V::all(simd, 0.0));
     let sign = V::either(half, minus, zero);
     let crossed = V::either(odd, minus, zero);
-    (
-        V::either(odd, cos, sin).flipped(sign),
-        V::either(odd, sin, cos).flipped(sign).flipped(crossed),
-    )
+    (V::either(odd, cos, sin).flipped(sign), V::either(odd, sin, cos).flipped(sign).flipped(crossed))
 }
 
 /// Cosine of an angle up to pi/4, given its square: what `1 - z / 2` rounds away is added back.
@@ -222,9 +211,8 @@ mod tests {
 
     #[test]
     fn angles_are_right_to_two_last_places() {
-        let mut pairs: Vec<[f64; 2]> = sweep(0.0, std::f64::consts::FRAC_PI_2, 400_000)
-            .map(|angle| [angle.cos().max(0.0), angle.sin()])
-            .collect();
+        let mut pairs: Vec<[f64; 2]> =
+            sweep(0.0, std::f64::consts::FRAC_PI_2, 400_000).map(|angle| [angle.cos().max(0.0), angle.sin()]).collect();
         for exponent in -300..=100 {
             let size = 10.0_f64.powi(exponent);
             pairs.extend([[1.0, size], [size, 1.0], [0.3 * size, 0.7 * size]]);
@@ -251,9 +239,7 @@ mod tests {
 
     #[test]
     fn chords_are_right_to_two_last_places() {
-        let pairs: Vec<[f64; 2]> = sweep(0.0, std::f64::consts::FRAC_PI_4, 100_000)
-            .map(|x| [x, 0.0])
-            .collect();
+        let pairs: Vec<[f64; 2]> = sweep(0.0, std::f64::consts::FRAC_PI_4, 100_000).map(|x| [x, 0.0]).collect();
         let sinc = |x: f64, _| if x == 0.0 { 1.0 } else { x.sin() / x };
         let worst = worst(Which::Sinc, &pairs, sinc);
         assert!(worst <= 2.0, "{worst}");

@@ -40,12 +40,7 @@ impl<'a> Table<'a> {
     }
 
     /// Rows of `width` numbers.
-    pub(crate) fn rows<'b>(
-        self,
-        rows: Range<usize>,
-        width: usize,
-        buffer: &'b mut Vec<f64>,
-    ) -> &'b [f64]
+    pub(crate) fn rows<'b>(self, rows: Range<usize>, width: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
     where
         'a: 'b,
     {
@@ -195,9 +190,7 @@ impl<'a> Durations<'a> {
             let dts = table.get(first, end, &mut buffer);
             let Some(here) = batch::longest(dts) else {
                 let checked = Steps::Each(dts).check(dts.len());
-                return checked
-                    .map(|()| longest)
-                    .map_err(|error| error.below(first));
+                return checked.map(|()| longest).map_err(|error| error.below(first));
             };
             longest = longest.max(here);
         }

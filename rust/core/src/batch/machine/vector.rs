@@ -138,12 +138,7 @@ pub(crate) trait Vector: Simd {
     ///
     /// They are in the grid, which has less than 2^31 values.
     #[inline(always)]
-    unsafe fn corners(
-        self,
-        values: &[f32],
-        columns: usize,
-        place: [Self::f64s; 2],
-    ) -> [[Self::f64s; 2]; 2] {
+    unsafe fn corners(self, values: &[f32], columns: usize, place: [Self::f64s; 2]) -> [[Self::f64s; 2]; 2] {
         let mut places = [[0.0; 8]; 2];
         for (to, from) in places.iter_mut().zip(place) {
             Self::as_mut_simd_f64s(to).0[0] = from;
@@ -165,12 +160,7 @@ pub(crate) trait Vector: Simd {
     ///
     /// As [`Self::corners`].
     #[inline(always)]
-    unsafe fn corners_single(
-        self,
-        values: &[f32],
-        columns: usize,
-        place: [Self::f32s; 2],
-    ) -> [[Self::f32s; 2]; 2] {
+    unsafe fn corners_single(self, values: &[f32], columns: usize, place: [Self::f32s; 2]) -> [[Self::f32s; 2]; 2] {
         let mut places = [[0.0; 16]; 2];
         for (to, from) in places.iter_mut().zip(place) {
             Self::as_mut_simd_f32s(to).0[0] = from;
@@ -190,10 +180,7 @@ pub(crate) trait Vector: Simd {
 #[inline(always)]
 fn around(values: &[f32], columns: usize, x: usize, y: usize) -> [f32; 4] {
     let first = y * columns + x;
-    let (low, high) = (
-        &values[first..first + 2],
-        &values[first + columns..first + columns + 2],
-    );
+    let (low, high) = (&values[first..first + 2], &values[first + columns..first + columns + 2]);
     [low[0], low[1], high[0], high[1]]
 }
 

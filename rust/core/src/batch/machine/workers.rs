@@ -31,21 +31,14 @@ pub struct Workers {
 
 impl Workers {
     /// One thread, row by row.
-    pub const PLAIN: Self = Self {
-        level: Level::Plain,
-        threads: 1,
-        fresh: false,
-    };
+    pub const PLAIN: Self = Self { level: Level::Plain, threads: 1, fresh: false };
 
     /// The same without instructions that the machine does not have.
     pub(crate) fn here(self) -> Self {
         if self.level.is_here() {
             return self;
         }
-        Self {
-            level: Level::Plain,
-            ..self
-        }
+        Self { level: Level::Plain, ..self }
     }
 
     fn hands(self) -> usize {
@@ -98,10 +91,7 @@ impl Workers {
         self.each(jobs, |(places, mut parts)| {
             for (k, place) in places.enumerate() {
                 let outputs = parts.each_mut();
-                row(
-                    place,
-                    outputs.map(|(part, width)| &mut part[k * *width..][..*width]),
-                )?;
+                row(place, outputs.map(|(part, width)| &mut part[k * *width..][..*width]))?;
             }
             Ok(())
         })
@@ -170,12 +160,8 @@ mod tests {
         for count in [0, 1, 5, 30_001] {
             for threads in [1, 2, 3] {
                 let (mut pairs, mut ones, mut none) = (vec![0.0; 2 * count], vec![0.0; count], []);
-                let outputs: [(&mut [f64], usize); 3] =
-                    [(&mut pairs, 2), (&mut ones, 1), (&mut none, 0)];
-                let workers = Workers {
-                    threads,
-                    ..Workers::PLAIN
-                };
+                let outputs: [(&mut [f64], usize); 3] = [(&mut pairs, 2), (&mut ones, 1), (&mut none, 0)];
+                let workers = Workers { threads, ..Workers::PLAIN };
                 let result = workers.rows(count, outputs, |row, [pair, one, none]| {
                     pair.fill(row as f64);
                     one[0] += 1.0;
@@ -197,10 +183,7 @@ mod tests {
     fn every_job_is_done_once_and_the_first_failure_is_told() {
         for count in [0, 1, 2, 7, 1000] {
             let mut done = vec![0; count];
-            let workers = Workers {
-                threads: 3,
-                ..Workers::PLAIN
-            };
+            let workers = Workers { threads: 3, ..Workers::PLAIN };
             let result = workers.each(done.iter_mut().enumerate(), |(number, times)| {
                 *times += 1;
                 match number {
@@ -209,10 +192,7 @@ mod tests {
                 }
             });
             assert!(done.iter().all(|times| *times == 1));
-            assert_eq!(
-                result.err().map(|error| error.value),
-                (count > 5).then(|| "5".to_owned())
-            );
+            assert_eq!(result.err().map(|error| error.value), (count > 5).then(|| "5".to_owned()));
         }
     }
 }

@@ -90,17 +90,8 @@ impl Plan {
             }
         }
         let omega = solution.row(2) / size;
-        let rows = [
-            solution.row(0) + omega * centre.y,
-            solution.row(1) - omega * centre.x,
-            omega,
-        ];
-        Some(Self {
-            level,
-            groups,
-            order,
-            solution: rows.map(|row| [row.x, row.y, row.z]),
-        })
+        let rows = [solution.row(0) + omega * centre.y, solution.row(1) - omega * centre.x, omega];
+        Some(Self { level, groups, order, solution: rows.map(|row| [row.x, row.y, row.z]) })
     }
 }
 
@@ -154,9 +145,7 @@ impl Kernel for Row<'_> {
             return None;
         }
         let [x, y, z] = [x.total(), y.total(), z.total()];
-        let twist = plan
-            .solution
-            .map(|[a, b, c]| z.mul_add(c, y.mul_add(b, x * a)));
+        let twist = plan.solution.map(|[a, b, c]| z.mul_add(c, y.mul_add(b, x * a)));
         Some(Twist::from(twist))
     }
 }

@@ -52,36 +52,19 @@ pub fn inverse_one(
 
 /// Whether the kernel could do it; nothing is written otherwise.
 #[inline]
-fn try_one(
-    rover: &Rover,
-    twist: Twist,
-    inputs: Inputs<'_>,
-    steering: &mut [f64],
-    speeds: &mut [f64],
-) -> bool {
+fn try_one(rover: &Rover, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) -> bool {
     let Some(plan) = &rover.single else {
         return false;
     };
     if inputs.previous_speeds.is_some() || inputs.steering_rates.is_some() {
         return false;
     }
-    let row = Row {
-        plan,
-        twist: twist.into(),
-        previous: inputs.previous,
-        steering,
-        speeds,
-    };
+    let row = Row { plan, twist: twist.into(), previous: inputs.previous, steering, speeds };
     plan.level.run(row) == Some(true)
 }
 
 /// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
-pub(in crate::batch) fn check_row(
-    level: Level,
-    rover: &Rover,
-    twist: Twist,
-    inputs: Inputs<'_>,
-) -> Result<(), Error> {
+pub(in crate::batch) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Inputs<'_>) -> Result<(), Error> {
     inputs.check()?;
     match inputs.steering_rates {
         None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
@@ -107,9 +90,7 @@ pub(in crate::batch) fn solve_row(
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
 pub(super) fn level() -> Option<Level> {
-    [Level::Avx2, Level::Neon]
-        .into_iter()
-        .find(|level| level.is_here())
+    [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here())
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.
@@ -241,8 +222,7 @@ impl Plan {
             && self.banks.iter().all(|[a, b, c]| {
                 let slip = (a * vx + b * vy + c * omega).abs();
                 let speed = |[x, y]: [f64; 2]| (vx - omega * y).abs() + (vy + omega * x).abs();
-                slip == 0.0
-                    || slip <= SLIP_TOLERANCE * speed(self.pivots[0]).max(speed(self.pivots[1]))
+                slip == 0.0 || slip <= SLIP_TOLERANCE * speed(self.pivots[0]).max(speed(self.pivots[1]))
             })
     }
 }
@@ -295,9 +275,7 @@ impl Row<'_> {
                     solved.angle.store(angles, k);
                     solved.speed.store(rotations, k);
                 } else if k * S::F64_LANES < plan.order.len() {
-                    Wheels { simd, group, k }
-                        .roll(self.twist)
-                        .store(rotations, k);
+                    Wheels { simd, group, k }.roll(self.twist).store(rotations, k);
                 }
             }
         }

@@ -18,8 +18,8 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, padded};
 use crate::error::HUGE;
 use crate::odometry::{
-    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, Turned,
-    agreed, bend, gain, left, left_of, met, step_jacobian,
+    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, Turned, agreed, bend, gain, left,
+    left_of, met, step_jacobian,
 };
 pub(crate) use plan::Plan;
 use plan::Room;
@@ -39,11 +39,7 @@ impl Plan {
     #[inline]
     pub fn step<'b>(&mut self, given: &Given<'b>, targets: &mut Targets<'b>) -> Option<bool> {
         let level = self.level;
-        level.run(Step {
-            plan: self,
-            given,
-            targets,
-        })?
+        level.run(Step { plan: self, given, targets })?
     }
 }
 
@@ -84,14 +80,7 @@ impl<S: Vector> Squares<S> {
     #[inline(always)]
     fn total(self) -> Spread {
         let [xx, xy, xz, yy, yz, zz] = self.0;
-        Spread::from([
-            xx.total(),
-            xy.total(),
-            xz.total(),
-            yy.total(),
-            yz.total(),
-            zz.total(),
-        ])
+        Spread::from([xx.total(), xy.total(), xz.total(), yy.total(), yz.total(), zz.total()])
     }
 }
 
@@ -114,11 +103,7 @@ impl Kernel for Step<'_, '_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Option<bool> {
-        let Self {
-            plan,
-            given,
-            targets,
-        } = self;
+        let Self { plan, given, targets } = self;
         let heading = targets.state.walk.heading.value();
         let (sin, cos) = sin_cos(simd, Lanes::splat(simd, heading));
         let terms = given.terms.everywhere(simd);
@@ -139,8 +124,7 @@ impl Kernel for Step<'_, '_> {
             shared = Some((gain, ends, column));
         }
         let twist = displacement.map(|part| part / dt);
-        let is_usual = displacement.iter().all(|part| part.abs() < HUGE)
-            && twist.iter().all(|part| part.is_finite());
+        let is_usual = displacement.iter().all(|part| part.abs() < HUGE) && twist.iter().all(|part| part.is_finite());
         if !is_usual {
             return None;
         }
@@ -236,12 +220,7 @@ fn displace<S: Vector>(
 /// What the displacement may be off by in this step alone. Whether a wheel slid further than the
 /// noise explains.
 #[inline(always)]
-fn doubt<S: Vector>(
-    simd: S,
-    plan: &mut Plan,
-    terms: &Terms<Lanes<S>>,
-    displacement: [f64; 3],
-) -> (Spread, bool) {
+fn doubt<S: Vector>(simd: S, plan: &mut Plan, terms: &Terms<Lanes<S>>, displacement: [f64; 3]) -> (Spread, bool) {
     let zero = Lanes::splat(simd, 0.0);
     let step = displacement.map(|part| Lanes::splat(simd, part));
     let mut squares = Squares::new(simd);
@@ -253,11 +232,7 @@ fn doubt<S: Vector>(
         }
     }
     let is_sure = terms.slip_bound.is_some() || !suspects.any();
-    let slips = if is_sure {
-        suspects.any()
-    } else {
-        is_slip(&plan.rooms)
-    };
+    let slips = if is_sure { suspects.any() } else { is_slip(&plan.rooms) };
     (squares.total(), slips)
 }
 
@@ -295,15 +270,10 @@ fn report<S: Vector>(simd: S, plan: &Plan, per: f64, residual: &mut [f64]) {
 /// Whether a wheel slid further than the noise explains, and than the rounding of the others' fit.
 #[inline(never)]
 fn is_slip(rooms: &[Room]) -> bool {
-    let furthest = rooms
-        .iter()
-        .flat_map(|room| room.rolled)
-        .fold(0.0_f64, |most, rolled| most.max(rolled.abs()));
+    let furthest = rooms.iter().flat_map(|room| room.rolled).fold(0.0_f64, |most, rolled| most.max(rolled.abs()));
     rooms.iter().any(|room| {
         let wheels = room.slid.iter().zip(&room.variance);
-        wheels
-            .into_iter()
-            .any(|(slid, variance)| *slid > SUSPICIOUS * variance.sqrt() + ROUNDING * furthest)
+        wheels.into_iter().any(|(slid, variance)| *slid > SUSPICIOUS * variance.sqrt() + ROUNDING * furthest)
     })
 }
 
@@ -323,16 +293,11 @@ fn carry<S: Vector>(
     let ([a, b], [[c, d, e], [f, g, h]]) = (jacobian.shift, jacobian.by_displacement);
     let jacobian = StepJacobian {
         shift: [splat(a), splat(b)],
-        by_displacement: [
-            [splat(c), splat(d), splat(e)],
-            [splat(f), splat(g), splat(h)],
-        ],
+        by_displacement: [[splat(c), splat(d), splat(e)], [splat(f), splat(g), splat(h)]],
     };
     let lever = jacobian.lever();
     let (mut ends, mut settled) = (Squares::new(simd), Squares::new(simd));
-    let mut columns = carried
-        .as_flattened_mut()
-        .chunks_exact_mut(3 * S::F64_LANES);
+    let mut columns = carried.as_flattened_mut().chunks_exact_mut(3 * S::F64_LANES);
     for (group, room) in plan.groups.iter().zip(&plan.rooms) {
         for k in 0..group.steered.div_ceil(S::F64_LANES) {
             let Some(columns) = columns.next() else { break };

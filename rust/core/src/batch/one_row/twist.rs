@@ -31,12 +31,7 @@ pub fn project_one(rover: &Rover, twist: Twist, keep: Keep) -> Result<Twist, Err
     let kernel = || {
         let cone = rover.whole_cone()?;
         let faces = rover.faces();
-        level()?.run(ProjectOne {
-            cone,
-            faces,
-            keep,
-            twist,
-        })?
+        level()?.run(ProjectOne { cone, faces, keep, twist })?
     };
     kernel().map_or_else(|| rover.project(twist, keep), Ok)
 }

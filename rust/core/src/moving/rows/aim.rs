@@ -4,9 +4,7 @@ use super::columns::{Way, angle_of, way};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::{
-    Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum,
-};
+use crate::suspension::lanes::{Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum};
 
 /// Turns of Newton's method.
 const TURNS: usize = 8;
@@ -45,13 +43,7 @@ impl<S: Vector> Local<S> {
     #[inline(always)]
     pub fn none(simd: S) -> Self {
         let zero = all(simd, 0.0);
-        Self {
-            normal: [zero; 3],
-            velocity: [zero; 3],
-            turn: [zero; 3],
-            offset: [0.0; 2],
-            radius: 1.0,
-        }
+        Self { normal: [zero; 3], velocity: [zero; 3], turn: [zero; 3], offset: [0.0; 2], radius: 1.0 }
     }
 
     fn is_beside(&self) -> bool {
@@ -107,12 +99,7 @@ impl<'a, S: Vector> Aim<'a, S> {
         let (normal, velocity) = (local.normal, local.velocity);
         let rim = scaled(cross(normal, local.turn), all(simd, local.radius));
         let along = scaled(normal, dot(normal, velocity));
-        Self {
-            local,
-            rim,
-            slide: less(velocity, along),
-            counts,
-        }
+        Self { local, rim, slide: less(velocity, along), counts }
     }
 
     /// How fast the touching point goes sideways, times the length of the normal across the axle, the derivative by the angle,
@@ -206,10 +193,7 @@ impl<S: Vector> Joint<S> {
         let (sin, cos) = self.turned;
         let (s, c) = (step.mul_add(cos, sin), cos - step * sin);
         let inverse = step.mul_add(step, all(simd, 1.0)).inverse_root();
-        self.turned = (
-            self.open.select(s * inverse, sin),
-            self.open.select(c * inverse, cos),
-        );
+        self.turned = (self.open.select(s * inverse, sin), self.open.select(c * inverse, cos));
         self.open = self.open & all(simd, last).below(length);
         self.last = length;
     }
@@ -250,12 +234,7 @@ pub(super) fn aimed<S: Vector>(
         beside[joint] |= local.is_beside();
         *aim = Some(aims);
     }
-    let nowhere = Joint {
-        turned: (zero, one),
-        size: zero,
-        last: all(simd, 0.5),
-        open: zero.below(zero),
-    };
+    let nowhere = Joint { turned: (zero, one), size: zero, last: all(simd, 0.5), open: zero.below(zero) };
     let mut joints = [nowhere; MAX_WHEELS];
     for (k, joint) in joints.iter_mut().enumerate() {
         if wheels[k] == 0 {
@@ -264,12 +243,7 @@ pub(super) fn aimed<S: Vector>(
         let Way { turned, rests, .. } = way(ways[k], (zero, one), doubt);
         let slight = ways[k][0].abs().below(all(simd, SLIGHT) * sizes[k]);
         *doubt = *doubt | (slight & !rests);
-        *joint = Joint {
-            turned,
-            size: sizes[k],
-            open: !rests,
-            ..nowhere
-        };
+        *joint = Joint { turned, size: sizes[k], open: !rests, ..nowhere };
     }
     for _ in 0..TURNS {
         let mut open = zero.below(zero);
@@ -307,11 +281,7 @@ pub(super) fn aimed<S: Vector>(
             *doubt = *doubt | cos.below(zero);
         }
         let turned = (sin.flip(behind), cos.flip(behind));
-        *found = Some(Aimed {
-            turned,
-            angle: angle_of(simd, turned),
-            beside: beside[k],
-        });
+        *found = Some(Aimed { turned, angle: angle_of(simd, turned), beside: beside[k] });
     }
     aimed
 }

@@ -18,12 +18,7 @@ pub(super) struct Span {
 impl Span {
     /// Numbers of these rows, `W` of the `width` that each has; the last row in lanes that have none.
     #[inline(always)]
-    pub fn read<S: Vector, const W: usize>(
-        self,
-        simd: S,
-        rows: &[f64],
-        width: usize,
-    ) -> [Lanes<S>; W] {
+    pub fn read<S: Vector, const W: usize>(self, simd: S, rows: &[f64], width: usize) -> [Lanes<S>; W] {
         let mut lanes = [all(simd, 0.0); W];
         let rows = &rows[self.first * width..];
         if W == 3 && width == 3 && self.count == S::F64_LANES {
@@ -70,13 +65,7 @@ impl Span {
 
     /// Writes the first `width` of these numbers, a row of them per lane.
     #[inline(always)]
-    pub fn write<S: Vector, const W: usize>(
-        self,
-        simd: S,
-        lanes: &[Lanes<S>; W],
-        width: usize,
-        rows: &mut [f64],
-    ) {
+    pub fn write<S: Vector, const W: usize>(self, simd: S, lanes: &[Lanes<S>; W], width: usize, rows: &mut [f64]) {
         let rows = &mut rows[self.first * width..];
         if W == 3 && width == 3 && self.count == S::F64_LANES {
             Lanes::braid([lanes[0], lanes[1 % W], lanes[2 % W]], rows);
@@ -149,11 +138,7 @@ pub(super) struct Way<S: Simd> {
 
 /// The way of a velocity ahead and aside. Adds to the doubtful lanes those whose squares are lost.
 #[inline(always)]
-pub(super) fn way<S: Vector>(
-    [ahead, aside]: [Lanes<S>; 2],
-    rest: Turned<S>,
-    doubt: &mut Mask<S>,
-) -> Way<S> {
+pub(super) fn way<S: Vector>([ahead, aside]: [Lanes<S>; 2], rest: Turned<S>, doubt: &mut Mask<S>) -> Way<S> {
     let (zero, one) = (all(ahead.simd(), 0.0), all(ahead.simd(), 1.0));
     let square = ahead.mul_add(ahead, aside * aside);
     let size = ahead.abs() + aside.abs();
@@ -168,10 +153,7 @@ pub(super) fn way<S: Vector>(
     Way {
         length,
         sign,
-        turned: (
-            rests.select(rest.0, aside.flip(sign) * inverse),
-            rests.select(rest.1, ahead.flip(sign) * inverse),
-        ),
+        turned: (rests.select(rest.0, aside.flip(sign) * inverse), rests.select(rest.1, ahead.flip(sign) * inverse)),
         rests,
     }
 }
@@ -192,25 +174,14 @@ pub(super) struct Within<S: Simd> {
 
 /// The angle, or half a turn from it, inside a range; doubtful where it is at its very ends, or outside.
 #[inline(always)]
-pub(super) fn within<S: Simd>(
-    simd: S,
-    range: SteeringRange,
-    angle: Lanes<S>,
-    doubt: &mut Mask<S>,
-) -> Within<S> {
+pub(super) fn within<S: Simd>(simd: S, range: SteeringRange, angle: Lanes<S>, doubt: &mut Mask<S>) -> Within<S> {
     let half = all(simd, std::f64::consts::PI);
     let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
-    let (least, most) = (
-        all(simd, range.lower - ANGLE_TOLERANCE),
-        all(simd, range.upper + ANGLE_TOLERANCE),
-    );
+    let (least, most) = (all(simd, range.lower - ANGLE_TOLERANCE), all(simd, range.upper + ANGLE_TOLERANCE));
     let (back, on) = (angle - half, angle + half);
     let stays = least.at_most(angle) & angle.at_most(most);
     let goes_back = least.at_most(back) & back.at_most(most);
     let found = stays.select(angle, goes_back.select(back, on));
     *doubt = *doubt | !(lower.at_most(found) & found.at_most(upper));
-    Within {
-        angle: found,
-        turned: stays.select(all(simd, 0.0), all(simd, -0.0)),
-    }
+    Within { angle: found, turned: stays.select(all(simd, 0.0), all(simd, -0.0)) }
 }

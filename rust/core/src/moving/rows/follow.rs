@@ -28,10 +28,7 @@ impl<S: Vector> Room<S> {
             eights: Eights::new(),
             equations: Equations::new(simd),
             standing: Standing::new(simd),
-            contacts: [Contact {
-                rows: [[all(simd, 0.0); COLUMNS]; 3],
-                swivel: [all(simd, 0.0); 3],
-            }; MAX_WHEELS],
+            contacts: [Contact { rows: [[all(simd, 0.0); COLUMNS]; 3], swivel: [all(simd, 0.0); 3] }; MAX_WHEELS],
         }
     }
 }
@@ -61,10 +58,7 @@ impl<S: Vector> Touch<S> {
         if let Some((s, c)) = steered {
             (tangent, spoke) = ([cos * c, cos * s, sin], [sin * c, sin * s, -cos]);
         }
-        Self {
-            tangent: limb.out(tangent),
-            point: along(centre, radius, limb.out(spoke)),
-        }
+        Self { tangent: limb.out(tangent), point: along(centre, radius, limb.out(spoke)) }
     }
 }
 
@@ -258,12 +252,7 @@ impl<S: Vector> Follow<S> {
 
     /// The equation of a wheel.
     #[inline(always)]
-    fn put_down<const RIGHT: usize>(
-        &self,
-        contact: &Contact<S>,
-        known: &[Known<S>; COLUMNS],
-        row: &mut Equation<S>,
-    ) {
+    fn put_down<const RIGHT: usize>(&self, contact: &Contact<S>, known: &[Known<S>; COLUMNS], row: &mut Equation<S>) {
         let (normal, moved) = (&contact.rows[0], contact.swivel[0]);
         let count = self.count.min(UNKNOWNS);
         for (cell, column) in row.iter_mut().zip(&self.unknown[..count]) {

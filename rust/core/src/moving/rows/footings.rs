@@ -78,11 +78,7 @@ impl Eights {
     #[inline(always)]
     fn columns<S: Vector>(&self, simd: S, part: usize) -> [Lanes<S>; MOST] {
         let rows = self.0.as_flattened().as_flattened();
-        Lanes::columns(
-            simd,
-            &rows[part * MOST..],
-            size_of::<One>() / size_of::<f64>(),
-        )
+        Lanes::columns(simd, &rows[part * MOST..], size_of::<One>() / size_of::<f64>())
     }
 }
 
@@ -108,11 +104,7 @@ impl Footings<'_> {
     fn put(&self, chain: &Chain, k: usize, one: &mut One) {
         let [body, steered, contacts @ ..] = one;
         let (place, steering) = match self {
-            Self::Settled {
-                stands,
-                poses,
-                steering,
-            } => {
+            Self::Settled { stands, poses, steering } => {
                 let place = if stands.len() == 1 { 0 } else { k };
                 let stand = &stands[place];
                 let [_, roll, pitch, a, b, c] = stand.state;
@@ -212,13 +204,7 @@ fn eights<'a>(numbers: &[&'a [f64; NUMBERS]; MOST], first: usize) -> [&'a [f64; 
 
 impl<'a> Given<'a> {
     #[inline(always)]
-    fn new<S: Vector>(
-        simd: S,
-        chain: &Chain,
-        footings: &Footings<'a>,
-        span: Span,
-        read: &'a mut Eights,
-    ) -> Self {
+    fn new<S: Vector>(simd: S, chain: &Chain, footings: &Footings<'a>, span: Span, read: &'a mut Eights) -> Self {
         let row = |lane: usize| span.first + lane.min(span.count - 1);
         if let Footings::Settled { stands, poses, .. } = *footings {
             let mut numbers = [stands[0].numbers(); MOST];
@@ -409,24 +395,12 @@ impl<S: Vector> Standing<S> {
 
 /// The axes of a body in the world.
 #[inline(always)]
-fn axes<S: Vector>(
-    (sr, cr): Turned<S>,
-    (sp, cp): Turned<S>,
-    (sy, cy): Turned<S>,
-) -> [Vectors<S>; 3] {
+fn axes<S: Vector>((sr, cr): Turned<S>, (sp, cp): Turned<S>, (sy, cy): Turned<S>) -> [Vectors<S>; 3] {
     let (ahead, to_left) = ([cy * sp, sy * sp], [-sy, cy]);
     [
         [cy * cp, sy * cp, -sp],
-        [
-            ahead[0].mul_add(sr, to_left[0] * cr),
-            ahead[1].mul_add(sr, to_left[1] * cr),
-            cp * sr,
-        ],
-        [
-            ahead[0].mul_add(cr, -(to_left[0] * sr)),
-            ahead[1].mul_add(cr, -(to_left[1] * sr)),
-            cp * cr,
-        ],
+        [ahead[0].mul_add(sr, to_left[0] * cr), ahead[1].mul_add(sr, to_left[1] * cr), cp * sr],
+        [ahead[0].mul_add(cr, -(to_left[0] * sr)), ahead[1].mul_add(cr, -(to_left[1] * sr)), cp * cr],
     ]
 }
 

@@ -57,22 +57,15 @@ pub fn forward_rows(
     let share = workers.share(movings.twists.len());
     let (wheels, free) = (chain.wheels().len(), chain.joints().len());
     let mut joint_rates = movings.joint_rates.chunks_mut((share * free).max(1));
-    let jobs = movings
-        .twists
-        .chunks_mut(share)
-        .zip(movings.residuals.chunks_mut(share * wheels * 3))
-        .enumerate()
-        .map(|(k, (twists, residuals))| Job {
+    let jobs = movings.twists.chunks_mut(share).zip(movings.residuals.chunks_mut(share * wheels * 3)).enumerate().map(
+        |(k, (twists, residuals))| Job {
             chain,
             footings,
             readings,
             first: k * share,
-            movings: Movings {
-                twists,
-                joint_rates: joint_rates.next().unwrap_or_default(),
-                residuals,
-            },
-        });
+            movings: Movings { twists, joint_rates: joint_rates.next().unwrap_or_default(), residuals },
+        },
+    );
     // A job does not fail.
     let _ = workers.each(jobs, |job| through(prepared, workers.level, job));
 }
@@ -115,11 +108,7 @@ impl Rows for Job<'_> {
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
-        let (wheels, free, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let mut radii = [0.0; MAX_WHEELS];
         for (radius, wheel) in radii.iter_mut().zip(chain.wheels()) {
             *radius = wheel.radius;
@@ -139,18 +128,13 @@ impl Rows for Job<'_> {
             let contacts = contact::Contacts::new(chain, footing, turned);
             contacts.map(|contacts| contacts.forward(&readings, &radii))
         });
-        let (twist, rates, residual) = moving.map_or(
-            (
-                [f64::NAN; 6],
-                [f64::NAN; MAX_FREE],
-                [[f64::NAN; 3]; MAX_WHEELS],
-            ),
-            |moving| (moving.twist, moving.joint_rates, moving.residual),
-        );
+        let (twist, rates, residual) = moving
+            .map_or(([f64::NAN; 6], [f64::NAN; MAX_FREE], [[f64::NAN; 3]; MAX_WHEELS]), |moving| {
+                (moving.twist, moving.joint_rates, moving.residual)
+            });
         self.movings.twists[row] = twist;
         self.movings.joint_rates[row * free..][..free].copy_from_slice(&rates[..free]);
-        self.movings.residuals[row * 3 * wheels..][..3 * wheels]
-            .copy_from_slice(residual[..wheels].as_flattened());
+        self.movings.residuals[row * 3 * wheels..][..3 * wheels].copy_from_slice(residual[..wheels].as_flattened());
         Ok(())
     }
 }
@@ -167,34 +151,18 @@ impl InLanes<'_, Job<'_>> {
         room: &mut Room<S>,
     ) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
-        let given = Span {
-            first: self.job.first + span.first,
-            ..span
-        };
+        let given = Span { first: self.job.first + span.first, ..span };
         let (zero, nan) = (all(simd, 0.0), all(simd, f64::NAN));
         let mut doubt = zero.below(zero);
         let footings = self.job.footings;
-        let Room {
-            eights,
-            equations,
-            contacts,
-            standing,
-        } = room;
+        let Room { eights, equations, contacts, standing } = room;
         standing.read(simd, chain, footings, given, eights, &mut doubt);
         let standing = &*standing;
         placing.place(simd, &standing.joints);
         let (placing, wheels) = (&*placing, plan.wheels().min(MAX_WHEELS));
         self.contacts(simd, given, standing, placing, contacts, &mut doubt);
         let known = self.known(simd, given, standing);
-        let follow = Follow::new::<RIGHT>(
-            simd,
-            plan,
-            self.square,
-            standing,
-            &known,
-            contacts,
-            equations,
-        );
+        let follow = Follow::new::<RIGHT>(simd, plan, self.square, standing, &known, contacts, equations);
         let speeds = given.read::<S, MAX_WHEELS>(simd, self.job.readings.speeds, wheels);
         let mut fit = Normal::new(simd);
         let mut says = [[([zero; 3], zero); 2]; MAX_WHEELS];
@@ -323,12 +291,7 @@ impl InLanes<'_, Job<'_>> {
 
     /// Rates that are no unknowns.
     #[inline(always)]
-    fn known<S: Vector>(
-        &self,
-        simd: S,
-        given: Span,
-        standing: &Standing<S>,
-    ) -> [Known<S>; COLUMNS] {
+    fn known<S: Vector>(&self, simd: S, given: Span, standing: &Standing<S>) -> [Known<S>; COLUMNS] {
         let zero = all(simd, 0.0);
         let mut known = [Known::Nowhere; COLUMNS];
         let free = self.plan.joints().min(MAX_FREE);
@@ -365,11 +328,7 @@ impl InLanes<'_, Job<'_>> {
     /// Whether anything is measured beside the wheels.
     fn measures(&self) -> bool {
         let readings = self.job.readings;
-        let beside = [
-            readings.joint_rates,
-            readings.angular_velocity,
-            readings.steering_rates,
-        ];
+        let beside = [readings.joint_rates, readings.angular_velocity, readings.steering_rates];
         beside.iter().any(Option::is_some)
     }
 

@@ -49,11 +49,7 @@ impl Instant {
             joints: [None; MAX_WHEELS],
             range,
         };
-        if let Some((joint, across)) = plan
-            .parts
-            .iter()
-            .find_map(|part| Some((part.joint, part.across?)))
-        {
+        if let Some((joint, across)) = plan.parts.iter().find_map(|part| Some((part.joint, part.across?))) {
             instant.across = (joint, across);
         }
         for lane in 0..MOST {
@@ -74,23 +70,9 @@ impl Instant {
             instant.left.0[lane] = wheel.pivot[1];
             instant.origins[2][0].0[lane] = wheel.pivot[0];
             instant.origins[2][1].0[lane] = wheel.pivot[2] + up;
-            for (k, part) in wheel
-                .movers
-                .iter()
-                .rev()
-                .map(|&part| &plan.parts[part])
-                .enumerate()
-            {
-                let angle = if part.across.is_some() {
-                    MAX_FREE
-                } else {
-                    part.joint
-                };
-                if part.plane != 0
-                    || part
-                        .across
-                        .is_some_and(|by| (part.joint, by) != instant.across)
-                {
+            for (k, part) in wheel.movers.iter().rev().map(|&part| &plan.parts[part]).enumerate() {
+                let angle = if part.across.is_some() { MAX_FREE } else { part.joint };
+                if part.plane != 0 || part.across.is_some_and(|by| (part.joint, by) != instant.across) {
                     return None;
                 }
                 instant.limbs[k][angle].0[lane] = 1.0;
@@ -131,13 +113,7 @@ impl Kernel for OneRow<'_, '_> {
         };
         let (mut angles, mut rates) = ([0.0; ANGLES], [0.0; ANGLES]);
         let mut largest: f64 = 0.0;
-        for (k, (angle, rate)) in driving
-            .joints
-            .iter()
-            .zip(driving.joint_rates)
-            .enumerate()
-            .take(MAX_FREE)
-        {
+        for (k, (angle, rate)) in driving.joints.iter().zip(driving.joint_rates).enumerate().take(MAX_FREE) {
             (angles[k], rates[k]) = (*angle, *rate);
             largest = largest.max(angle.abs());
         }
@@ -158,31 +134,18 @@ impl Kernel for OneRow<'_, '_> {
         }
         let (s1, c1) = direction(simd, turns[0]);
         let (s2, c2) = direction(simd, turns[0] + turns[1]);
-        let (body, knee, wheel) = (
-            &instant.origins[0],
-            &instant.origins[1],
-            &instant.origins[2],
-        );
+        let (body, knee, wheel) = (&instant.origins[0], &instant.origins[1], &instant.origins[2]);
         let (x, z) = (wheel[0].load(simd), wheel[1].load(simd));
         let arm = [x.mul_add(c2, z * s2), z.mul_add(c2, -(x * s2))];
         let (x, z) = (knee[0].load(simd), knee[1].load(simd));
-        let leg = [
-            x.mul_add(c1, z.mul_add(s1, arm[0])),
-            z.mul_add(c1, arm[1] - x * s1),
-        ];
+        let leg = [x.mul_add(c1, z.mul_add(s1, arm[0])), z.mul_add(c1, arm[1] - x * s1)];
         let (x, z) = (body[0].load(simd) + leg[0], body[1].load(simd) + leg[1]);
         let y = instant.left.load(simd);
         let [roll, pitch, _] = driving.angular_velocity[0];
         let [roll, pitch, yaw] = [all(simd, roll), all(simd, pitch), all(simd, yaw_rate)];
         // As commanded, and how the centres move.
-        let in_plan = [
-            all(simd, speed) - yaw * y,
-            yaw.mul_add(x, all(simd, yaw_rate * self.offset)),
-        ];
-        let forth = swings[1].mul_add(
-            arm[1],
-            swings[0].mul_add(leg[1], pitch.mul_add(z, in_plan[0])),
-        );
+        let in_plan = [all(simd, speed) - yaw * y, yaw.mul_add(x, all(simd, yaw_rate * self.offset))];
+        let forth = swings[1].mul_add(arm[1], swings[0].mul_add(leg[1], pitch.mul_add(z, in_plan[0])));
         let down = swings[1].mul_add(arm[0], swings[0].mul_add(leg[0], pitch * x));
         let up = roll.mul_add(y, -down);
         let aside = in_plan[1] - roll * z;
@@ -191,30 +154,23 @@ impl Kernel for OneRow<'_, '_> {
         let to = way([c2 * in_plan[0], in_plan[1]], (zero, one), &mut doubt);
         let found = within(simd, instant.range, angle_of(simd, to.turned), &mut doubt);
         doubt = (doubt | to.rests) & steered;
-        let (ss, cs) = (
-            steered.select(to.turned.0.flip(found.turned), zero),
-            steered.select(to.turned.1.flip(found.turned), one),
-        );
+        let (ss, cs) =
+            (steered.select(to.turned.0.flip(found.turned), zero), steered.select(to.turned.1.flip(found.turned), one));
         let along = (forth.mul_add(c2, -(up * s2))).mul_add(cs, aside * ss);
         let across = up.mul_add(c2, forth * s2);
-        let turn =
-            (pitch + swings[0] + swings[1]).mul_add(cs, -(roll.mul_add(c2, -(yaw * s2)) * ss));
+        let turn = (pitch + swings[0] + swings[1]).mul_add(cs, -(roll.mul_add(c2, -(yaw * s2)) * ss));
         let Some(vertical) = middle(zero - across.quotient(c2), instant.wheels) else {
             return false;
         };
         let lifted = all(simd, vertical);
-        let velocity = [
-            (-(s2 * cs)).mul_add(lifted, along),
-            c2.mul_add(lifted, across),
-        ];
+        let velocity = [(-(s2 * cs)).mul_add(lifted, along), c2.mul_add(lifted, across)];
         let rolls = way(velocity, (zero, one), &mut doubt);
         let radius = instant.radius.load(simd);
         let speeds = rolls.length.flip(rolls.sign).quotient(radius) - turn;
         let steepest = all(simd, self.steepest * self.steepest);
         let slope = steepest * in_plan[0].mul_add(in_plan[0], in_plan[1] * in_plan[1]);
         let [_, across] = velocity;
-        let lifts =
-            all(simd, driving.lift.speed).below(across.abs()) & slope.below(across * across);
+        let lifts = all(simd, driving.lift.speed).below(across.abs()) & slope.below(across * across);
         if largest > LARGEST_TURN || (doubt | !finite(simd, speeds)).any() {
             return false;
         }

@@ -47,11 +47,7 @@ pub fn inverse_rows(
 ) -> Result<(), Error> {
     let workers = workers.here();
     let share = workers.share(commands.scales.len());
-    let (wheels, free, steered) = (
-        chain.wheels().len(),
-        chain.joints().len(),
-        chain.steering().len(),
-    );
+    let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
     let mut angles = commands.steering.chunks_mut((share * steered).max(1));
     let mut rates = commands.joint_rates.chunks_mut((share * free).max(1));
     let jobs = commands
@@ -115,22 +111,14 @@ impl Rows for Job<'_> {
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (place, chain) = (self.first + row, self.chain);
-        let (wheels, free, steered) = (
-            chain.wheels().len(),
-            chain.joints().len(),
-            chain.steering().len(),
-        );
+        let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let [speed, yaw_rate] = match self.wanted {
             [all] => *all,
             _ => self.wanted[place],
         };
         let wanted = Wanted { speed, yaw_rate };
-        let kept = self
-            .steering
-            .map(|angles| &angles[place * steered..][..steered]);
-        let found = self.footings.with(chain, place, |footing| {
-            inverse(chain, footing, self.command, wanted, kept)
-        });
+        let kept = self.steering.map(|angles| &angles[place * steered..][..steered]);
+        let found = self.footings.with(chain, place, |footing| inverse(chain, footing, self.command, wanted, kept));
         let found = found.map_err(|error| error.at_row(place))?;
         let commands = &mut self.commands;
         commands.steering[row * steered..][..steered].copy_from_slice(&found.steering[..steered]);
@@ -152,27 +140,13 @@ struct Steered<S: Vector> {
 impl InLanes<'_, Job<'_>> {
     /// Some rows, and the lanes that are for the plain way.
     #[inline(always)]
-    fn some<S: Vector>(
-        &mut self,
-        simd: S,
-        span: Span,
-        placing: &mut Placing<'_, S>,
-        room: &mut Room<S>,
-    ) -> Mask<S> {
+    fn some<S: Vector>(&mut self, simd: S, span: Span, placing: &mut Placing<'_, S>, room: &mut Room<S>) -> Mask<S> {
         let (plan, chain) = (self.plan, self.job.chain);
-        let given = Span {
-            first: self.job.first + span.first,
-            ..span
-        };
+        let given = Span { first: self.job.first + span.first, ..span };
         let (zero, one, nan) = (all(simd, 0.0), all(simd, 1.0), all(simd, f64::NAN));
         let mut never = zero.below(zero);
         let footings = self.job.footings;
-        let Room {
-            eights,
-            equations,
-            contacts,
-            standing,
-        } = room;
+        let Room { eights, equations, contacts, standing } = room;
         standing.read(simd, chain, footings, given, eights, &mut never);
         let standing = &*standing;
         placing.place(simd, &standing.joints);
@@ -187,13 +161,7 @@ impl InLanes<'_, Job<'_>> {
             let (centre, radius) = (placing.centres[wheel], all(simd, plan.radius(wheel)));
             let touch = Touch::new(placing, wheel, centre, radius, *stands, standing.at[wheel]);
             let [normal, ..] = contacts[wheel].rows.each_mut();
-            answers(
-                placing,
-                wheel,
-                touch.point,
-                [standing.normals[wheel]],
-                std::array::from_mut(normal),
-            );
+            answers(placing, wheel, touch.point, [standing.normals[wheel]], std::array::from_mut(normal));
         }
         let (rates, sure) = self.rates(simd, given, standing, contacts, equations);
         never = never | (!sure & !standing.nowhere);
@@ -204,10 +172,7 @@ impl InLanes<'_, Job<'_>> {
         // Where the ground does not say how the suspension follows it nothing is known.
         let known = total.at_most(total) & !standing.nowhere;
         let joints = [rates[6], rates[7], rates[8]];
-        let body = [
-            [rates[0], rates[1], rates[2]],
-            [rates[3], rates[4], rates[5]],
-        ];
+        let body = [[rates[0], rates[1], rates[2]], [rates[3], rates[4], rates[5]]];
         let mut doubt = zero.below(zero);
         placing.moves(body, &joints);
         let placing = &*placing;
@@ -239,10 +204,7 @@ impl InLanes<'_, Job<'_>> {
             doubt = doubt | (up * cos).below(forward * sin);
             let [forward, up] = local.upright(to);
             let plane = on_plane(forward, up);
-            let at = (
-                steered.moved.select(plane.0, sin),
-                steered.moved.select(plane.1, cos),
-            );
+            let at = (steered.moved.select(plane.0, sin), steered.moved.select(plane.1, cos));
             speeds[wheel] = local.rolling(simd, to, at);
             fastest = fastest.max(speeds[wheel].abs());
         }
@@ -253,13 +215,7 @@ impl InLanes<'_, Job<'_>> {
             checked = checked + *speed;
         }
         doubt = never | (doubt | !finite(simd, checked)) & known;
-        self.write(
-            span,
-            &steered.angles,
-            &speeds,
-            &rates,
-            known.select(scale, nan),
-        );
+        self.write(span, &steered.angles, &speeds, &rates, known.select(scale, nan));
         doubt
     }
 
@@ -281,11 +237,7 @@ impl InLanes<'_, Job<'_>> {
                 (speed, yaw_rate)
             }
         };
-        let plan = [
-            speed,
-            yaw_rate * all(simd, self.job.command.offset),
-            yaw_rate,
-        ];
+        let plan = [speed, yaw_rate * all(simd, self.job.command.offset), yaw_rate];
         let mut known = [Known::Nowhere; COLUMNS];
         for k in 0..MAX_FREE {
             if k >= self.plan.joints() {
@@ -299,27 +251,11 @@ impl InLanes<'_, Job<'_>> {
                 for (column, rate) in PLAN.into_iter().zip(plan) {
                     known[column] = Known::Everywhere(rate);
                 }
-                let follow = Follow::new::<1>(
-                    simd,
-                    self.plan,
-                    self.square,
-                    standing,
-                    &known,
-                    contacts,
-                    equations,
-                );
+                let follow = Follow::new::<1>(simd, self.plan, self.square, standing, &known, contacts, equations);
                 (follow.offset, follow.sure)
             }
             View::Plan => {
-                let follow = Follow::new::<3>(
-                    simd,
-                    self.plan,
-                    self.square,
-                    standing,
-                    &known,
-                    contacts,
-                    equations,
-                );
+                let follow = Follow::new::<3>(simd, self.plan, self.square, standing, &known, contacts, equations);
                 let (plan, sure) = seen_from_above(simd, standing, &follow, plan, equations);
                 (follow.rates(plan), follow.sure & sure)
             }
@@ -337,11 +273,8 @@ impl InLanes<'_, Job<'_>> {
         doubt: &mut Mask<S>,
     ) -> Steered<S> {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
-        let mut steered = Steered {
-            angles: [zero; MAX_WHEELS],
-            turned: [(zero, one); MAX_WHEELS],
-            moved: zero.below(zero),
-        };
+        let mut steered =
+            Steered { angles: [zero; MAX_WHEELS], turned: [(zero, one); MAX_WHEELS], moved: zero.below(zero) };
         let joints = self.job.chain.steering();
         let count = joints.len().min(MAX_WHEELS);
         if let Some(angles) = self.job.steering {
@@ -368,9 +301,7 @@ impl InLanes<'_, Job<'_>> {
             }
         }
         for k in 0..count {
-            let stays = (steered.angles[k] - standing.steering[k])
-                .abs()
-                .at_most(zero);
+            let stays = (steered.angles[k] - standing.steering[k]).abs().at_most(zero);
             steered.moved = steered.moved | !stays;
         }
         steered

@@ -87,11 +87,7 @@ impl<S: Vector> Equations<S> {
     /// None yet.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
-        Self {
-            rows: [[all(simd, 0.0); UNKNOWNS + RIGHTS]; EQUATIONS],
-            bits: [0; EQUATIONS],
-            count: 0,
-        }
+        Self { rows: [[all(simd, 0.0); UNKNOWNS + RIGHTS]; EQUATIONS], bits: [0; EQUATIONS], count: 0 }
     }
 
     #[inline(always)]
@@ -193,11 +189,7 @@ impl<S: Vector> Equations<S> {
     /// `0.6 product(p / c)`, by the inequality of the geometric and the arithmetic mean of the others' squares. So the
     /// plain way's pivots, whatever its order, are more than that times the smallest `c`.
     #[inline(always)]
-    pub fn solve<const RIGHT: usize>(
-        &mut self,
-        simd: S,
-        used: usize,
-    ) -> ([[Lanes<S>; RIGHT]; UNKNOWNS], Mask<S>) {
+    pub fn solve<const RIGHT: usize>(&mut self, simd: S, used: usize) -> ([[Lanes<S>; RIGHT]; UNKNOWNS], Mask<S>) {
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let used = used.min(UNKNOWNS);
         let (mut inverses, mut above) = ([zero; UNKNOWNS], [zero; UNKNOWNS]);
@@ -275,10 +267,7 @@ impl<S: Vector> Equations<S> {
             }
         }
         let apart = (all(simd, INDEPENDENT) * lengths).below(pivoted);
-        (
-            solution,
-            apart & (all(simd, SHORT) * longest).below(shortest),
-        )
+        (solution, apart & (all(simd, SHORT) * longest).below(shortest))
     }
 }
 
@@ -297,10 +286,7 @@ pub(super) struct Normal<S: Vector> {
 impl<S: Vector> Normal<S> {
     #[inline(always)]
     pub fn new(simd: S) -> Self {
-        Self {
-            cells: [all(simd, 0.0); 6],
-            right: [all(simd, 0.0); 3],
-        }
+        Self { cells: [all(simd, 0.0); 6], right: [all(simd, 0.0); 3] }
     }
 
     /// One more equation, `columns . motion = -left`.

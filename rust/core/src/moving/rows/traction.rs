@@ -70,13 +70,7 @@ pub fn traction_rows(
     let steepest = driving.lift.slope();
     let rows = drives.vertical.len();
     if let (1, Some(instant)) = (rows, &prepared.instant) {
-        let row = OneRow {
-            instant,
-            offset: prepared.offset,
-            steepest,
-            driving,
-            drives: &mut drives,
-        };
+        let row = OneRow { instant, offset: prepared.offset, steepest, driving, drives: &mut drives };
         if workers.level.run(row) == Some(true) {
             return Ok(());
         }
@@ -97,13 +91,7 @@ pub fn traction_rows(
             driving,
             steepest,
             first: k * share,
-            drives: Drives {
-                steering: steering.next().unwrap_or_default(),
-                speeds,
-                contact_angles,
-                lifted,
-                vertical,
-            },
+            drives: Drives { steering: steering.next().unwrap_or_default(), speeds, contact_angles, lifted, vertical },
         });
     workers.each(jobs, |job| through(prepared, workers.level, job))
 }
@@ -150,11 +138,8 @@ impl Rows for Job<'_> {
 
     fn one(&mut self, row: usize) -> Result<(), Error> {
         let (all, driving) = (self.first + row, self.driving);
-        let (wheels, free, steered) = (
-            self.chain.wheels().len(),
-            self.chain.joints().len(),
-            self.chain.steering().len(),
-        );
+        let (wheels, free, steered) =
+            (self.chain.wheels().len(), self.chain.joints().len(), self.chain.steering().len());
         let of = |width: usize| all * width..(all + 1) * width;
         let speed = at(driving.speed, all);
         let [roll_rate, pitch_rate, _] = driving.angular_velocity[all];
@@ -171,19 +156,12 @@ impl Rows for Job<'_> {
         };
         let measured = driving.wheel_speeds.map(|some| &some[of(wheels)]);
         let closure = measured.map_or(Closure::Suspension, Closure::Wheels);
-        let driven = traction(
-            self.chain,
-            self.prepared.offset,
-            &rates,
-            closure,
-            driving.lift,
-        )
-        .map_err(|error| error.at_row(all))?;
+        let driven = traction(self.chain, self.prepared.offset, &rates, closure, driving.lift)
+            .map_err(|error| error.at_row(all))?;
         let drives = &mut self.drives;
         drives.speeds[row * wheels..][..wheels].copy_from_slice(&driven.speeds[..wheels]);
         drives.steering[row * steered..][..steered].copy_from_slice(&driven.steering[..steered]);
-        drives.contact_angles[row * wheels..][..wheels]
-            .copy_from_slice(&driven.contact_angles[..wheels]);
+        drives.contact_angles[row * wheels..][..wheels].copy_from_slice(&driven.contact_angles[..wheels]);
         drives.lifted[row * wheels..][..wheels].copy_from_slice(&driven.lifted[..wheels]);
         drives.vertical[row] = driven.vertical;
         Ok(())
@@ -218,10 +196,7 @@ struct Centre<S: Vector> {
 impl<S: Vector> Centre<S> {
     #[inline(always)]
     fn at(&self, vertical: Lanes<S>) -> [Lanes<S>; 2] {
-        [
-            self.vertical[0].mul_add(vertical, self.along),
-            self.vertical[1].mul_add(vertical, self.across),
-        ]
+        [self.vertical[0].mul_add(vertical, self.along), self.vertical[1].mul_add(vertical, self.across)]
     }
 }
 
@@ -230,10 +205,7 @@ impl InLanes<'_, Job<'_>> {
     #[inline(always)]
     fn some<S: Vector>(&mut self, simd: S, some: Span, placing: &mut Placing<'_, S>) -> Mask<S> {
         let (plan, driving) = (self.plan, self.job.driving);
-        let given = Span {
-            first: self.job.first + some.first,
-            ..some
-        };
+        let given = Span { first: self.job.first + some.first, ..some };
         let (zero, one) = (all(simd, 0.0), all(simd, 1.0));
         let (wheels, free) = (plan.wheels().min(MAX_WHEELS), plan.joints());
         let joints = given.read::<S, MAX_FREE>(simd, driving.joints, free);
@@ -245,13 +217,7 @@ impl InLanes<'_, Job<'_>> {
         placing.place(simd, &joints);
         let (angles, turned) = self.steered(simd, given, placing, &wanted, &mut doubt);
         placing.moves(wanted.body, &wanted.rates);
-        let none = Centre {
-            along: zero,
-            across: zero,
-            vertical: [zero; 2],
-            turn: zero,
-            radius: 1.0,
-        };
+        let none = Centre { along: zero, across: zero, vertical: [zero; 2], turn: zero, radius: 1.0 };
         let mut centres = [none; MAX_WHEELS];
         for (wheel, centre) in centres.iter_mut().enumerate().take(wheels) {
             let mut to = (zero, one);
@@ -264,13 +230,7 @@ impl InLanes<'_, Job<'_>> {
             let [along, _, across] = from_turned(to, limb.own(velocity));
             let [_, turn, _] = from_turned(to, limb.own(turn));
             let [ahead, _, up] = from_turned(to, limb.own([zero, zero, one]));
-            *centre = Centre {
-                along,
-                across,
-                vertical: [ahead, up],
-                turn,
-                radius: plan.radius(wheel),
-            };
+            *centre = Centre { along, across, vertical: [ahead, up], turn, radius: plan.radius(wheel) };
         }
         let placing = &*placing;
         let centres = &centres[..wheels];
@@ -316,10 +276,7 @@ impl InLanes<'_, Job<'_>> {
         let [roll_rate, pitch_rate, _] = given.read::<S, 3>(simd, measured, 3);
         let sideways = yaw_rate * all(simd, self.job.prepared.offset);
         Wanted {
-            body: [
-                [speed, sideways, all(simd, 0.0)],
-                [roll_rate, pitch_rate, yaw_rate],
-            ],
+            body: [[speed, sideways, all(simd, 0.0)], [roll_rate, pitch_rate, yaw_rate]],
             rates: given.read::<S, MAX_FREE>(simd, driving.joint_rates, self.plan.joints()),
         }
     }
@@ -359,10 +316,7 @@ impl InLanes<'_, Job<'_>> {
             }
             let within = within(simd, *range, angle, doubt);
             angles[joint] = within.angle;
-            turned[joint] = (
-                to.turned.0.flip(within.turned),
-                to.turned.1.flip(within.turned),
-            );
+            turned[joint] = (to.turned.0.flip(within.turned), to.turned.1.flip(within.turned));
         }
         (angles, turned)
     }
@@ -386,10 +340,7 @@ impl InLanes<'_, Job<'_>> {
         }
         *doubt = *doubt | (to.rests & all(simd, LARGEST_TURN).below(present.abs()));
         let (sin, cos) = direction(simd, present);
-        to.turned = (
-            to.rests.select(sin, to.turned.0),
-            to.rests.select(cos, to.turned.1),
-        );
+        to.turned = (to.rests.select(sin, to.turned.0), to.rests.select(cos, to.turned.1));
         *angle = to.rests.select(present, *angle);
     }
 

@@ -35,17 +35,10 @@ pub enum Column {
 
 impl Column {
     /// What it makes of the displacement of a step: the derivative, wheels and gyroscope having had their say.
-    pub(in crate::odometry) fn of_step(
-        self,
-        linearised: &Linearised<'_>,
-        fusion: &Fusion,
-        dt: f64,
-    ) -> Vector3<f64> {
+    pub(in crate::odometry) fn of_step(self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64) -> Vector3<f64> {
         let by_wheels = match self {
             Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),
-            Self::Slip(wheel) => {
-                linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled
-            }
+            Self::Slip(wheel) => linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled,
             Self::SideSlip(wheel) => {
                 let pivot = &linearised.rover.wheels()[wheel];
                 let way = linearised.twist().at(pivot.x, pivot.y).norm();
@@ -102,10 +95,7 @@ impl Replayed {
             Tangent::End => return self.covariance,
             Tangent::Begin => self.motion.adjoint(),
             Tangent::Coordinates => {
-                let turned = Motion3 {
-                    translation: Vector3::zeros(),
-                    ..self.motion
-                };
+                let turned = Motion3 { translation: Vector3::zeros(), ..self.motion };
                 turned.adjoint()
             }
         };
@@ -185,11 +175,7 @@ pub(super) fn replay(of: &Preintegrated) -> Result<Replayed, Error> {
     let to_end = motion.inverse().adjoint();
     Ok(Replayed {
         covariance: to_end * sums.settled * to_end.transpose(),
-        columns: sums
-            .columns
-            .into_iter()
-            .map(|(column, by)| (column, to_end * by))
-            .collect(),
+        columns: sums.columns.into_iter().map(|(column, by)| (column, to_end * by)).collect(),
         motion,
         yaw,
     })
@@ -216,15 +202,10 @@ impl Sums {
             false => UnitQuaternion::identity(),
         };
         let turned = relative.scaled_axis();
-        let by_rates = sample
-            .yaw_rate
-            .map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
+        let by_rates =
+            sample.yaw_rate.map(|rate| f64::midpoint(odometry.reference.yaw_rate.unwrap_or(rate), rate) * dt);
         let from_attitude = of.rules.in_space && by_rates.is_none();
-        let gyro_turn = if from_attitude {
-            Some(turned.z)
-        } else {
-            by_rates
-        };
+        let gyro_turn = if from_attitude { Some(turned.z) } else { by_rates };
         let given = Motion {
             steering: [&odometry.reference.angles, &odometry.angles],
             turned: &odometry.turned,
@@ -245,8 +226,7 @@ impl Sums {
         let by_plane = answer * embedding();
         let noise = &odometry.work.noise;
         // What errs in this step alone errs in each part of it on its own.
-        self.settled +=
-            by_plane * noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
+        self.settled += by_plane * noise.own.matrix() * by_plane.transpose() / share.max(f64::MIN_POSITIVE);
         for ((old, new), carried) in noise.old.iter().zip(&noise.new).zip(&mut self.carried) {
             let whole = *carried + by_plane * old;
             self.settled += whole * whole.transpose();
@@ -254,20 +234,14 @@ impl Sums {
         }
         let mut gain = Vector3::zeros();
         let (columns, rover) = (&mut self.columns, &odometry.rover);
-        odometry
-            .work
-            .derivatives(rover, given, rules.method, |linearised, fusion| {
-                gain = fusion.gain;
-                for (column, sum) in columns {
-                    *sum += by_plane * column.of_step(linearised, fusion, dt);
-                }
-            })?;
+        odometry.work.derivatives(rover, given, rules.method, |linearised, fusion| {
+            gain = fusion.gain;
+            for (column, sum) in columns {
+                *sum += by_plane * column.of_step(linearised, fusion, dt);
+            }
+        })?;
         if of.rules.in_space {
-            let by_turn = if from_attitude {
-                gain
-            } else {
-                Vector3::zeros()
-            };
+            let by_turn = if from_attitude { gain } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
         odometry.conclude(&sample, crate::odometry::Health::GOOD, gyro_turn);
@@ -290,11 +264,10 @@ impl Sums {
         for (axis, carried) in self.carried[first..].iter_mut().enumerate() {
             let mut error = Vector3::zeros();
             error[axis] = of.rules.attitude_noise;
-            let [old, new] =
-                [-(inverse * (relative.inverse() * error)), inverse * error].map(|d| {
-                    let (ahead, left, turn) = (by_turn.x * d.z, by_turn.y * d.z, by_turn.z * d.z);
-                    answer * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)
-                });
+            let [old, new] = [-(inverse * (relative.inverse() * error)), inverse * error].map(|d| {
+                let (ahead, left, turn) = (by_turn.x * d.z, by_turn.y * d.z, by_turn.z * d.z);
+                answer * Vector6::new(ahead, left, 0.0, d.x, d.y, turn)
+            });
             let whole = *carried + old;
             self.settled += whole * whole.transpose();
             *carried = new;

@@ -27,27 +27,18 @@ pub struct Motion3 {
 impl Motion3 {
     /// None.
     pub fn identity() -> Self {
-        Self {
-            rotation: UnitQuaternion::identity(),
-            translation: Vector3::zeros(),
-        }
+        Self { rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }
     }
 
     /// In the plane: x [m], y [m], yaw [rad].
     pub fn planar([x, y, yaw]: [f64; 3]) -> Self {
-        Self {
-            rotation: UnitQuaternion::from_scaled_axis(Vector3::z() * yaw),
-            translation: Vector3::new(x, y, 0.0),
-        }
+        Self { rotation: UnitQuaternion::from_scaled_axis(Vector3::z() * yaw), translation: Vector3::new(x, y, 0.0) }
     }
 
     /// Where holding this tangent for one unit of time leads.
     pub fn exp(tangent: &Vector6<f64>) -> Self {
         let (way, turn) = split(tangent);
-        Self {
-            rotation: UnitQuaternion::from_scaled_axis(turn),
-            translation: left_jacobian_of_turn(&turn) * way,
-        }
+        Self { rotation: UnitQuaternion::from_scaled_axis(turn), translation: left_jacobian_of_turn(&turn) * way }
     }
 
     /// The tangent that leads here, turning the short way round.
@@ -63,20 +54,14 @@ impl Motion3 {
     pub fn compose(&self, next: &Self) -> Self {
         let mut rotation = self.rotation * next.rotation;
         rotation.renormalize_fast();
-        Self {
-            rotation,
-            translation: self.translation + self.rotation * next.translation,
-        }
+        Self { rotation, translation: self.translation + self.rotation * next.translation }
     }
 
     /// `b_from_a`
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
-        Self {
-            rotation,
-            translation: -(rotation * self.translation),
-        }
+        Self { rotation, translation: -(rotation * self.translation) }
     }
 
     /// What a tangent in axes of b is in axes of a: `self exp(t) = exp(adjoint t) self`.
@@ -84,12 +69,7 @@ impl Motion3 {
         let turn = *self.rotation.to_rotation_matrix().matrix();
         let mut adjoint = Matrix6::zeros();
         set(&mut adjoint, 0, 0, &turn);
-        set(
-            &mut adjoint,
-            0,
-            3,
-            &(self.translation.cross_matrix() * turn),
-        );
+        set(&mut adjoint, 0, 3, &(self.translation.cross_matrix() * turn));
         set(&mut adjoint, 3, 3, &turn);
         adjoint
     }
@@ -128,10 +108,7 @@ impl Motion3 {
 }
 
 fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        Vector3::new(tangent[0], tangent[1], tangent[2]),
-        Vector3::new(tangent[3], tangent[4], tangent[5]),
-    )
+    (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
 
 fn joined(way: &Vector3<f64>, turn: &Vector3<f64>) -> Vector6<f64> {
@@ -165,12 +142,7 @@ fn quotients(turn: f64) -> [f64; 4] {
             power *= -square;
             factorial *= (n + 1.0) * (n + 2.0);
         }
-        return [
-            series(0.5, 2.0),
-            series(1.0 / 6.0, 3.0),
-            series(1.0 / 24.0, 4.0),
-            last,
-        ];
+        return [series(0.5, 2.0), series(1.0 / 6.0, 3.0), series(1.0 / 24.0, 4.0), last];
     }
     let (sin, cos) = turn.sin_cos();
     let half = (turn / 2.0).sin() / (turn / 2.0);
@@ -196,8 +168,7 @@ pub fn left_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
     let (w, t) = (way.cross_matrix(), turn.cross_matrix());
     let (tw, wt) = (t * w, w * t);
     let twt = tw * t;
-    let mixed =
-        w * 0.5 + (tw + wt + twt) * a + (t * tw + wt * t - twt * 3.0) * b + (twt * t + t * twt) * c;
+    let mixed = w * 0.5 + (tw + wt + twt) * a + (t * tw + wt * t - twt * 3.0) * b + (twt * t + t * twt) * c;
     let mut jacobian = Matrix6::zeros();
     let of_turn = left_jacobian_of_turn(&turn);
     set(&mut jacobian, 0, 0, &of_turn);
@@ -216,10 +187,7 @@ mod tests {
     use super::*;
 
     fn tangents() -> Vec<Vector6<f64>> {
-        let directions = [
-            Vector6::new(0.4, -0.3, 0.2, 0.6, -0.5, 0.62),
-            Vector6::new(1.0, 0.5, 0.0, 0.0, 0.0, 1.0),
-        ];
+        let directions = [Vector6::new(0.4, -0.3, 0.2, 0.6, -0.5, 0.62), Vector6::new(1.0, 0.5, 0.0, 0.0, 0.0, 1.0)];
         let sizes = [0.0, 1e-9, 1e-3, 0.2999, 0.3001, 1.0, 2.9];
         let all = directions.iter().flat_map(|d| sizes.map(|size| d * size));
         all.collect()
@@ -243,12 +211,8 @@ mod tests {
                 step[k] = 1e-6;
                 let more = Motion3::exp(&(tangent + step));
                 let less = Motion3::exp(&(tangent - step));
-                let by_left = (more.compose(&here.inverse()).log()
-                    - less.compose(&here.inverse()).log())
-                    / 2e-6;
-                let by_right = (here.inverse().compose(&more).log()
-                    - here.inverse().compose(&less).log())
-                    / 2e-6;
+                let by_left = (more.compose(&here.inverse()).log() - less.compose(&here.inverse()).log()) / 2e-6;
+                let by_right = (here.inverse().compose(&more).log() - here.inverse().compose(&less).log()) / 2e-6;
                 assert!((by_left - left.column(k)).amax() < 1e-9, "{tangent} {k}");
                 assert!((by_right - right.column(k)).amax() < 1e-9, "{tangent} {k}");
             }
@@ -260,10 +224,7 @@ mod tests {
     #[test]
     fn the_plane_is_that_of_the_plane() {
         let twist = crate::geometry::Twist::from([0.4, -0.3, 1.2]);
-        let (plane, space) = (
-            twist.exp(1.0),
-            Motion3::exp(&Vector6::new(0.4, -0.3, 0.0, 0.0, 0.0, 1.2)),
-        );
+        let (plane, space) = (twist.exp(1.0), Motion3::exp(&Vector6::new(0.4, -0.3, 0.0, 0.0, 0.0, 1.2)));
         let there = Motion3::planar(plane.into());
         assert!((there.translation - space.translation).amax() < 1e-15);
         assert!(there.rotation.angle_to(&space.rotation) < 1e-15);

@@ -4,21 +4,12 @@ use crate::odometry::Noise;
 use crate::wheels::{Pivot, Wheel};
 
 fn noise() -> Noise {
-    Noise {
-        speed: 0.02,
-        steering: 0.01,
-        slip: 0.01,
-        side_slip: 0.02,
-        ..Noise::READINGS
-    }
+    Noise { speed: 0.02, steering: 0.01, slip: 0.01, side_slip: 0.02, ..Noise::READINGS }
 }
 
 fn rules(gyroscope: Option<Gyroscope>) -> Rules {
     Rules {
-        settings: Settings {
-            noise: noise(),
-            ..Settings::default()
-        },
+        settings: Settings { noise: noise(), ..Settings::default() },
         gyroscope,
         in_space: false,
         attitude_noise: 0.0,
@@ -66,10 +57,7 @@ fn drive(into: &mut Preintegrated, rows: std::ops::Range<usize>, bias: f64) {
             yaw_rate: into.rules.gyroscope.map(|_| 0.3 * t.cos() + bias),
         };
         let half = 0.1 * (0.8 * t).sin();
-        let attitude = into
-            .rules
-            .in_space
-            .then(|| [half.sin(), 0.0, 0.0, half.cos()]);
+        let attitude = into.rules.in_space.then(|| [half.sin(), 0.0, 0.0, half.cos()]);
         into.add(sample, attitude).unwrap();
     }
 }
@@ -159,13 +147,9 @@ fn derivatives_are_differences() {
                 whole(changed, rules(None)).replay().unwrap().motion
             };
             let back = all.motion.inverse();
-            let difference = (back.compose(&moved(step)).log() - back.compose(&moved(-step)).log())
-                / (2.0 * step);
+            let difference = (back.compose(&moved(step)).log() - back.compose(&moved(-step)).log()) / (2.0 * step);
             let by = all.by(Column::Dimension(quantity, i));
-            assert!(
-                (difference - by).amax() < 1e-7,
-                "{quantity:?} {i} {difference} {by}"
-            );
+            assert!((difference - by).amax() < 1e-7, "{quantity:?} {i} {difference} {by}");
         }
     }
 }
@@ -173,13 +157,8 @@ fn derivatives_are_differences() {
 #[test]
 fn the_bias_of_a_gyroscope_has_its_derivative() {
     let with = |bias: f64| {
-        let gyroscope = Gyroscope {
-            bias,
-            ..Gyroscope::default()
-        };
-        whole(rover(|_, _| {}), rules(Some(gyroscope)))
-            .replay()
-            .unwrap()
+        let gyroscope = Gyroscope { bias, ..Gyroscope::default() };
+        whole(rover(|_, _| {}), rules(Some(gyroscope))).replay().unwrap()
     };
     let (here, more, less) = (with(0.01), with(0.01 + 1e-5), with(0.01 - 1e-5));
     let back = here.motion.inverse();
@@ -189,10 +168,7 @@ fn the_bias_of_a_gyroscope_has_its_derivative() {
 
 #[test]
 fn residuals_answer_as_their_differences_do() {
-    let motion = whole(rover(|_, _| {}), rules(None))
-        .replay()
-        .unwrap()
-        .motion;
+    let motion = whole(rover(|_, _| {}), rules(None)).replay().unwrap().motion;
     let first = Motion3::exp(&Vector6::new(0.3, -1.0, 0.2, 0.1, -0.2, 0.8));
     let off = Motion3::exp(&Vector6::new(0.05, 0.02, -0.01, 0.1, 0.05, -0.2));
     let second = first.compose(&motion).compose(&off);
@@ -223,15 +199,8 @@ fn a_tilted_plane_is_a_plane() {
     // The same wheels on a slope: seen along it, the same motion.
     let flat = whole(rover(|_, _| {}), rules(None)).replay().unwrap();
     let tilt = UnitQuaternion::from_euler_angles(0.4, -0.7, 2.0);
-    let mut sloped = Preintegrated::new(
-        rover(|_, _| {}),
-        Rules {
-            in_space: true,
-            attitude_noise: 0.01,
-            ..rules(None)
-        },
-    )
-    .unwrap();
+    let mut sloped =
+        Preintegrated::new(rover(|_, _| {}), Rules { in_space: true, attitude_noise: 0.01, ..rules(None) }).unwrap();
     let (mut source, mut yaw) = (whole(rover(|_, _| {}), rules(None)), 0.0);
     source = source.part(0..80, 0.0, 1.0).unwrap();
     for k in 0..80 {

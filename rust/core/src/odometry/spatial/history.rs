@@ -79,22 +79,14 @@ impl History {
     fn forget_oldest(&mut self) {
         self.entries.pop_front();
         self.first += 1;
-        while self
-            .corrections
-            .front()
-            .is_some_and(|known| known.entry < self.first)
-        {
+        while self.corrections.front().is_some_and(|known| known.entry < self.first) {
             self.corrections.pop_front();
         }
     }
 
     pub fn push(&mut self, read: Read, turned: &[f64; MAX_WHEELS], dt: f64, state: &State) {
         let oldest = read.stamp - self.lag;
-        while self
-            .entries
-            .front()
-            .is_some_and(|entry| entry.read.stamp < oldest)
-        {
+        while self.entries.front().is_some_and(|entry| entry.read.stamp < oldest) {
             self.forget_oldest();
         }
         // Without memory for one more the oldest makes room.
@@ -104,12 +96,7 @@ impl History {
             }
             self.forget_oldest();
         }
-        self.entries.push_back(Entry {
-            read,
-            turned: *turned,
-            dt,
-            state: *state,
-        });
+        self.entries.push_back(Entry { read, turned: *turned, dt, state: *state });
     }
 
     /// Remembers a correction; the oldest one makes room.
@@ -158,12 +145,7 @@ impl Odometry3 {
     /// A pose from outside at some instant of the last `lag` seconds, with its covariance in axes of the world, infinite
     /// variances where it says nothing. Between two samples the rover is taken to be on the screw of the step; after
     /// the last one it is taken to have gone on as before.
-    pub fn correct(
-        &mut self,
-        pose: Pose3,
-        stamp: f64,
-        covariance: [[f64; 6]; 6],
-    ) -> Result<(), Error> {
+    pub fn correct(&mut self, pose: Pose3, stamp: f64, covariance: [[f64; 6]; 6]) -> Result<(), Error> {
         let covariance = check_covariance(covariance, true)?;
         check_pose(&pose.numbers())?;
         let Some(reference) = self.reference.filter(|_| stamp.is_finite()) else {
@@ -178,11 +160,7 @@ impl Odometry3 {
         };
         let latest = last + history.lag.max(self.last_dt);
         if stamp < oldest || stamp > latest {
-            let rule = format!(
-                "be between {} and {}, as lag and history allow",
-                number(oldest),
-                number(latest)
-            );
+            let rule = format!("be between {} and {}, as lag and history allow", number(oldest), number(latest));
             return Err(Error::value("stamp", rule, number(stamp)));
         }
         // The first entry at or after it, or the last one.
@@ -190,33 +168,22 @@ impl Odometry3 {
         let after = entries.partition_point(|entry| entry.read.stamp < stamp);
         let at = after.min(entries.len().saturating_sub(1));
         let entry = entries.get(at);
-        let (twist, then) = entry.map_or((self.state.twist, last), |entry| {
-            (entry.state.twist, entry.read.stamp)
-        });
+        let (twist, then) = entry.map_or((self.state.twist, last), |entry| (entry.state.twist, entry.read.stamp));
         let number = entry.map(|_| history.first + at as u64);
         let seen = pose.motion();
-        let moved = seen.compose(&Motion3::exp(
-            &(nalgebra::Vector6::from(twist) * (then - stamp)),
-        ));
+        let moved = seen.compose(&Motion3::exp(&(nalgebra::Vector6::from(twist) * (then - stamp))));
         let mut swing = Matrix6::identity();
         let lever = (moved.translation - seen.translation).cross_matrix();
-        swing
-            .fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&-Matrix3::from(lever));
+        swing.fixed_view_mut::<3, 3>(0, 3).copy_from(&-Matrix3::from(lever));
         let covariance = match covariance.iter().all(|value| value.is_finite()) {
             true => swing * covariance * swing.transpose(),
             false => covariance,
         };
         let Some(entry) = number else {
-            self.fixed
-                .meet(&mut self.state, &reference, &moved, &covariance);
+            self.fixed.meet(&mut self.state, &reference, &moved, &covariance);
             return Ok(());
         };
-        let correction = Correction {
-            entry,
-            pose: moved,
-            covariance,
-        };
+        let correction = Correction { entry, pose: moved, covariance };
         self.replay(correction);
         self.history.remember(correction);
         Ok(())
@@ -229,31 +196,22 @@ impl Odometry3 {
         let place = self.history.place(first);
         let mut state = self.history.entries[place].state;
         let read = self.history.entries[place].read;
-        self.fixed
-            .meet(&mut state, &read, &correction.pose, &correction.covariance);
+        self.fixed.meet(&mut state, &read, &correction.pose, &correction.covariance);
         self.history.entries[place].state = state;
         for number in first + 1..next {
             let (before, place) = (self.history.place(number - 1), self.history.place(number));
-            let (start, entry) = (
-                self.history.entries[before].read,
-                self.history.entries[place],
-            );
+            let (start, entry) = (self.history.entries[before].read, self.history.entries[place]);
             let kept = state;
             let reads = [&start, &entry.read];
-            if let Ok(taken) = self
-                .fixed
-                .advance(reads, &entry.turned, entry.dt, &mut state)
-            {
+            if let Ok(taken) = self.fixed.advance(reads, &entry.turned, entry.dt, &mut state) {
                 self.noise = taken.noise;
             } else {
                 state = kept;
-                self.fixed
-                    .hold(&mut state, &entry.state, &entry.read, entry.dt);
+                self.fixed.hold(&mut state, &entry.state, &entry.read, entry.dt);
             }
             let known = &self.history.corrections;
             for known in known.iter().filter(|known| known.entry == number) {
-                self.fixed
-                    .meet(&mut state, &entry.read, &known.pose, &known.covariance);
+                self.fixed.meet(&mut state, &entry.read, &known.pose, &known.covariance);
             }
             self.history.entries[place].state = state;
         }

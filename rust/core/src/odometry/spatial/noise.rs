@@ -28,11 +28,7 @@ impl Closing {
                 by_x * up.x + by_y * up.y
             }
         };
-        Self {
-            spread: up.z - by_yaw[5],
-            by_yaw,
-            up,
-        }
+        Self { spread: up.z - by_yaw[5], by_yaw, up }
     }
 
     /// The displacement's derivative, given that at a held yaw, and that of the measured turn.
@@ -45,12 +41,7 @@ impl Closing {
 }
 
 /// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
-pub(super) fn errors(
-    way: &Way<'_>,
-    told: &Told,
-    tilt: Option<&Tilt>,
-    into: &mut StepNoise,
-) -> bool {
+pub(super) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
     let noise = &way.settings.common.noise;
     let (chain, response) = (way.chain, &told.response);
     let count = chain.wheels().len();
@@ -73,9 +64,7 @@ pub(super) fn errors(
         let rolled = way.radii[wheel] * way.turned[wheel];
         [along + if rolled.is_nan() { 0.0 } else { rolled }, aside]
     });
-    let furthest = ways[..count]
-        .iter()
-        .fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
+    let furthest = ways[..count].iter().fold(0.0_f64, |most, [ahead, _]| most.max(ahead.abs()));
     let mut slips = false;
     let mut steering = [Vector6::zeros(); MAX_WHEELS];
     for (wheel, &[ahead, left]) in ways.iter().enumerate().take(count) {
@@ -111,11 +100,7 @@ pub(super) fn errors(
             steering[joint] += (by_side * ahead - by_way * left) * tilted;
             variance += (steering_deviation * ahead).powi(2);
         }
-        let slid = if read {
-            along_slid.hypot(aside)
-        } else {
-            aside.abs()
-        };
+        let slid = if read { along_slid.hypot(aside) } else { aside.abs() };
         let bound = match way.settings.common.slip_threshold {
             Some(threshold) => threshold * way.dt,
             None => SUSPICIOUS * variance.sqrt() + ROUNDING * furthest,
@@ -134,9 +119,7 @@ pub(super) fn errors(
     if let (Some(tilt), Some(closing), Some(turn)) = (tilt, &closing, &told.turn) {
         let [by_x, by_y] = response.by_tilting.map(Vector6::from);
         let [old, new] = tilt.by_ends(turn, way);
-        let moved = |by: Vector3<f64>| {
-            closing.close(by_x * by.x + by_y * by.y, &by) * way.settings.attitude_noise
-        };
+        let moved = |by: Vector3<f64>| closing.close(by_x * by.x + by_y * by.y, &by) * way.settings.attitude_noise;
         for axis in 0..2 {
             into.old[TILT + axis] = moved(old[axis]);
             into.new[TILT + axis] = moved(new[axis]);
@@ -147,12 +130,7 @@ pub(super) fn errors(
 
 /// What a gyroscope, or the yaw of an attitude, changes of the displacement: wheels and gyroscope share the turn by their
 /// noise.
-pub(super) fn share(
-    way: &Way<'_>,
-    told: &Told,
-    tilt: Option<&Tilt>,
-    noise: &mut StepNoise,
-) -> Option<Vector6<f64>> {
+pub(super) fn share(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, noise: &mut StepNoise) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
     let turn = match (way.after.yaw_rate, known) {
         (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,
@@ -162,18 +140,10 @@ pub(super) fn share(
     let told_by = &way.settings.common.noise;
     // The reading at each end counts for half the step.
     let deviation = told_by.yaw_rate * told_by.sharing(way.dt).sqrt() * way.dt / 2.0;
-    let of_wheels = StepNoise {
-        own: noise.own,
-        old: wheels_only(&noise.old),
-        new: wheels_only(&noise.new),
-    };
+    let of_wheels = StepNoise { own: noise.own, old: wheels_only(&noise.old), new: wheels_only(&noise.new) };
     let total = of_wheels.total();
     let spread = total[(5, 5)] + 2.0 * deviation * deviation;
-    let mut gain = if spread > 0.0 {
-        total.column(5) / spread
-    } else {
-        Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    };
+    let mut gain = if spread > 0.0 { total.column(5) / spread } else { Vector6::new(0.0, 0.0, 0.0, 0.0, 0.0, 1.0) };
     if let Some(tilt) = tilt {
         // Tilt at the ends is as it was measured: the body turns about the vertical.
         gain[3] = gain[5] * tilt.up.x / tilt.up.z;

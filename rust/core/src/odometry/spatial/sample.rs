@@ -57,11 +57,7 @@ impl Attitude {
             return Ok(());
         }
         let rule = format!("be upright, tilted by {OVERTURNED} rad at most");
-        Err(Error::value(
-            "attitude",
-            rule,
-            format!("a tilt of {}", radians(tilt)),
-        ))
+        Err(Error::value("attitude", rule, format!("a tilt of {}", radians(tilt))))
     }
 
     /// `Ry(pitch) Rx(roll)`.
@@ -123,13 +119,8 @@ impl Read {
 
     /// A sample with the steering angles that were made of it.
     pub fn of(sample: &Sample3<'_>, angles: [f64; MAX_WHEELS]) -> Self {
-        let mut read = Self {
-            stamp: sample.stamp,
-            angles,
-            attitude: sample.attitude,
-            yaw_rate: sample.yaw_rate,
-            ..Self::NONE
-        };
+        let mut read =
+            Self { stamp: sample.stamp, angles, attitude: sample.attitude, yaw_rate: sample.yaw_rate, ..Self::NONE };
         read.steering[..sample.steering.len()].copy_from_slice(sample.steering);
         read.wheels[..sample.wheels.len()].copy_from_slice(sample.wheels);
         if let Some(joints) = sample.joints {
@@ -164,11 +155,7 @@ pub fn attitude(numbers: &[f64]) -> Result<Attitude, Error> {
         [x, y, z, w] => Attitude::from_quaternion([x, y, z, w]),
         _ => {
             let rule = "hold roll and pitch, roll, pitch and yaw, or a quaternion x, y, z, w";
-            Err(Error::value(
-                "attitude",
-                rule,
-                format!("{} numbers", numbers.len()),
-            ))
+            Err(Error::value("attitude", rule, format!("{} numbers", numbers.len())))
         }
     }
 }

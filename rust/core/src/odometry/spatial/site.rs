@@ -32,16 +32,8 @@ pub(super) struct Place {
 
 impl Place {
     /// Settles a chain; the status where it does not stand.
-    pub fn find(
-        chain: &Chain,
-        ground: &Terrain,
-        pose: PlanPose,
-        steering: &[f64; MAX_WHEELS],
-    ) -> Result<Self, Status> {
-        if ![pose.x, pose.y, pose.yaw]
-            .iter()
-            .all(|part| part.is_finite())
-        {
+    pub fn find(chain: &Chain, ground: &Terrain, pose: PlanPose, steering: &[f64; MAX_WHEELS]) -> Result<Self, Status> {
+        if ![pose.x, pose.y, pose.yaw].iter().all(|part| part.is_finite()) {
             return Err(Status::NotConverged);
         }
         let steered = chain.steering().len();
@@ -96,11 +88,7 @@ impl Place {
         let by = crate::ground::by_pose(chain, &placed, &self.stand)?;
         Some(std::array::from_fn(|k| {
             let about = placed.roll_axis * by[1][k] + placed.pitch_axis * by[2][k];
-            let upright = if k == 2 {
-                Vector3::z()
-            } else {
-                Vector3::zeros()
-            };
+            let upright = if k == 2 { Vector3::z() } else { Vector3::zeros() };
             (by[0][k], about + upright)
         }))
     }

@@ -48,16 +48,14 @@ impl StepNoise {
     pub fn total(&self) -> Matrix6<f64> {
         let ends = self.old.iter().chain(&self.new);
         ends.filter(|column| **column != Vector6::zeros())
-            .fold(self.own, |total, column| {
-                total + column * column.transpose()
-            })
+            .fold(self.own, |total, column| total + column * column.transpose())
     }
 }
 
 const fn zero() -> Matrix6<f64> {
     Matrix6::new(
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     )
 }
 
@@ -87,10 +85,7 @@ impl Answer {
             let end = turn * (way + about.cross(&body));
             by_displacement.set_column(k, &whole(&end, &(turn * about)));
         }
-        Self {
-            way: turn * body,
-            by_displacement,
-        }
+        Self { way: turn * body, by_displacement }
     }
 
     /// What an error of the start is at the end.
@@ -101,10 +96,7 @@ impl Answer {
 }
 
 fn parts(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        Vector3::new(error[0], error[1], error[2]),
-        Vector3::new(error[3], error[4], error[5]),
-    )
+    (Vector3::new(error[0], error[1], error[2]), Vector3::new(error[3], error[4], error[5]))
 }
 
 pub(super) fn whole(way: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
@@ -113,20 +105,13 @@ pub(super) fn whole(way: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
 
 impl Errors {
     pub fn none() -> Self {
-        Self {
-            settled: Matrix6::zeros(),
-            carried: [Vector6::zeros(); SHARED],
-        }
+        Self { settled: Matrix6::zeros(), carried: [Vector6::zeros(); SHARED] }
     }
 
     /// Covariance of the pose.
     pub fn covariance(&self) -> Matrix6<f64> {
         let mut covariance = self.settled;
-        for column in self
-            .carried
-            .iter()
-            .filter(|column| **column != Vector6::zeros())
-        {
+        for column in self.carried.iter().filter(|column| **column != Vector6::zeros()) {
             covariance += column * column.transpose();
         }
         covariance
@@ -146,25 +131,15 @@ impl Errors {
     }
 
     /// Goes along one step.
-    pub fn propagate(
-        &mut self,
-        start: &UnitQuaternion<f64>,
-        tangent: &Vector6<f64>,
-        noise: &StepNoise,
-    ) {
+    pub fn propagate(&mut self, start: &UnitQuaternion<f64>, tangent: &Vector6<f64>, noise: &StepNoise) {
         let step = Answer::new(start, tangent);
         let mut by_start = Matrix6::identity();
         let swing = -step.way.cross_matrix();
         by_start.fixed_view_mut::<3, 3>(0, 3).copy_from(&swing);
         let by = &step.by_displacement;
-        self.settled =
-            by_start * self.settled * by_start.transpose() + by * noise.own * by.transpose();
+        self.settled = by_start * self.settled * by_start.transpose() + by * noise.own * by.transpose();
         let zero = Vector6::zeros();
-        for (carried, (old, new)) in self
-            .carried
-            .iter_mut()
-            .zip(noise.old.iter().zip(&noise.new))
-        {
+        for (carried, (old, new)) in self.carried.iter_mut().zip(noise.old.iter().zip(&noise.new)) {
             if *carried != zero || *old != zero {
                 let all = step.carry(carried) + by * old;
                 self.settled += all * all.transpose();
@@ -183,12 +158,7 @@ impl Errors {
 
     /// A pose from outside with this covariance, infinite where it says nothing: by how much its innovation moves
     /// the pose. `seen` is how what is measured answers to an error, `keeps` what the pose may be moved in.
-    pub fn correct(
-        &mut self,
-        measured: &Matrix6<f64>,
-        seen: &Matrix6<f64>,
-        keeps: &Matrix6<f64>,
-    ) -> Matrix6<f64> {
+    pub fn correct(&mut self, measured: &Matrix6<f64>, seen: &Matrix6<f64>, keeps: &Matrix6<f64>) -> Matrix6<f64> {
         let mut known = Matrix6::zeros();
         let mut noise = *measured;
         for k in 0..6 {
@@ -204,9 +174,7 @@ impl Errors {
         let spread = seen * across + noise + (Matrix6::identity() - known);
         let gain = if noise == Matrix6::zeros() {
             // Taken at its word: the pose is what is measured, and the rest follows as far as it is tied to it.
-            spread
-                .cholesky()
-                .map_or(known, |spread| across * spread.inverse())
+            spread.cholesky().map_or(known, |spread| across * spread.inverse())
         } else {
             let bound = f64::EPSILON * spread.amax();
             across * Jacobi::new(&spread).inverse(bound)

@@ -37,14 +37,7 @@ pub struct Pose3 {
 
 impl From<[f64; 6]> for Pose3 {
     fn from([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Self {
-        Self {
-            x,
-            y,
-            z,
-            roll,
-            pitch,
-            yaw,
-        }
+        Self { x, y, z, roll, pitch, yaw }
     }
 }
 
@@ -66,14 +59,7 @@ impl Pose3 {
     pub fn of(motion: &Motion3) -> Self {
         let (roll, pitch, yaw) = motion.rotation.euler_angles();
         let place = motion.translation;
-        Self {
-            x: place.x,
-            y: place.y,
-            z: place.z,
-            roll,
-            pitch,
-            yaw,
-        }
+        Self { x: place.x, y: place.y, z: place.z, roll, pitch, yaw }
     }
 }
 
@@ -141,11 +127,7 @@ impl State {
     }
 
     fn plan(&self) -> PlanPose {
-        PlanPose {
-            x: self.walk.x.value(),
-            y: self.walk.y.value(),
-            yaw: self.walk.heading.value(),
-        }
+        PlanPose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.heading.value() }
     }
 
     pub fn rotation(&self) -> UnitQuaternion<f64> {
@@ -199,11 +181,7 @@ impl Fixed {
             Err(status) => {
                 let PlanPose { x, y, .. } = state.plan();
                 let value = format!("{} at x {}, y {}", status.name(), number(x), number(y));
-                Err(Error::value(
-                    "pose",
-                    "be one at which the rover stands on the ground",
-                    value,
-                ))
+                Err(Error::value("pose", "be one at which the rover stands on the ground", value))
             }
         }
     }
@@ -319,12 +297,7 @@ impl Fixed {
             None => true,
             Some(ground) => self.stand(state, after, ground).is_ok() && place.is_some(),
         };
-        Ok(Taken {
-            noise: step.noise,
-            slid: step.slid,
-            slips: step.slips,
-            settled,
-        })
+        Ok(Taken { noise: step.noise, slid: step.slid, slips: step.slips, settled })
     }
 
     /// Where the rover stands in the middle of a step.
@@ -336,11 +309,7 @@ impl Fixed {
         let shift = start * half.translation;
         let (_, _, yaw) = (start * half.rotation).euler_angles();
         let plan = state.plan();
-        let pose = PlanPose {
-            x: plan.x + shift.x,
-            y: plan.y + shift.y,
-            yaw,
-        };
+        let pose = PlanPose { x: plan.x + shift.x, y: plan.y + shift.y, yaw };
         Place::find(&self.chain, ground, pose, &middle_angles(way))
     }
 }
@@ -354,10 +323,7 @@ fn off_ground(state: &State, status: Status) -> Refusal {
 
 /// A covariance that is symmetric and has no negative variance; infinite ones, where they may be, say nothing of a
 /// direction.
-pub(super) fn check_covariance(
-    covariance: [[f64; 6]; 6],
-    may_be_infinite: bool,
-) -> Result<Matrix6<f64>, Error> {
+pub(super) fn check_covariance(covariance: [[f64; 6]; 6], may_be_infinite: bool) -> Result<Matrix6<f64>, Error> {
     let mut matrix = Matrix6::from(covariance);
     for k in 0..6 {
         matrix[(k, k)] = read_variance(matrix[(k, k)]);
@@ -372,13 +338,7 @@ pub(super) fn check_covariance(
             }
         }
     }
-    let known = Matrix6::from_fn(|i, k| {
-        if open(i) || open(k) {
-            0.0
-        } else {
-            matrix[(i, k)]
-        }
-    });
+    let known = Matrix6::from_fn(|i, k| if open(i) || open(k) { 0.0 } else { matrix[(i, k)] });
     let size = |i: usize, k: usize| (known[(i, i)] * known[(k, k)]).sqrt();
     for i in 0..6 {
         for k in 0..i {

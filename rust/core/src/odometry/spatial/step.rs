@@ -91,10 +91,7 @@ impl Tilt {
             let (sin, cos) = roll.sin_cos();
             [Vector3::x(), Vector3::new(0.0, cos, -sin)]
         });
-        [
-            axes[0].map(|axis| turn.cross(&axis) * 0.5 - axis),
-            axes[1].map(|axis| axis + turn.cross(&axis) * 0.5),
-        ]
+        [axes[0].map(|axis| turn.cross(&axis) * 0.5 - axis), axes[1].map(|axis| axis + turn.cross(&axis) * 0.5)]
     }
 }
 
@@ -144,14 +141,7 @@ pub(super) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
     if !finite {
         return Err(huge());
     }
-    Ok(Step {
-        tangent,
-        yaw: tilt.map(|_| yaw),
-        noise,
-        slid: told.slid,
-        slips,
-        slopes: told.slopes,
-    })
+    Ok(Step { tangent, yaw: tilt.map(|_| yaw), noise, slid: told.slid, slips, slopes: told.slopes })
 }
 
 /// What a step says to `moving`: everything over the whole of it, angles in its middle.
@@ -245,17 +235,9 @@ impl Input {
     fn contacts(&self, way: &Way<'_>, underfoot: &Underfoot<'_>, motion: Option<&Row>) -> Found {
         match underfoot {
             Underfoot::Unmapped(unmapped) => {
-                let climb = Climb {
-                    motion,
-                    turned: &self.speeds[..self.wheels],
-                    slopes: way.slopes,
-                    doubt: way.doubt,
-                };
+                let climb = Climb { motion, turned: &self.speeds[..self.wheels], slopes: way.slopes, doubt: way.doubt };
                 let found = unmapped.contacts(way.chain, &climb);
-                Found {
-                    contacts: found.contacts.sharing_sides(),
-                    ..found
-                }
+                Found { contacts: found.contacts.sharing_sides(), ..found }
             }
             Underfoot::Ground(found) => *found,
         }
@@ -274,12 +256,7 @@ pub(super) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
     let input = Input::of(way);
     let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
     let found = input.contacts(way, &underfoot, None);
-    let half = Vector6::from(
-        found
-            .contacts
-            .forward(&input.readings(None), way.radii)
-            .twist,
-    ) * 0.5;
+    let half = Vector6::from(found.contacts.forward(&input.readings(None), way.radii).twist) * 0.5;
     half.iter().all(|part| part.is_finite()).then_some(half)
 }
 
@@ -298,20 +275,14 @@ fn tell(way: &Way<'_>, site: &Site<'_>, tilt: Option<&Tilt>) -> Result<Told, Err
     let mut round = 0;
     loop {
         let turn = tilt.map(|tilt| tilt.turn(yaw));
-        let Found {
-            contacts,
-            at,
-            slopes,
-        } = input.contacts(way, &underfoot, rates.as_ref());
+        let Found { contacts, at, slopes } = input.contacts(way, &underfoot, rates.as_ref());
         let body = turn.map(|turn| [turn.x, turn.y, f64::NAN]);
         let readings = input.readings(body.as_ref());
         let moving = contacts.forward(&readings, way.radii);
         if moving.twist.iter().any(|rate| rate.is_nan()) {
             let rule = "determine the motion, with attitude and joints";
             let value = numbers(&way.turned[..input.wheels]);
-            return Err(
-                Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined)
-            );
+            return Err(Error::value("wheel_angles", rule, value).of_kind(ErrorKind::Underdetermined));
         }
         let mut now = [0.0; COLUMNS];
         now[..6].copy_from_slice(&moving.twist);

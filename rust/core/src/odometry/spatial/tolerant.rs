@@ -75,12 +75,7 @@ impl Odometry3 {
 
     /// Takes in every row of a log, from where the last one ended. With `strict` the first row that cannot be is an
     /// error; otherwise such rows are left out and flagged. On failure nothing has changed.
-    pub fn run(
-        &mut self,
-        recording: Recording3<'_>,
-        strict: bool,
-        track: TrackRows3<'_>,
-    ) -> Result<(), Error> {
+    pub fn run(&mut self, recording: Recording3<'_>, strict: bool, track: TrackRows3<'_>) -> Result<(), Error> {
         let before = strict.then(|| self.clone());
         let taken = self.take_all(recording, strict, track);
         if let (Err(_), Some(before)) = (&taken, before) {
@@ -89,20 +84,9 @@ impl Odometry3 {
         taken
     }
 
-    fn take_all(
-        &mut self,
-        recording: Recording3<'_>,
-        strict: bool,
-        track: TrackRows3<'_>,
-    ) -> Result<(), Error> {
+    fn take_all(&mut self, recording: Recording3<'_>, strict: bool, track: TrackRows3<'_>) -> Result<(), Error> {
         let wheels = self.fixed.chain.wheels().len();
-        let TrackRows3 {
-            poses,
-            twists,
-            mut covariances,
-            mut slips,
-            health,
-        } = track;
+        let TrackRows3 { poses, twists, mut covariances, mut slips, health } = track;
         for k in 0..recording.stamps.len() {
             let flags = match (self.row(&recording, k), strict) {
                 (Ok(sample), true) => self.update(sample).map_err(|error| error.at_row(k))?,
@@ -135,8 +119,7 @@ impl Odometry3 {
             None => None,
             Some((all, width)) => {
                 let numbers = part(all, width);
-                let is_missing =
-                    self.fixed.ground.is_some() && numbers.iter().all(|one| one.is_nan());
+                let is_missing = self.fixed.ground.is_some() && numbers.iter().all(|one| one.is_nan());
                 (!is_missing).then(|| attitude(numbers)).transpose()?
             }
         };
@@ -145,9 +128,7 @@ impl Odometry3 {
             steering: part(recording.steering, chain.steering().len()),
             wheels: part(recording.wheels, chain.wheels().len()),
             stamp: recording.stamps[k],
-            joints: recording
-                .joints
-                .map(|joints| part(joints, chain.joints().len())),
+            joints: recording.joints.map(|joints| part(joints, chain.joints().len())),
             attitude,
             yaw_rate: rate.filter(|rate| !rate.is_nan()),
         })

@@ -28,30 +28,9 @@ fn series<F: Arithmetic>(by: F, square: F::Number, terms: &[f64; 6]) -> F::Numbe
     sum
 }
 
-const SINE: [f64; 6] = [
-    1.0 / 6.0,
-    1.0 / 20.0,
-    1.0 / 42.0,
-    1.0 / 72.0,
-    1.0 / 110.0,
-    1.0 / 156.0,
-];
-const COSINE: [f64; 6] = [
-    1.0 / 2.0,
-    1.0 / 12.0,
-    1.0 / 30.0,
-    1.0 / 56.0,
-    1.0 / 90.0,
-    1.0 / 132.0,
-];
-const SLOPE: [f64; 6] = [
-    1.0 / 10.0,
-    1.0 / 28.0,
-    1.0 / 54.0,
-    1.0 / 88.0,
-    1.0 / 130.0,
-    1.0 / 180.0,
-];
+const SINE: [f64; 6] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0, 1.0 / 110.0, 1.0 / 156.0];
+const COSINE: [f64; 6] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0, 1.0 / 132.0];
+const SLOPE: [f64; 6] = [1.0 / 10.0, 1.0 / 28.0, 1.0 / 54.0, 1.0 / 88.0, 1.0 / 130.0, 1.0 / 180.0];
 
 /// How an arc bends that turns by twice this: its chord as a share of its length, the slope of that, sine and cosine.
 pub(crate) type Bend<T> = [T; 4];
@@ -61,12 +40,7 @@ pub(crate) type Bend<T> = [T; 4];
 pub(crate) fn small_bend<F: Arithmetic>(by: F, half: F::Number) -> Bend<F::Number> {
     let square = half * half;
     let length = series(by, square, &SINE);
-    [
-        length,
-        half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE),
-        half * length,
-        series(by, square, &COSINE),
-    ]
+    [length, half * by.number(-1.0 / 3.0) * series(by, square, &SLOPE), half * length, series(by, square, &COSINE)]
 }
 
 /// Of any arc.
@@ -90,25 +64,14 @@ pub(crate) fn step_jacobian<F: Arithmetic>(
 ) -> StepJacobian<F::Number> {
     // The chord leaves at half the turn, in world axes.
     let [heading_sin, heading_cos] = heading;
-    let (s, c) = (
-        heading_sin * cos + heading_cos * sin,
-        heading_cos * cos - heading_sin * sin,
-    );
+    let (s, c) = (heading_sin * cos + heading_cos * sin, heading_cos * cos - heading_sin * sin);
     let (ahead, left) = (c * vx - s * vy, s * vx + c * vy);
     let half = by.number(0.5);
     StepJacobian {
         shift: [length * ahead, length * left],
         by_displacement: [
-            [
-                length * c,
-                -(length * s),
-                (slope * ahead - length * left) * half,
-            ],
-            [
-                length * s,
-                length * c,
-                (slope * left + length * ahead) * half,
-            ],
+            [length * c, -(length * s), (slope * ahead - length * left) * half],
+            [length * s, length * c, (slope * left + length * ahead) * half],
         ],
     }
 }
@@ -122,11 +85,7 @@ mod tests {
     fn a_step_answers_as_its_differences_do() {
         let yaw: f64 = 0.7;
         let end = |yaw: f64, displacement: [f64; 3]| -> [f64; 3] {
-            let start = Pose {
-                x: 0.0,
-                y: 0.0,
-                yaw,
-            };
+            let start = Pose { x: 0.0, y: 0.0, yaw };
             start.compose(Twist::from(displacement).exp(1.0)).into()
         };
         for omega in [0.0, 1e-9, 0.1, -0.3, 0.499_999, 0.500_001, -2.0, 6.0] {
@@ -152,20 +111,8 @@ mod tests {
 
     #[test]
     fn the_chord_is_the_same_on_both_sides_of_its_bound() {
-        for angle in [
-            0.0,
-            1e-300,
-            1e-8,
-            0.1,
-            0.499_999_999,
-            0.500_000_001,
-            3.0,
-            -0.2,
-        ] {
-            assert!(
-                (chord(angle) - sinc(angle / 2.0)).abs() < 2.0 * f64::EPSILON,
-                "{angle}"
-            );
+        for angle in [0.0, 1e-300, 1e-8, 0.1, 0.499_999_999, 0.500_000_001, 3.0, -0.2] {
+            assert!((chord(angle) - sinc(angle / 2.0)).abs() < 2.0 * f64::EPSILON, "{angle}");
         }
     }
 }

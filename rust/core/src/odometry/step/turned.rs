@@ -32,11 +32,8 @@ pub(crate) fn gain<F: Arithmetic>(
     let [_, _, x, _, y, z] = wheels.into();
     let both_ends = by.number(2.0) * (turned.deviation * turned.deviation);
     let variance = z + both_ends + turned.bias_variance * (dt * dt);
-    let gain = [
-        by.over(x * turned.says, variance),
-        by.over(y * turned.says, variance),
-        by.over(z * turned.says, variance),
-    ];
+    let gain =
+        [by.over(x * turned.says, variance), by.over(y * turned.says, variance), by.over(z * turned.says, variance)];
     (gain, variance)
 }
 
@@ -47,11 +44,7 @@ pub(crate) fn left<F: Arithmetic>(
     [to_x, to_y, to_z]: Gain<F::Number>,
     [x, y, z]: [F::Number; 3],
 ) -> [F::Number; 3] {
-    [
-        by.fused(-to_x, z, x),
-        by.fused(-to_y, z, y),
-        (by.number(1.0) - to_z) * z,
-    ]
+    [by.fused(-to_x, z, x), by.fused(-to_y, z, y), (by.number(1.0) - to_z) * z]
 }
 
 /// The same of its covariance, with what readings at one end add.
@@ -75,11 +68,7 @@ pub(crate) fn agreed<F: Arithmetic>(
     turn: F::Number,
 ) -> [F::Number; 3] {
     let beyond = turn - z;
-    [
-        by.fused(gain[0], beyond, x),
-        by.fused(gain[1], beyond, y),
-        by.fused(gain[2], beyond, z),
-    ]
+    [by.fused(gain[0], beyond, x), by.fused(gain[1], beyond, y), by.fused(gain[2], beyond, z)]
 }
 
 /// An error that was there before a step, at its end, where the step has the error `end` of the same origin: `lever` is by
@@ -91,11 +80,7 @@ pub(crate) fn met<F: Arithmetic>(
     [x, y, z]: [F::Number; 3],
     end: [F::Number; 3],
 ) -> [F::Number; 3] {
-    [
-        by.fused(lever_x, z, x + end[0]),
-        by.fused(lever_y, z, y + end[1]),
-        z + end[2],
-    ]
+    [by.fused(lever_x, z, x + end[0]), by.fused(lever_y, z, y + end[1]), z + end[2]]
 }
 
 /// What a step adds to the covariance of the pose as it leans on a gyroscope, by whose bias the end is off by `by_bias`

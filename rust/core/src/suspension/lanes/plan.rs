@@ -82,13 +82,7 @@ impl Plan {
             if plane > 1 || carrier.is_some_and(|its| its != plane) {
                 return None;
             }
-            plan.parts.push(Part {
-                parent,
-                origin,
-                plane,
-                joint,
-                across,
-            });
+            plan.parts.push(Part { parent, origin, plane, joint, across });
             frames.push((plan.parts.len(), None));
         }
         if plan.parts.len() > MOST_PARTS {
@@ -116,13 +110,11 @@ impl Plan {
         }
         let moves = |joint: usize| move |wheel: &&Wheel| wheel.moved >> joint & 1 == 1;
         let wheels = &plan.wheels;
-        plan.order
-            .sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
+        plan.order.sort_by_key(|joint| wheels.iter().filter(moves(*joint)).count());
         for joint in 0..chain.steering().len() {
             let own = wheels.iter().filter(|wheel| wheel.steering == Some(joint));
-            let [ahead, left] = own.fold([0.0; 2], |[ahead, left], wheel| {
-                [ahead + wheel.offset[0], left + wheel.offset[1]]
-            });
+            let [ahead, left] =
+                own.fold([0.0; 2], |[ahead, left], wheel| [ahead + wheel.offset[0], left + wheel.offset[1]]);
             plan.centred |= u32::from(ahead == 0.0 && left == 0.0) << joint;
         }
         Some(plan)

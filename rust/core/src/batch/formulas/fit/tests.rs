@@ -18,12 +18,7 @@ struct Found {
 }
 
 /// All rows of a log at one level.
-fn fit_all(
-    rover: &Rover,
-    log: Log<'_>,
-    method: Method,
-    level: batch::Level,
-) -> (Result<(), Error>, Found) {
+fn fit_all(rover: &Rover, log: Log<'_>, method: Method, level: batch::Level) -> (Result<(), Error>, Found) {
     let count = log.speeds.len() / rover.wheels().len();
     let mut found = Found {
         twists: vec![[0.0; 3]; count],
@@ -39,10 +34,7 @@ fn fit_all(
         residual: &mut found.residual,
         weights: &mut found.weights,
     };
-    let workers = batch::Workers {
-        level,
-        ..batch::Workers::PLAIN
-    };
+    let workers = batch::Workers { level, ..batch::Workers::PLAIN };
     let done = batch::fit(rover, log, method, Unseen::Refuse, fits, workers);
     (done, found)
 }
@@ -54,21 +46,15 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
         let rover = numbers.rover()?;
         let (joints, wheels, count) = (rover.steered().len(), rover.wheels().len(), 131);
         let method = [Method::LeastSquares, Method::MiddleWheels][round % 2];
-        let mut some =
-            |n: usize| -> Vec<f64> { (0..n).map(|_| numbers.between(-3.0, 3.0)).collect() };
+        let mut some = |n: usize| -> Vec<f64> { (0..n).map(|_| numbers.between(-3.0, 3.0)).collect() };
         let (steering, mut speeds) = (some(count * joints), some(count * wheels));
         speeds[5 * wheels] = 1e150;
-        let log = Log {
-            steering: &steering,
-            speeds: &speeds,
-            steering_rates: None,
-        };
+        let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
         let (done, fits) = fit_all(&rover, log, method, batch::Level::best());
         let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
         for k in 0..count {
             let measured = log.row(&rover, k);
-            let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says)
-            {
+            let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
                 Ok(expected) => expected,
                 Err(error) => {
                     assert_eq!(done, Err(error.at_row(k)));
@@ -76,25 +62,14 @@ fn fits_of_many_rows_are_those_of_single_ones() -> Result<(), Error> {
                 }
             };
             let row = k * wheels..(k + 1) * wheels;
-            let size = 1e-12
-                * speeds[row.clone()]
-                    .iter()
-                    .fold(1.0, |most: f64, v| most.max(v.abs()));
+            let size = 1e-12 * speeds[row.clone()].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
             let near = |a: f64, b: f64| (a - b).abs() <= size / expected.sigma_min.min(1.0);
             let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
-            assert!(
-                a.into_iter().zip(b).all(|(a, b)| near(a, b)),
-                "{a:?} {expected:?} {rover:?}"
-            );
+            assert!(a.into_iter().zip(b).all(|(a, b)| near(a, b)), "{a:?} {expected:?} {rover:?}");
             assert_eq!(fits.ranks[k], expected.rank as i64);
             assert!((fits.sigmas[k] - expected.sigma_min).abs() <= 1e-13);
             assert_eq!(fits.weights[row.clone()], says);
-            assert!(
-                fits.residual[row]
-                    .iter()
-                    .zip(&slips)
-                    .all(|(a, b)| near(*a, *b))
-            );
+            assert!(fits.residual[row].iter().zip(&slips).all(|(a, b)| near(*a, *b)));
         }
     }
     Ok(())
@@ -113,15 +88,8 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let (mut steering, mut speeds) = (vec![0.0; count * joints], vec![0.0; count * wheels]);
         for k in 0..count {
-            let twist = Twist {
-                vx: numbers.between(-1.0, 1.0),
-                vy: 0.0,
-                omega: numbers.between(-1.0, 1.0),
-            };
-            let (steering, speeds) = (
-                row_mut(&mut steering, joints, k),
-                row_mut(&mut speeds, wheels, k),
-            );
+            let twist = Twist { vx: numbers.between(-1.0, 1.0), vy: 0.0, omega: numbers.between(-1.0, 1.0) };
+            let (steering, speeds) = (row_mut(&mut steering, joints, k), row_mut(&mut speeds, wheels, k));
             rover.solve(twist, Inputs::default(), steering, speeds);
             for angle in steering.iter_mut() {
                 *angle += numbers.between(-0.01, 0.01);
@@ -137,36 +105,26 @@ fn robust_fits_of_registers_are_those_of_the_plain_core() -> Result<(), Error> {
             }
         }
         speeds[5 * wheels] = 1e130;
-        let log = Log {
-            steering: &steering,
-            speeds: &speeds,
-            steering_rates: None,
-        };
+        let log = Log { steering: &steering, speeds: &speeds, steering_rates: None };
         for level in batch::Level::available() {
             let method = Method::Robust;
             let (done, fits) = fit_all(&rover, log, method, level);
             let [mut slips, mut says] = [vec![0.0; wheels], vec![0.0; wheels]];
             for k in 0..count {
                 let measured = log.row(&rover, k);
-                let expected =
-                    match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
-                        Ok(expected) => expected,
-                        Err(error) => {
-                            assert_eq!(done, Err(error.at_row(k)));
-                            break;
-                        }
-                    };
+                let expected = match rover.fit(measured, method, Unseen::Refuse, &mut slips, &mut says) {
+                    Ok(expected) => expected,
+                    Err(error) => {
+                        assert_eq!(done, Err(error.at_row(k)));
+                        break;
+                    }
+                };
                 let row = k * wheels..(k + 1) * wheels;
-                let largest = speeds[row.clone()]
-                    .iter()
-                    .fold(1.0, |most: f64, v| most.max(v.abs()));
+                let largest = speeds[row.clone()].iter().fold(1.0, |most: f64, v| most.max(v.abs()));
                 let weight = 1e-10 / expected.sigma_min.powi(2).min(1.0);
                 let near = |a: f64, b: f64| (a - b).abs() <= weight * largest;
                 let (a, b): ([f64; 3], [f64; 3]) = (fits.twists[k], expected.twist.into());
-                assert!(
-                    a.into_iter().zip(b).all(|(a, b)| near(a, b)),
-                    "{k} {level:?} {a:?} {expected:?} {rover:?}"
-                );
+                assert!(a.into_iter().zip(b).all(|(a, b)| near(a, b)), "{k} {level:?} {a:?} {expected:?} {rover:?}");
                 assert_eq!(fits.ranks[k], expected.rank as i64);
                 assert!((fits.sigmas[k] - expected.sigma_min).abs() <= weight);
                 let says = says.iter().zip(&fits.weights[row.clone()]);

@@ -37,11 +37,7 @@ impl Kernel for Solve<'_> {
     fn run<S: Vector>(self, simd: S) {
         let plan = self.plan;
         let (joints, wheels) = (plan.joints, plan.parts.len());
-        let Inputs {
-            previous,
-            previous_speeds,
-            steering_rates,
-        } = self.inputs;
+        let Inputs { previous, previous_speeds, steering_rates } = self.inputs;
         let mut twists = [Column::ZERO; 3];
         let (steering, rest) = self.columns.split_at_mut(joints);
         let (speeds, rest) = rest.split_at_mut(wheels);
@@ -50,8 +46,7 @@ impl Kernel for Solve<'_> {
         let output = |target, width| Output::new(simd, target, width * BLOCK, self.past);
         let mut all_steering = output(self.steering, joints);
         let mut all_speeds = output(self.speeds, wheels);
-        let simple =
-            plan.is_simple && (previous.is_none() && previous_speeds.is_none() || plan.is_inner);
+        let simple = plan.is_simple && (previous.is_none() && previous_speeds.is_none() || plan.is_inner);
         let mut votes = [Column::ZERO; 3];
         let mut usual = true;
         for (b, rows) in self.twists.chunks(BLOCK).enumerate() {
@@ -126,14 +121,8 @@ fn solve_block<S: Simd>(
                 let Some(reach) = &steered.reach else {
                     continue;
                 };
-                let steer = Steer {
-                    twists,
-                    margins,
-                    per_radius,
-                    angles,
-                    speeds: S::as_mut_simd_f64s(&mut speeds.0).0,
-                    votes,
-                };
+                let steer =
+                    Steer { twists, margins, per_radius, angles, speeds: S::as_mut_simd_f64s(&mut speeds.0).0, votes };
                 sure = sure
                     & match (steered.heading, reach.ways) {
                         (None, ONLY) => steer.run::<false, ONLY>(simd, steered, reach),
@@ -189,13 +178,7 @@ fn agree<S: Simd>(
 
 /// A wheel that is not steered.
 #[inline(always)]
-fn roll<S: Simd>(
-    simd: S,
-    row: &[f64; 3],
-    per_radius: Lanes<S>,
-    twists: &[Column; 3],
-    speeds: &mut Column,
-) {
+fn roll<S: Simd>(simd: S, row: &[f64; 3], per_radius: Lanes<S>, twists: &[Column; 3], speeds: &mut Column) {
     for k in 0..BLOCK / S::F64_LANES {
         let rim_speed = dot(simd, row, load(simd, twists, k));
         speeds.store(k, rim_speed * per_radius);
@@ -246,9 +229,7 @@ fn choose_block<S: Simd>(
         // Once more if the undecided ones have to agree.
         for round in 0..2 {
             let mut joint = 0;
-            for (i, ((part, per_radius), speeds)) in
-                plan.parts.iter().zip(speeds.iter_mut()).enumerate()
-            {
+            for (i, ((part, per_radius), speeds)) in plan.parts.iter().zip(speeds.iter_mut()).enumerate() {
                 let per_radius = Lanes::splat(simd, *per_radius);
                 let rim_speed = match part {
                     Part::Fixed(row) => dot(simd, row, twist),
@@ -258,14 +239,9 @@ fn choose_block<S: Simd>(
                         rim_speed
                     }
                     Part::Steered(steered) => {
-                        let of = |columns: &[Column], at: usize| {
-                            columns.get(at).map_or(zero, |column| column.load(simd, k))
-                        };
-                        let asked = Asked {
-                            twist,
-                            before: of(before, joint),
-                            rate: of(rates, joint),
-                        };
+                        let of =
+                            |columns: &[Column], at: usize| columns.get(at).map_or(zero, |column| column.load(simd, k));
+                        let asked = Asked { twist, before: of(before, joint), rate: of(rates, joint) };
                         let chosen = steered.choose(simd, asked, common);
                         if round == 0 {
                             let counted = |mask: Mask<S>, number| mask.select(number, zero);
@@ -292,10 +268,7 @@ fn choose_block<S: Simd>(
                 // Where they agree on their own, the way that they go.
                 let agreed = zero.below(back);
                 let shorter = zero.below(lead);
-                common = Some(
-                    (rolls & rolled.below(zero))
-                        | (!rolls & ((differ & shorter) | (!differ & agreed))),
-                );
+                common = Some((rolls & rolled.below(zero)) | (!rolls & ((differ & shorter) | (!differ & agreed))));
                 let close = Lanes::splat(simd, 1e-9);
                 let tie = lead.abs().below(close); // also where it cancels: the plain core's sum may not
                 sure = sure & !(!rolls & differ & tie);

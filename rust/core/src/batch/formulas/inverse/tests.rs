@@ -14,10 +14,7 @@ fn possible(rover: &Rover, numbers: &mut Numbers, count: usize) -> Vec<[f64; 3]>
         let wanted = numbers.twist();
         let wanted = match k % 7 {
             0 => crate::Twist { vy: 0.0, ..wanted },
-            1 => crate::Twist {
-                omega: 0.0,
-                ..wanted
-            },
+            1 => crate::Twist { omega: 0.0, ..wanted },
             _ => wanted,
         };
         match rover.project(wanted, [Keep::Curvature, Keep::Nearest][k % 2]) {
@@ -30,11 +27,7 @@ fn possible(rover: &Rover, numbers: &mut Numbers, count: usize) -> Vec<[f64; 3]>
 
 fn angles(numbers: &mut Numbers, count: usize) -> Vec<f64> {
     let mut one = || {
-        if numbers.chance(0.2) {
-            0.0
-        } else {
-            numbers.between(-4.0, 4.0)
-        }
+        if numbers.chance(0.2) { 0.0 } else { numbers.between(-4.0, 4.0) }
     };
     (0..count).map(|_| one()).collect()
 }
@@ -47,10 +40,7 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let count = 131;
         let twists = possible(&rover, &mut numbers, count);
-        let (previous, rates) = (
-            angles(&mut numbers, count * joints),
-            angles(&mut numbers, count * joints),
-        );
+        let (previous, rates) = (angles(&mut numbers, count * joints), angles(&mut numbers, count * joints));
         let rolling = angles(&mut numbers, count * wheels);
         let given = |bit: usize, values| (round >> bit & 1 == 1).then_some(values);
         let inputs = Inputs {
@@ -60,10 +50,7 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
         };
         let solve = |level| {
             let (mut steering, mut speeds) = (vec![7.0; count * joints], vec![7.0; count * wheels]);
-            let workers = Workers {
-                level,
-                ..Workers::PLAIN
-            };
+            let workers = Workers { level, ..Workers::PLAIN };
             let done = batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers);
             done.map(|()| (steering, speeds))
         };
@@ -83,10 +70,8 @@ fn every_level_agrees_with_the_plain_core_whatever_is_given() -> Result<(), Erro
                 let angle = |at: usize| (found.0[at] - expected.0[at]).abs();
                 let speed = |at: usize| (found.1[at] - expected.1[at]).abs() / largest;
                 let row = |width: usize| k * width..(k + 1) * width;
-                let (off, slow) = (
-                    row(joints).map(angle).fold(0.0, f64::max),
-                    row(wheels).map(speed).fold(0.0, f64::max),
-                );
+                let (off, slow) =
+                    (row(joints).map(angle).fold(0.0, f64::max), row(wheels).map(speed).fold(0.0, f64::max));
                 assert!(
                     off <= 1e-13 && slow <= 1e-13,
                     "{level:?} {:?}: {off} {slow} {:?} {:?} {rover:?}",
@@ -107,16 +92,9 @@ fn wheels_with_trail_are_let_pass_where_the_plain_core_lets_them() -> Result<(),
     let mut numbers = Numbers(7);
     let mut refused = 0;
     for _ in 0..1000 {
-        let wheel = |name, x, y| Wheel {
-            pivot: Pivot::Castor,
-            trail: 0.03,
-            ..Wheel::new(name, x, y, 0.1)
-        };
+        let wheel = |name, x, y| Wheel { pivot: Pivot::Castor, trail: 0.03, ..Wheel::new(name, x, y, 0.1) };
         let lower = numbers.between(-3.0, 1.0);
-        let range = SteeringRange {
-            lower,
-            upper: lower + numbers.between(0.05, 4.0),
-        };
+        let range = SteeringRange { lower, upper: lower + numbers.between(0.05, 4.0) };
         let (x, y) = (numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0));
         let trailing = Wheel {
             heading: numbers.between(-3.0, 3.0),
@@ -126,35 +104,20 @@ fn wheels_with_trail_are_let_pass_where_the_plain_core_lets_them() -> Result<(),
         let (heading, trail) = (trailing.heading, trailing.trail);
         let rover = Rover::new(vec![trailing, wheel("b", 0.4, 0.3), wheel("c", -0.4, 0.1)])?;
         for off in beyond {
-            let at = if numbers.chance(0.5) {
-                range.upper + off
-            } else {
-                range.lower - off
-            };
+            let at = if numbers.chance(0.5) { range.upper + off } else { range.lower - off };
             // Rolls one way at this angle, and does not slide.
             let (sin, cos) = (heading + at).sin_cos();
             let (rolled, omega) = (numbers.between(-1.0, 1.0), numbers.between(-2.0, 2.0));
-            let rate = if numbers.chance(0.5) {
-                0.0
-            } else {
-                numbers.between(-2.0, 2.0)
-            };
+            let rate = if numbers.chance(0.5) { 0.0 } else { numbers.between(-2.0, 2.0) };
             let across = trail * (omega + rate);
             let vx = cos * rolled - sin * across + omega * y;
             let vy = sin * rolled + cos * across - omega * x;
             let (twists, rates) = ([[vx, vy, omega]; 8], [rate; 8]);
             let solve = |level| {
                 let (mut steering, mut speeds) = ([0.0; 8], [0.0; 24]);
-                let inputs = Inputs {
-                    steering_rates: Some(&rates),
-                    ..Inputs::default()
-                };
-                let workers = Workers {
-                    level,
-                    ..Workers::PLAIN
-                };
-                batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
-                    .map(|()| steering)
+                let inputs = Inputs { steering_rates: Some(&rates), ..Inputs::default() };
+                let workers = Workers { level, ..Workers::PLAIN };
+                batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers).map(|()| steering)
             };
             let expected = solve(Level::Plain);
             refused += usize::from(expected.is_err());
@@ -180,32 +143,21 @@ fn wheels_that_may_go_either_way_agree_as_in_the_plain_core() -> Result<(), Erro
         let mut wheels = Vec::new();
         for name in ["a", "b", "c", "d", "e"] {
             let (x, y) = (numbers.between(-1.0, 1.0), numbers.between(-1.0, 1.0));
-            let range = SteeringRange {
-                lower: -numbers.between(1.58, 3.4),
-                upper: numbers.between(1.58, 3.4),
-            };
+            let range = SteeringRange { lower: -numbers.between(1.58, 3.4), upper: numbers.between(1.58, 3.4) };
             wheels.push(Wheel::new(name, x, y, 0.1).steered(range));
         }
         let rover = Rover::new(wheels)?;
         // To the side, all of them or all but one are undecided.
         let mut twist = || {
             let along = numbers.between(-0.1, 0.1);
-            [
-                along,
-                numbers.between(-1.0, 1.0),
-                numbers.between(-0.1, 0.1),
-            ]
+            [along, numbers.between(-1.0, 1.0), numbers.between(-0.1, 0.1)]
         };
         let twists: Vec<_> = (0..512).map(|_| twist()).collect();
         let solve = |level| {
             let (mut steering, mut speeds) = (vec![0.0; 2560], vec![0.0; 2560]);
-            let workers = Workers {
-                level,
-                ..Workers::PLAIN
-            };
+            let workers = Workers { level, ..Workers::PLAIN };
             let inputs = Inputs::default();
-            batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers)
-                .map(|()| [steering, speeds])
+            batch::inverse(&rover, &twists, inputs, &mut steering, &mut speeds, workers).map(|()| [steering, speeds])
         };
         let expected = solve(Level::Plain)?.concat();
         for level in Level::available() {

@@ -194,11 +194,7 @@ impl<S: Vector> Rounds<S> {
         if !trusted.any() {
             return;
         }
-        let mut ahead = Self {
-            active: trusted,
-            held: trusted,
-            ..*self
-        };
+        let mut ahead = Self { active: trusted, held: trusted, ..*self };
         let mut kept = trusted;
         for _ in 0..LEAPS {
             let settled = !ahead.active;

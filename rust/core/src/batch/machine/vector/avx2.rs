@@ -57,20 +57,14 @@ impl Vector for V3 {
     fn zip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
         let even = self.avx._mm256_unpacklo_pd(cast(a), cast(b)); // a0 b0 a2 b2
         let odd = self.avx._mm256_unpackhi_pd(cast(a), cast(b)); // a1 b1 a3 b3
-        [
-            cast(halves::<LOW_LOW>(self, even, odd)),
-            cast(halves::<HIGH_HIGH>(self, even, odd)),
-        ]
+        [cast(halves::<LOW_LOW>(self, even, odd)), cast(halves::<HIGH_HIGH>(self, even, odd))]
     }
 
     #[inline(always)]
     fn unzip(self, [a, b]: [f64x4; 2]) -> [f64x4; 2] {
         let low = halves::<LOW_LOW>(self, cast(a), cast(b)); // 0 1 4 5
         let high = halves::<HIGH_HIGH>(self, cast(a), cast(b)); // 2 3 6 7
-        [
-            cast(self.avx._mm256_unpacklo_pd(low, high)),
-            cast(self.avx._mm256_unpackhi_pd(low, high)),
-        ]
+        [cast(self.avx._mm256_unpacklo_pd(low, high)), cast(self.avx._mm256_unpackhi_pd(low, high))]
     }
 
     #[inline(always)]
@@ -111,10 +105,9 @@ impl Vector for V3 {
         let register = cast(register);
         let low_up = self.avx._mm256_permute2f128_pd::<0x08>(register, register); // 0 0 a0 a1
         match LOG {
-            0 => cast(self.avx._mm256_shuffle_pd::<0b0000>(
-                self.avx._mm256_shuffle_pd::<0b0101>(low_up, low_up),
-                register,
-            )),
+            0 => cast(
+                self.avx._mm256_shuffle_pd::<0b0000>(self.avx._mm256_shuffle_pd::<0b0101>(low_up, low_up), register),
+            ),
             _ => cast(low_up),
         }
     }
@@ -206,19 +199,11 @@ impl Vector for V3 {
 
     #[inline(always)]
     fn unpair(self, pairs: f64x4) -> [f64x4; 2] {
-        let (low, high) = (
-            self.avx._mm256_castps256_ps128(cast(pairs)),
-            self.avx._mm256_extractf128_ps::<1>(cast(pairs)),
-        );
+        let (low, high) =
+            (self.avx._mm256_castps256_ps128(cast(pairs)), self.avx._mm256_extractf128_ps::<1>(cast(pairs)));
         [
-            cast(
-                self.avx
-                    ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<EVEN>(low, high)),
-            ),
-            cast(
-                self.avx
-                    ._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<ODD>(low, high)),
-            ),
+            cast(self.avx._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<EVEN>(low, high))),
+            cast(self.avx._mm256_cvtps_pd(self.sse._mm_shuffle_ps::<ODD>(low, high))),
         ]
     }
 
@@ -250,12 +235,7 @@ impl Vector for V3 {
     }
 
     #[inline(always)]
-    unsafe fn corners_single(
-        self,
-        values: &[f32],
-        columns: usize,
-        [x, y]: [f32x8; 2],
-    ) -> [[f32x8; 2]; 2] {
+    unsafe fn corners_single(self, values: &[f32], columns: usize, [x, y]: [f32x8; 2]) -> [[f32x8; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: as above.
         unsafe {

@@ -11,10 +11,7 @@ use super::{Vector, ZEROTH};
 /// Lanes of two registers, those of the second counted from 8.
 #[inline(always)]
 fn pick(simd: V4, [a, b]: [f64x8; 2], lanes: [i64; 8]) -> f64x8 {
-    cast(
-        simd.avx512f
-            ._mm512_permutex2var_pd(cast(a), cast(lanes), cast(b)),
-    )
+    cast(simd.avx512f._mm512_permutex2var_pd(cast(a), cast(lanes), cast(b)))
 }
 
 /// Pairs of numbers at every other place. A closure would not get the instructions of the level.
@@ -32,18 +29,12 @@ macro_rules! every_other {
 impl Vector for V4 {
     #[inline(always)]
     fn zip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
-        [
-            pick(self, pair, [0, 8, 1, 9, 2, 10, 3, 11]),
-            pick(self, pair, [4, 12, 5, 13, 6, 14, 7, 15]),
-        ]
+        [pick(self, pair, [0, 8, 1, 9, 2, 10, 3, 11]), pick(self, pair, [4, 12, 5, 13, 6, 14, 7, 15])]
     }
 
     #[inline(always)]
     fn unzip(self, pair: [f64x8; 2]) -> [f64x8; 2] {
-        [
-            pick(self, pair, [0, 2, 4, 6, 8, 10, 12, 14]),
-            pick(self, pair, [1, 3, 5, 7, 9, 11, 13, 15]),
-        ]
+        [pick(self, pair, [0, 2, 4, 6, 8, 10, 12, 14]), pick(self, pair, [1, 3, 5, 7, 9, 11, 13, 15])]
     }
 
     #[inline(always)]
@@ -208,10 +199,7 @@ impl Vector for V4 {
         let simd = self.avx512f;
         let first = simd._mm512_cvtepi64_epi32(cast(pairs));
         let second = simd._mm512_cvtepi64_epi32(simd._mm512_srli_epi64::<32>(cast(pairs)));
-        [
-            cast(simd._mm512_cvtps_pd(cast(first))),
-            cast(simd._mm512_cvtps_pd(cast(second))),
-        ]
+        [cast(simd._mm512_cvtps_pd(cast(first))), cast(simd._mm512_cvtps_pd(cast(second)))]
     }
 
     #[inline(always)]
@@ -238,38 +226,25 @@ impl Vector for V4 {
             // Two values at a time.
             let row = |first: *const f32| {
                 let pairs = _mm512_i32gather_epi64::<4>(at, first.cast());
-                let half =
-                    |pairs| _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(pairs)));
-                [
-                    cast(half(pairs)),
-                    cast(half(_mm512_srli_epi64::<32>(pairs))),
-                ]
+                let half = |pairs| _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32(pairs)));
+                [cast(half(pairs)), cast(half(_mm512_srli_epi64::<32>(pairs)))]
             };
             [row(first), row(first.add(columns))]
         }
     }
 
     #[inline(always)]
-    unsafe fn corners_single(
-        self,
-        values: &[f32],
-        columns: usize,
-        [x, y]: [f32x16; 2],
-    ) -> [[f32x16; 2]; 2] {
+    unsafe fn corners_single(self, values: &[f32], columns: usize, [x, y]: [f32x16; 2]) -> [[f32x16; 2]; 2] {
         let first = values.as_ptr();
         // SAFETY: as above.
         unsafe {
             let (x, y) = (_mm512_cvttps_epi32(cast(x)), _mm512_cvttps_epi32(cast(y)));
             let at = _mm512_add_epi32(_mm512_mullo_epi32(y, _mm512_set1_epi32(columns as i32)), x);
-            let halves = [
-                _mm512_castsi512_si256(at),
-                _mm512_extracti64x4_epi64::<1>(at),
-            ];
+            let halves = [_mm512_castsi512_si256(at), _mm512_extracti64x4_epi64::<1>(at)];
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
             let row = |first: *const f32| {
-                let [a, b] = halves
-                    .map(|at| _mm512_castsi512_ps(_mm512_i32gather_epi64::<4>(at, first.cast())));
+                let [a, b] = halves.map(|at| _mm512_castsi512_ps(_mm512_i32gather_epi64::<4>(at, first.cast())));
                 [even, odd].map(|which| cast(_mm512_permutex2var_ps(a, which, b)))
             };
             [row(first), row(first.add(columns))]

@@ -48,10 +48,7 @@ impl Vector for Scalar {
     #[inline(always)]
     fn gather(self, table: &[f64], place: f64) -> f64 {
         let last = table.len().saturating_sub(1);
-        table
-            .get((place as usize).min(last))
-            .copied()
-            .unwrap_or(f64::NAN)
+        table.get((place as usize).min(last)).copied().unwrap_or(f64::NAN)
     }
 
     #[inline(always)]

@@ -25,8 +25,8 @@ use crate::batch::machine::weave::BLOCK;
 use crate::batch::one_row::inverse::GROUP;
 use crate::error::HUGE;
 use crate::odometry::{
-    Bias, Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian,
-    StepNoise, Turned, agreed, gain, leant, left, left_of, met, small_bend, step_jacobian,
+    Bias, Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian, StepNoise, Turned,
+    agreed, gain, leant, left, left_of, met, small_bend, step_jacobian,
 };
 
 /// Parts of a sum over wheels: the lanes of the registers of one sample.
@@ -74,22 +74,11 @@ impl Kernel for Follow<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> usize {
-        let Self {
-            plan,
-            rows,
-            angles,
-            room,
-            block,
-            state,
-            noise,
-        } = self;
+        let Self { plan, rows, angles, room, block, state, noise } = self;
         debug_assert_eq!(plan.level.lanes(), PARTS);
         let lanes = S::F64_LANES;
         let zero = Lanes::splat(simd, 0.0);
-        let mut sums = Sums {
-            three: [[zero; 3]; PARTS],
-            six: [[zero; 6]; PARTS],
-        };
+        let mut sums = Sums { three: [[zero; 3]; PARTS], six: [[zero; 6]; PARTS] };
         let count = rows.stamps.len() - 1;
         apart(simd, &rows, angles, count, room, block);
         let mut usual = 0;
@@ -269,11 +258,7 @@ fn step<S: Vector>(
                 column.store(k, half);
             }
         }
-        let column = [
-            gain[0] * turned.deviation,
-            gain[1] * turned.deviation,
-            gain[2] * turned.deviation,
-        ];
+        let column = [gain[0] * turned.deviation, gain[1] * turned.deviation, gain[2] * turned.deviation];
         for (end, column) in room.by_gyroscope.iter_mut().zip(column) {
             end.store(k, column);
         }
@@ -358,12 +343,7 @@ fn place<S: Vector>(simd: S, leans: bool, k: usize, room: &mut Room, block: &mut
 
 /// Errors of the displacement that two steps share, at the end of the first.
 #[inline(always)]
-fn end<S: Vector>(
-    by: InLanes<S>,
-    jacobian: &StepJacobian<Lanes<S>>,
-    errors: &mut [Led; 3],
-    k: usize,
-) {
+fn end<S: Vector>(by: InLanes<S>, jacobian: &StepJacobian<Lanes<S>>, errors: &mut [Led; 3], k: usize) {
     let ended = jacobian.ended(by, all(by.0, errors, k, 0));
     for (end, column) in ended.into_iter().zip(errors) {
         column.store(k, end);
@@ -380,26 +360,13 @@ fn sway(settings: &Settings, count: usize, block: &mut Block, bias: &mut Option<
         for (column, cross) in block.cross.iter_mut().zip(cross) {
             column.0[k] = cross;
         }
-        bias.lean(
-            Instruction,
-            lever,
-            by_bias,
-            settings.wandered(block.dt.0[k]),
-        );
+        bias.lean(Instruction, lever, by_bias, settings.wandered(block.dt.0[k]));
     }
 }
 
 /// A register of what steps add to what is settled of the pose's covariance.
 #[inline(always)]
-fn join<S: Vector>(
-    simd: S,
-    plan: &Plan,
-    sums: &mut Sums<S>,
-    leans: bool,
-    k: usize,
-    room: &Room,
-    block: &mut Block,
-) {
+fn join<S: Vector>(simd: S, plan: &Plan, sums: &mut Sums<S>, leans: bool, k: usize, room: &Room, block: &mut Block) {
     let by = InLanes(simd);
     let lever = load(simd, &block.lever, k);
     let mut squares = Squares::new(simd);

@@ -93,10 +93,7 @@ impl Plan {
             return None;
         }
         let share = |row: Vector3<f64>| rover.unshifted(&(solution * rover.shifted(&row)));
-        let nobody = Group {
-            wheels: [usize::MAX; GROUP],
-            ..Group::default()
-        };
+        let nobody = Group { wheels: [usize::MAX; GROUP], ..Group::default() };
         let order = order(rover);
         let mut groups = vec![nobody; order.len().div_ceil(GROUP)];
         for (k, &i) in order.iter().enumerate() {
@@ -123,10 +120,7 @@ impl Plan {
                     group.steers[lane] = 1.0;
                     group.heading[lane] = wheel.heading;
                     group.per_count[1][lane] = encoder.angle_per_count();
-                    [
-                        Vector3::new(1.0, 0.0, -wheel.y),
-                        Vector3::new(0.0, 1.0, wheel.x),
-                    ]
+                    [Vector3::new(1.0, 0.0, -wheel.y), Vector3::new(0.0, 1.0, wheel.x)]
                 }
             };
             group.radius[lane] = wheel.radius;
@@ -141,10 +135,6 @@ impl Plan {
                 }
             }
         }
-        Some(Self {
-            level,
-            rooms: vec![Room::default(); groups.len()],
-            groups,
-        })
+        Some(Self { level, rooms: vec![Room::default(); groups.len()], groups })
     }
 }

@@ -95,11 +95,7 @@ impl<S: Vector> Pick<S> for Everywhere<S> {
 
 /// Into register `k` of as many columns.
 #[inline(always)]
-pub(super) fn store<S: Vector, const N: usize>(
-    lanes: [Lanes<S>; N],
-    columns: &mut [Eight; N],
-    k: usize,
-) {
+pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Eight; N], k: usize) {
     for (lanes, column) in lanes.into_iter().zip(columns) {
         lanes.store(S::as_mut_simd_f64s(column).0, k);
     }
@@ -165,9 +161,7 @@ pub(super) fn listen<S: Vector, P: Pick<S>>(
     let mut shares = [pick.three(along), pick.three(across)];
     let mut way = [rolled, splat(0.0)];
     if let Some([middle, turn]) = joint {
-        usual = usual
-            & turn.abs().at_most(most_turn)
-            & middle.abs().at_most(splat(LARGEST_ANGLE / 4.0));
+        usual = usual & turn.abs().at_most(most_turn) & middle.abs().at_most(splat(LARGEST_ANGLE / 4.0));
         let half = turn * splat(0.5);
         let (sin, cos) = sin_cos(simd, middle + pick.of(&group.heading));
         rolled = rolled * sinc_of_square(simd, half * half);

@@ -55,9 +55,7 @@ fn turn<const N: usize>(
 ) -> usize {
     let joints = angles.len();
     let of = |all: &[f64], row: usize| -> [f64; N] {
-        let numbers = all
-            .get(row * joints + joint..)
-            .and_then(|rest| rest.first_chunk());
+        let numbers = all.get(row * joints + joint..).and_then(|rest| rest.first_chunk());
         numbers.copied().unwrap_or([f64::NAN; N])
     };
     let (mut start, per_count) = (of(angles, 0), of(per_count, 0));

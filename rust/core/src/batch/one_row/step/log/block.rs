@@ -58,11 +58,7 @@ impl Block {
 }
 
 #[inline(always)]
-pub(super) fn load<S: Vector, const N: usize>(
-    simd: S,
-    columns: &[Column; N],
-    k: usize,
-) -> [Lanes<S>; N] {
+pub(super) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
     let mut lanes = [Lanes::splat(simd, 0.0); N];
     for (lanes, column) in lanes.iter_mut().zip(columns) {
         *lanes = column.load(simd, k);
@@ -71,11 +67,7 @@ pub(super) fn load<S: Vector, const N: usize>(
 }
 
 #[inline(always)]
-pub(super) fn store<S: Vector, const N: usize>(
-    lanes: [Lanes<S>; N],
-    columns: &mut [Column; N],
-    k: usize,
-) {
+pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
     for (lanes, column) in lanes.into_iter().zip(columns) {
         column.store(k, lanes);
     }
@@ -93,20 +85,8 @@ pub(super) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
 
 impl Block {
     /// The rows that were made, where they belong.
-    pub fn write(
-        &mut self,
-        room: &Room,
-        rows: Range<usize>,
-        wheels: usize,
-        track: &mut TrackRows<'_>,
-    ) {
-        let write = Write {
-            block: self,
-            room,
-            rows,
-            wheels,
-            track,
-        };
+    pub fn write(&mut self, room: &Room, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
+        let write = Write { block: self, room, rows, wheels, track };
         room.level.run(write);
     }
 
@@ -131,20 +111,10 @@ impl Kernel for Write<'_, '_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) {
-        let Self {
-            block,
-            room,
-            rows,
-            wheels,
-            track,
-        } = self;
+        let Self { block, room, rows, wheels, track } = self;
         let poses = track.poses[rows.clone()].as_flattened_mut();
         weave(simd, &block.poses, poses);
-        weave(
-            simd,
-            &block.twists,
-            track.twists[rows.clone()].as_flattened_mut(),
-        );
+        weave(simd, &block.twists, track.twists[rows.clone()].as_flattened_mut());
         if let Some(residuals) = &mut track.residuals {
             let residuals = &mut residuals[rows.start * wheels..rows.end * wheels];
             weave(simd, &room.wheels, residuals);
@@ -153,11 +123,7 @@ impl Kernel for Write<'_, '_> {
             for k in 0..rows.len().div_ceil(S::F64_LANES) {
                 report(simd, k, rows.len(), block);
             }
-            weave(
-                simd,
-                &block.covariances,
-                covariances[rows].as_flattened_mut(),
-            );
+            weave(simd, &block.covariances, covariances[rows].as_flattened_mut());
         }
     }
 }
@@ -173,11 +139,7 @@ fn report<S: Vector>(simd: S, k: usize, rows: usize, block: &mut Block) {
         negative = negative | minor.below(zero);
     }
     let [xx, xy, xz, yy, yz, zz] = spread.into();
-    store(
-        [xx, xy, xz, xy, yy, yz, xz, yz, zz],
-        &mut block.covariances,
-        k,
-    );
+    store([xx, xy, xz, xy, yy, yz, xz, yz, zz], &mut block.covariances, k);
     if negative.any() {
         for row in k * S::F64_LANES..rows.min((k + 1) * S::F64_LANES) {
             let [xx, xy, xz, _, yy, yz, _, _, zz] = at(&block.covariances, row);

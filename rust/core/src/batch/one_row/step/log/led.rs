@@ -35,15 +35,6 @@ pub(super) fn row([x, y, z]: &[Led; 3], row: usize) -> [f64; 3] {
 
 /// Registers of three columns, of rows that begin `back` rows before.
 #[inline(always)]
-pub(super) fn all<S: Vector>(
-    simd: S,
-    [x, y, z]: &[Led; 3],
-    k: usize,
-    back: usize,
-) -> [Lanes<S>; 3] {
-    [
-        x.load(simd, k, back),
-        y.load(simd, k, back),
-        z.load(simd, k, back),
-    ]
+pub(super) fn all<S: Vector>(simd: S, [x, y, z]: &[Led; 3], k: usize, back: usize) -> [Lanes<S>; 3] {
+    [x.load(simd, k, back), y.load(simd, k, back), z.load(simd, k, back)]
 }
