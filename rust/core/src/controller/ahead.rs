@@ -54,7 +54,7 @@ impl Controller {
         }
         let Ahead { best, whole, needed } = self.search(end, target, dt, 1.0);
         if let Some((promise, envelope)) = best
-            && (promise > present || used)
+            && (promise > present || used || !enough)
         {
             self.enter(envelope);
         }

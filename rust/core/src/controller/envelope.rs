@@ -84,7 +84,7 @@ fn times(a: f64, b: f64) -> f64 {
 }
 
 /// The limit over what it is shared by: infinite for nothing.
-fn over(limit: f64, share: f64) -> f64 {
+pub fn over(limit: f64, share: f64) -> f64 {
     if share > 0.0 { limit / share } else { f64::INFINITY }
 }
 

@@ -388,7 +388,7 @@ impl Controller {
         }
     }
 
-    /// Angles and wheel speeds of a twist, from the present angles, written to the joints and to `ratios`.
+    /// Angles of a twist, from the present angles; where they become those of the joints, its wheel speeds too.
     fn solve(&mut self, twist: Twist, into: Into) {
         let count = self.joints.len();
         let (mut previous, mut angles) = ([0.0; MAX_WHEELS], [0.0; MAX_WHEELS]);
@@ -397,11 +397,12 @@ impl Controller {
         }
         let inputs = Inputs { previous: Some(&previous[..count]), ..Inputs::default() };
         let angles = &mut angles[..count];
-        self.rover.solve(twist, inputs, angles, &mut self.ratios);
-        let joints = match into {
-            Into::Steering => &mut self.steering,
-            Into::Candidates => &mut self.candidates,
+        // The speeds are those of the last step: they are set anew at the end of every step.
+        let (joints, ratios) = match into {
+            Into::Steering => (&mut self.steering, &mut self.ratios),
+            Into::Candidates => (&mut self.candidates, &mut self.speeds),
         };
+        self.rover.solve(twist, inputs, angles, ratios);
         joints.fill(0.0);
         for (angle, &joint) in angles.iter().zip(&self.joints) {
             joints[joint] = *angle;

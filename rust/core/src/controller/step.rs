@@ -171,7 +171,8 @@ impl Controller {
             None if self.speed.value == 0.0 => Twist::ZERO,
             None => Twist::from(self.direction() * self.speed.value),
         };
-        reasons
+        // Met to the last digit on a turn to a direction next to it.
+        if share == 1.0 && goal.is_some_and(|goal| goal.twist == self.twist) { 0 } else { reasons }
     }
 
     /// Speeds up or slows down, never through rest in one go.

@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 
 use super::Controller;
+use super::envelope::over;
 use super::goal::Goal;
 use super::motion::Motion;
 use super::route::{Route, SAME};
@@ -68,27 +69,32 @@ impl Controller {
         if cosine <= 0.0 || sine <= ROUNDING {
             return None;
         }
-        let angle = sine.atan2(cosine).min(self.largest_swing(from, across, speed, dt));
+        let angle = sine.atan2(cosine).min(self.largest_swing(from, [across, ahead], speed, dt));
         let (sin, cos) = angle.sin_cos();
         (angle > 0.0).then(|| ahead * cos + across * sin)
     }
 
-    /// Largest angle by which the plane of the turn may swing towards `across` [rad].
-    fn largest_swing(&mut self, from: Vector3<f64>, across: Vector3<f64>, speed: f64, dt: f64) -> f64 {
+    /// Largest angle by which the plane of the turn may swing from `ahead` towards `across` [rad].
+    fn largest_swing(&mut self, from: Vector3<f64>, [across, ahead]: [Vector3<f64>; 2], speed: f64, dt: f64) -> f64 {
         let limits = self.room.limits;
         let (rate, speed) = (self.turn.rate.abs(), speed.max(self.speed.value.abs()));
-        // The change counts over the time between the middles of two steps.
-        let time = SHARE * dt.min(self.step_before);
-        self.scratch.set(&self.rover, from, across);
-        let bounds = self.scratch.bounds(0.0, 0.0);
-        let joints = self.scratch.steering_rates(&self.rover, 0.0).fold(0.0, |most: f64, rate| most.max(rate.abs()));
+        // The change counts over the time between the middles of two steps; half of that has the rate's whole change.
+        let time = SHARE / 2.0 * dt.min(self.step_before);
+        let [across, ahead] = [across, ahead].map(|part| {
+            self.scratch.set(&self.rover, from, part);
+            let bounds = self.scratch.bounds(0.0, 0.0);
+            let joints = self.scratch.steering_rates(&self.rover, 0.0);
+            [joints.fold(0.0, |most: f64, rate| most.max(rate.abs())), bounds.linear.across, bounds.yaw.across]
+        });
         // The shares of the envelope: half of the joints' acceleration, a sixth of jerk.
-        let parts = [
-            (limits.steering_acceleration / 2.0, joints),
-            (limits.jerk / 6.0, speed * bounds.linear.across),
-            (limits.angular_jerk / 6.0, speed * bounds.yaw.across),
-        ];
-        let allowed = parts.into_iter().filter(|(limit, share)| limit.is_finite() && *share > 0.0);
-        allowed.map(|(limit, share)| limit * time / (rate * share)).fold(f64::INFINITY, f64::min)
+        let allowed = [limits.steering_acceleration / 2.0, limits.jerk / 6.0, limits.angular_jerk / 6.0];
+        let per = [rate, rate * speed, rate * speed];
+        let mut angle = f64::INFINITY;
+        for (k, allowed) in allowed.into_iter().enumerate().filter(|(_, allowed)| allowed.is_finite()) {
+            // Of the change `sin(angle) across + (1 - cos(angle)) ahead` each part may have half.
+            let half = allowed * time / 2.0;
+            angle = angle.min(over(half, per[k] * across[k])).min(over(2.0 * half, per[k] * ahead[k]).sqrt());
+        }
+        angle
     }
 }
