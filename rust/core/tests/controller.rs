@@ -352,3 +352,172 @@ fn modes_mean_what_they_say() -> Result<(), Error> {
     assert_eq!(controller.twist().omega, 0.3);
     Ok(())
 }
+
+/// Speeds of the wheels over the ground [m/s].
+fn rims(controller: &Controller, rover: &Rover) -> Vec<f64> {
+    // Without what steering a wheel with scrub adds, which is no motion over the ground.
+    let steered = rover.steered().iter().zip(controller.steering_rates());
+    let mut rims: Vec<f64> =
+        rover.wheels().iter().zip(controller.speeds()).map(|(wheel, speed)| speed * wheel.radius).collect();
+    for (&i, rate) in steered {
+        rims[i] += rover.wheels()[i].scrub * rate;
+    }
+    rims.into_iter().map(f64::abs).collect()
+}
+
+#[test]
+fn a_halt_brakes_as_fast_as_it_may_and_nothing_moves_after_the_release() -> Result<(), Error> {
+    for seed in 0..400 {
+        let mut random = Random(seed);
+        let rover = rover(&mut random)?;
+        let mut limits = limits(&mut random)?;
+        limits.deceleration = limits.deceleration.min(1.0);
+        limits.halt_deceleration = limits.deceleration * random.within(1.0, 4.0);
+        let options = Options { timeout: f64::INFINITY, ..Options::default() };
+        let mut controller = Controller::new(&rover, limits, options, None)?;
+        let dt = [0.001, 0.01, 0.05][random.pick(3)];
+        let mut step = 0;
+        let mut next = |controller: &mut Controller| -> Result<(), Error> {
+            step += 1;
+            controller.step(f64::from(step) * dt, None)
+        };
+        let mut wanted = twist(&mut random, Twist::ZERO);
+        for _ in 0..random.pick(1000) {
+            if random.chance(0.02) {
+                wanted = twist(&mut random, wanted);
+            }
+            controller.command(wanted, 0.0, None)?;
+            next(&mut controller)?;
+        }
+        controller.halt();
+        let mut before = rims(&controller, &rover);
+        let first = before.iter().copied().fold(0.0, f64::max);
+        let allowed = limits.halt_deceleration * dt;
+        let count = (first / allowed).ceil() as usize + 2;
+        let turned = controller.steering_rates().iter().any(|rate| *rate != 0.0);
+        for k in 0..count {
+            assert!(!controller.command(wanted, 0.0, None)?, "seed {seed}");
+            next(&mut controller)?;
+            assert!(controller.reasons() & reason::HALTED != 0 && controller.halted());
+            let now = rims(&controller, &rover);
+            // While the joints brake the direction goes on a little, and with it what a wheel near the centre does.
+            for (a, b) in before.iter().zip(&now).filter(|_| !turned) {
+                assert!(a - b <= allowed * (1.0 + 1e-9) + 1e-12, "seed {seed} step {k}: {a} {b}");
+            }
+            let [fast, slow] = [&before, &now].map(|rims| rims.iter().copied().fold(0.0, f64::max));
+            assert!(turned || fast - slow >= (allowed * (1.0 - 1e-9)).min(fast) - 1e-12, "seed {seed}: {fast} {slow}");
+            for (angle, &i) in controller.steering().iter().zip(rover.steered()) {
+                let slip = rover.wheels()[i].side_slip(*angle, controller.twist(), 0.0);
+                assert!(slip.abs() < 1e-9, "seed {seed}: {slip}");
+            }
+            before = now;
+        }
+        assert_eq!(controller.twist(), Twist::ZERO, "seed {seed}: {first} m/s after {count} steps");
+        while !controller.release() {
+            next(&mut controller)?;
+        }
+        let rest = controller.steering().to_vec();
+        for _ in 0..20 {
+            next(&mut controller)?;
+            assert!(controller.stopped() && controller.steering() == rest && controller.reasons() == 0, "seed {seed}");
+        }
+        assert!(controller.command(wanted, 0.0, None)?);
+    }
+    Ok(())
+}
+
+#[test]
+fn limits_that_change_are_met_from_both_sides() -> Result<(), Error> {
+    for seed in 0..300 {
+        let mut random = Random(seed);
+        let rover = rover(&mut random)?;
+        let given = [limits(&mut random)?, limits(&mut random)?];
+        let filled = given.map(|limits| limits.on(&rover));
+        let [old, new] = filled.map(|limits| limits.values());
+        let mut widest = [None; Limits::NAMES.len()];
+        for (k, value) in widest.iter_mut().enumerate() {
+            *value = Some(old[k].max(new[k]));
+        }
+        let widest = Limits::new(widest)?;
+        let options = Options { timeout: f64::INFINITY, ..Options::default() };
+        let mut controller = Controller::new(&rover, given[0], options, None)?;
+        let (dt, mut now, mut wanted) = (0.01, 0.0, Twist::ZERO);
+        controller.step(now, None)?;
+        let mut log = vec![shot(&controller, dt); 3];
+        let change = 100 + random.pick(300);
+        for step in 0..2000 {
+            if step == change {
+                controller.set_limits(given[1])?;
+                assert_eq!(*controller.limits(), given[1]);
+            }
+            if random.chance(0.03) {
+                wanted = twist(&mut random, wanted);
+            }
+            controller.command(wanted, now, None)?;
+            now += dt;
+            controller.step(now, None)?;
+            log.rotate_left(1);
+            log[2] = shot(&controller, dt);
+            let context = || format!("seed {seed} step {step} of {change} {filled:?}\n{wanted:?} {rover:?}");
+            // Ramps of jerk, and the slowest limit of the speed, take no longer than this in these streams.
+            let settled = step > change + 900;
+            let limits = if step < change {
+                filled[0]
+            } else if settled {
+                filled[1]
+            } else {
+                widest
+            };
+            let checker = Checker { rover: &rover, limits, context: &context };
+            checker.state(&log[2]);
+            checker.change([&log[1], &log[2]]);
+            checker.curve([&log[0], &log[1], &log[2]]);
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_narrower_steering_limit_brings_the_joints_in_at_their_rate() -> Result<(), Error> {
+    let range = SteeringRange::symmetric(1.0)?;
+    let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, range)?;
+    let limits = Limits { speed: 0.5, acceleration: 0.5, steering_rate: 0.5, ..Limits::default() };
+    let options = Options { timeout: f64::INFINITY, ..Options::default() };
+    for rest in [true, false] {
+        let mut controller = Controller::new(&rover, limits, options, None)?;
+        let tight = Twist { vx: 0.4, vy: 0.0, omega: 0.45 };
+        controller.command(tight, 0.0, None)?;
+        let mut steps = 0;
+        let mut step = |controller: &mut Controller| -> Result<(), Error> {
+            steps += 1;
+            let before = controller.steering().to_vec();
+            controller.step(f64::from(steps) * 0.01, None)?;
+            for (a, b) in before.iter().zip(controller.steering()) {
+                assert!((b - a).abs() <= 0.5 * 0.01 * (1.0 + 1e-9), "{a} {b}");
+            }
+            for (angle, &i) in controller.steering().iter().zip(rover.steered()) {
+                assert!(rover.wheels()[i].side_slip(*angle, controller.twist(), 0.0).abs() < 1e-9);
+            }
+            Ok(())
+        };
+        for _ in 0..400 {
+            step(&mut controller)?;
+        }
+        assert_eq!(controller.twist(), tight);
+        if rest {
+            controller.command(Twist::ZERO, 5.0, None)?;
+            for _ in 0..200 {
+                step(&mut controller)?;
+            }
+        }
+        controller.set_limits(Limits { steering_limit: 0.2, ..limits })?;
+        for _ in 0..300 {
+            step(&mut controller)?;
+            assert!(rest || controller.twist().vx > 0.1, "no stop on the way");
+        }
+        assert!(controller.steering().iter().all(|angle| angle.abs() <= 0.2 + 1e-9), "{:?}", controller.steering());
+        let refused = controller.set_limits(Limits { steering_limit: 2.0, ..limits });
+        assert!(refused.is_err() && controller.limits().steering_limit == 0.2);
+    }
+    Ok(())
+}

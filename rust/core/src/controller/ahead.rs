@@ -67,11 +67,13 @@ impl Controller {
         if best.is_some() {
             return Bridle { speed: cap, rates: [f64::INFINITY; 2], reasons };
         }
-        Bridle {
-            speed: cap,
-            rates: whole.rates.map(|rate| rate.value),
-            reasons: reasons | whole.turn[0].reason | whole.turn[1].reason,
-        }
+        // A speed that new limits do not allow comes down before anything is made ready for a turn.
+        let rates = if self.speed.value.abs() > self.envelope.speed {
+            Bridle::NONE.rates
+        } else {
+            whole.rates.map(|rate| rate.value)
+        };
+        Bridle { speed: cap, rates, reasons: reasons | whole.turn[0].reason | whole.turn[1].reason }
     }
 
     /// Takes an envelope that begins where the turn is.

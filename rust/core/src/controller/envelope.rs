@@ -179,11 +179,13 @@ impl Envelope {
         rate.min(times(change, left).sqrt()).min(left / dt)
     }
 
-    /// The same with a change of the speed that lets it end its braking at rest: for a motion that was under other limits.
+    /// The same with a change of the speed that lets a motion from under `old` end its braking at rest, or its speeding up
+    /// below the highest speed there.
     #[must_use]
-    pub fn for_motion(mut self, speed: Motion) -> Self {
-        if speed.value * speed.rate < 0.0 {
-            let needed = speed.rate * speed.rate / (2.0 * speed.value.abs());
+    pub fn for_motion(mut self, speed: Motion, old: &Self) -> Self {
+        let way = if speed.value * speed.rate < 0.0 { speed.value.abs() } else { old.speed - speed.value.abs() };
+        let needed = over(speed.rate * speed.rate / 2.0, way.max(0.0)).min(old.change.value);
+        if speed.rate != 0.0 {
             self.change.value = self.change.value.max(needed);
         }
         self

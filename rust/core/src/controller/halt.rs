@@ -50,6 +50,9 @@ impl Controller {
             self.aligned = false;
         }
         if self.aligned {
+            if self.joints.is_empty() {
+                self.turn.rate = 0.0;
+            }
             let before = self.rims();
             self.turn_on(None, dt);
             let sign = self.speed.value.signum();
@@ -152,7 +155,8 @@ impl Controller {
         }
         let here = self.turn.value;
         self.turn.rate = 0.0;
-        self.enter(Envelope::of_direction(&self.room, &self.arc, here).for_motion(self.speed));
+        let envelope = Envelope::of_direction(&self.room, &self.arc, here);
+        self.enter(envelope.for_motion(self.speed, &self.envelope));
         true
     }
 
