@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, SupportsFloat, TypeAlias
 
+from six_wheel import rebuild
 from six_wheel._core import FourAxle
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ Four: TypeAlias = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class FourAxleState:
-    """All that changes while a `FourAxle` drives. `dataclasses.replace` makes another one.
+    """All that changes while a `FourAxle` drives. `replace` makes another one.
 
     Parameters
     ----------
@@ -58,6 +59,9 @@ class FourAxleState:
     front: Brake = "locked"
     rear: Brake = "locked"
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    replace = rebuild.replace
+    __replace__ = rebuild.replace
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "angles", _numbers("angles", self.angles, 4))
@@ -95,6 +99,9 @@ class FourAxleStep:
     rear: Brake
     speeds: tuple[float | None, float | None, float | None, float | None]
     end: FourAxleState | None = None
+
+    replace = rebuild.replace
+    __replace__ = rebuild.replace
 
     def __post_init__(self) -> None:
         given = _numbers("speeds", [0.0 if speed is None else speed for speed in self.speeds], 4)

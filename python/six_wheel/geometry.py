@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from six_wheel import rebuild
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
 
 __all__ = ["Pose", "Twist", "compose", "differentiate", "exp", "integrate", "log", "wrap_angle"]
@@ -17,6 +18,9 @@ class Twist(NamedTuple):
     omega: float
     """Counter-clockwise [rad/s]."""
 
+    replace = rebuild.replace
+    __replace__ = rebuild.replace
+
 
 class Pose(NamedTuple):
     """Where the body frame is in the world; goes wherever three floats do."""
@@ -27,3 +31,6 @@ class Pose(NamedTuple):
     """[m]"""
     yaw: float
     """Counter-clockwise [rad]; keeps its full turns."""
+
+    replace = rebuild.replace
+    __replace__ = rebuild.replace
