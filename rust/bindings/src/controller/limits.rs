@@ -4,9 +4,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::Limits as Core;
+use six_wheel_core::{Limits as Core, units};
 
-use crate::convert::{number, raise};
+use crate::convert::{ask, number, raise};
 use crate::wheel::reduce;
 
 /// What a motion may not exceed. A limit left out, None, or 1e60 and more, is none and reads as infinity.
@@ -83,6 +83,7 @@ impl Limits {
         steering_acceleration=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
+        py: Python<'_>,
         speed: Option<&Bound<'_, PyAny>>,
         yaw_rate: Option<&Bound<'_, PyAny>>,
         acceleration: Option<&Bound<'_, PyAny>>,
@@ -119,6 +120,7 @@ impl Limits {
             *value = given.map(|given| number(name, given)).transpose()?;
         }
         let core = Core::new(values).map_err(|error| raise(error, &[]))?;
+        ask(py, units::settings(Core::NAMES.into_iter().zip(core.values())))?;
         Ok(Self(core))
     }
 
