@@ -91,3 +91,26 @@ def test_the_line_is_the_callers_through_any_of_our_own():
         six(1.0).replace(steering_limit=60)
     assert len(caught) == 1
     assert caught[0].filename == __file__
+
+
+def test_a_file_is_warned_of_at_its_lines(tmp_path):
+    pytest.importorskip("pydantic", reason="needs what reads parameter files")
+    from six_wheel.parameters import read_parameters
+
+    path = tmp_path / "rover.yaml"
+    lines = [
+        "preset: perseverance",
+        "steering_limit: 45.0",
+        "limits:",
+        "  steering_rate: 60.0",
+        "  speed: 1.0",
+    ]
+    path.write_text("\n".join([*lines, "noise: {steering: 1.0}"]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = [(each.line, each.message, each.remedy) for each in read_parameters(path).warnings]
+    assert found == [
+        (2, "steering_limit of 45 rad is 7.162 turns", "45 degrees are 0.7854 radians"),
+        (4, "steering_rate of 60 rad/s is 9.549 turns per second", "60 degrees per second are 1.047 rad/s"),
+        (5, "steering of 1 rad is 0.1592 turns", "1 degree is 0.01745 radians"),
+    ]
