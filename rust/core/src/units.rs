@@ -269,8 +269,8 @@ mod tests {
                 }
             }
         }
-        let [question] = &settings([("yaw_rate", 60.0)])[..] else { panic!() };
-        assert_eq!(question.likely, "60 degrees per second are 1.047 rad/s");
+        let likely: Vec<String> = settings([("yaw_rate", 60.0)]).into_iter().map(|question| question.likely).collect();
+        assert_eq!(likely, ["60 degrees per second are 1.047 rad/s"]);
     }
 
     #[test]

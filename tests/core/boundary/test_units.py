@@ -112,5 +112,5 @@ def test_a_file_is_warned_of_at_its_lines(tmp_path):
     assert found == [
         (2, "steering_limit of 45 rad is 7.162 turns", "45 degrees are 0.7854 radians"),
         (4, "steering_rate of 60 rad/s is 9.549 turns per second", "60 degrees per second are 1.047 rad/s"),
-        (5, "steering of 1 rad is 0.1592 turns", "1 degree is 0.01745 radians"),
+        (6, "steering of 1 rad is 0.1592 turns", "1 degree is 0.01745 radians"),
     ]
