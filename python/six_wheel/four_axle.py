@@ -8,7 +8,7 @@ from __future__ import annotations  # NumPy is not loaded for its names
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
 from six_wheel import rebuild
 from six_wheel._core import FourAxle
@@ -60,8 +60,12 @@ class FourAxleState:
     rear: Brake = "locked"
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
-    replace = rebuild.replace
-    __replace__ = rebuild.replace
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "angles", _numbers("angles", self.angles, 4))
@@ -100,8 +104,12 @@ class FourAxleStep:
     speeds: tuple[float | None, float | None, float | None, float | None]
     end: FourAxleState | None = None
 
-    replace = rebuild.replace
-    __replace__ = rebuild.replace
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
 
     def __post_init__(self) -> None:
         given = _numbers("speeds", [0.0 if speed is None else speed for speed in self.speeds], 4)

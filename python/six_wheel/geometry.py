@@ -1,6 +1,6 @@
 """Twists and poses in the plane."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 from six_wheel import rebuild
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
@@ -18,8 +18,12 @@ class Twist(NamedTuple):
     omega: float
     """Counter-clockwise [rad/s]."""
 
-    replace = rebuild.replace
-    __replace__ = rebuild.replace
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
 
 
 class Pose(NamedTuple):
@@ -32,5 +36,9 @@ class Pose(NamedTuple):
     yaw: float
     """Counter-clockwise [rad]; keeps its full turns."""
 
-    replace = rebuild.replace
-    __replace__ = rebuild.replace
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)

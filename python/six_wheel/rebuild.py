@@ -5,14 +5,16 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cache, partial
-from typing import Any
+from typing import Any, TypeVar
 
 from six_wheel._core import Rover, Wheel, without_questions
 
 __all__ = ["joints_as_given", "replace", "replace_in_rover", "with_wheels"]
 
+_T = TypeVar("_T")
 
-def replace(value: Any, /, **changes: Any) -> Any:
+
+def replace(value: _T, /, **changes: Any) -> _T:
     """The value that its constructor makes of the arguments that were given, some of them given anew.
 
     Parameters
@@ -35,7 +37,8 @@ def replace(value: Any, /, **changes: Any) -> Any:
         for name, argument in (given | changes).items()
         if argument is not None or parameters[name].default is inspect.Parameter.empty
     }
-    return make(**arguments)
+    made: _T = make(**arguments)
+    return made
 
 
 def replace_in_rover(rover: Rover, wheel: str | None, changes: Mapping[str, Any]) -> Rover:
@@ -57,8 +60,7 @@ def replace_in_rover(rover: Rover, wheel: str | None, changes: Mapping[str, Any]
             raise ValueError("steering_limit must be left out where no wheel steers")
     if "wheels" in own and tuple(own["wheels"]) != rover.wheels:
         own.setdefault("suspension", None)
-    changed: Rover = replace(rover, **own)
-    return changed
+    return replace(rover, **own)
 
 
 def _changed(each: Wheel, only: str | None, changes: dict[str, Any]) -> Wheel:
@@ -72,10 +74,10 @@ def _changed(each: Wheel, only: str | None, changes: dict[str, Any]) -> Wheel:
 
 def _call(value: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
     """The call that makes a value, and the arguments that were given to it."""
-    if isinstance(value, tuple):
-        return type(value), dict(zip(_parameters(type(value)), value, strict=True))
-    if dataclasses.is_dataclass(value):
-        return type(value), {name: getattr(value, name) for name in _parameters(type(value))}
+    kind: Callable[..., Any] = type(value)
+    if isinstance(value, tuple) or dataclasses.is_dataclass(value):
+        return kind, {name: getattr(value, name) for name in _parameters(kind)}
+    make: Any
     make, call = value.__reduce__()
     keywords: Mapping[str, Any] = {}
     if make is copyreg.__newobj_ex__:  # type: ignore[attr-defined]

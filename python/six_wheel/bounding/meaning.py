@@ -3,7 +3,7 @@
 import math
 from enum import StrEnum
 from functools import wraps
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,9 +84,12 @@ def reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
     return found
 
 
-def _with_plausible_units(limits: type["StandLimits"]) -> type["StandLimits"]:
+_Class = TypeVar("_Class", bound=type[Any])
+
+
+def _with_plausible_units(limits: _Class) -> _Class:
     """The class, which warns of angles that are likely in degrees when it is called."""
-    plain = limits.__new__
+    plain: Any = limits.__new__
 
     @wraps(plain)
     def new(cls: type[Any], /, *given: float, **named: float) -> Any:
@@ -126,5 +129,9 @@ class StandLimits(NamedTuple):
     wheel_drop: float = math.inf
     """Largest drop of a wheel in the rover's frame [m]."""
 
-    replace = rebuild.replace
-    __replace__ = rebuild.replace
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
