@@ -8,8 +8,9 @@ from __future__ import annotations  # NumPy is not loaded for its names
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
 
+from six_wheel import rebuild
 from six_wheel._core import FourAxle
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ Four: TypeAlias = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class FourAxleState:
-    """All that changes while a `FourAxle` drives. `dataclasses.replace` makes another one.
+    """All that changes while a `FourAxle` drives. `replace` makes another one.
 
     Parameters
     ----------
@@ -58,6 +59,13 @@ class FourAxleState:
     front: Brake = "locked"
     rear: Brake = "locked"
     pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "angles", _numbers("angles", self.angles, 4))
@@ -95,6 +103,13 @@ class FourAxleStep:
     rear: Brake
     speeds: tuple[float | None, float | None, float | None, float | None]
     end: FourAxleState | None = None
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
 
     def __post_init__(self) -> None:
         given = _numbers("speeds", [0.0 if speed is None else speed for speed in self.speeds], 4)

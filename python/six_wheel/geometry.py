@@ -1,7 +1,8 @@
 """Twists and poses in the plane."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
+from six_wheel import rebuild
 from six_wheel._core import compose, differentiate, exp, integrate, log, wrap_angle
 
 __all__ = ["Pose", "Twist", "compose", "differentiate", "exp", "integrate", "log", "wrap_angle"]
@@ -17,6 +18,13 @@ class Twist(NamedTuple):
     omega: float
     """Counter-clockwise [rad/s]."""
 
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)
+
 
 class Pose(NamedTuple):
     """Where the body frame is in the world; goes wherever three floats do."""
@@ -27,3 +35,10 @@ class Pose(NamedTuple):
     """[m]"""
     yaw: float
     """Counter-clockwise [rad]; keeps its full turns."""
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)

@@ -5,8 +5,7 @@
 State(value=0.5, velocity=1.0, acceleration=0.0, jerk=-4.0)
 """
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from six_wheel._core import BodyTransition, IcrTransition, ModuleTransition, Profile
 
@@ -95,8 +94,3 @@ class Phase(NamedTuple):
     """How long it takes [s]."""
     reason: str
     """Why it is there."""
-
-
-def _remake(maker: str, arguments: tuple[Any, ...], keywords: Mapping[str, Any]) -> Any:
-    """Call one of this module's functions again: how its objects are unpickled."""
-    return globals()[maker](*arguments, **keywords)

@@ -1,9 +1,102 @@
-"""A rover with other numbers in its wheels: everything else stays as it was."""
+"""Immutable values with other arguments: everything else stays as it was."""
 
-from collections.abc import Iterable
-from typing import Any
+import copyreg
+import dataclasses
+import inspect
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cache, partial
+from typing import Any, TypeVar
 
 from six_wheel._core import Rover, Wheel, without_questions
+
+__all__ = ["joints_as_given", "replace", "replace_in_rover", "with_wheels"]
+
+_T = TypeVar("_T")
+
+
+def replace(value: _T, /, **changes: Any) -> _T:
+    """The value that its constructor makes of the arguments that were given, some of them given anew.
+
+    Parameters
+    ----------
+    value
+        A value that pickles by the call that makes it, a named tuple or a dataclass.
+    **changes
+        Arguments of that call; None leaves one out that may be left out.
+
+    Raises
+    ------
+    TypeError
+        If the call has no such argument.
+    """
+    make, given = _call(value)
+    parameters = _parameters(make)
+    _check_names(value, changes, parameters)
+    arguments = {
+        name: argument
+        for name, argument in (given | changes).items()
+        if argument is not None or parameters[name].default is inspect.Parameter.empty
+    }
+    made: _T = make(**arguments)
+    return made
+
+
+def replace_in_rover(rover: Rover, wheel: str | None, changes: Mapping[str, Any]) -> Rover:
+    """`Rover.replace`: arguments of the rover, and of every wheel or of the one that is named.
+
+    Names, order and joints stay; wheels that change do not stand on the suspension they had.
+    """
+    of_wheel = [name for name in _parameters(Wheel) if name != "name"]
+    of_rover = [] if wheel is not None else list(_parameters(Rover))
+    _check_names(rover, changes, [*of_rover, *of_wheel])
+    if wheel is not None and wheel not in rover.wheel_names:
+        raise ValueError(f"wheel must be one of {', '.join(rover.wheel_names)}, got {wheel!r}")
+    own = {name: value for name, value in changes.items() if name in of_rover}
+    new = {name: value for name, value in changes.items() if name not in of_rover}
+    if new:
+        wheels = own.pop("wheels", rover.wheels)
+        own["wheels"] = without_questions(lambda: [_changed(each, wheel, new) for each in wheels])
+        if wheel is None and "steering_limit" in new and not any(each.steered for each in own["wheels"]):
+            raise ValueError("steering_limit must be left out where no wheel steers")
+    if "wheels" in own and tuple(own["wheels"]) != rover.wheels:
+        own.setdefault("suspension", None)
+    return replace(rover, **own)
+
+
+def _changed(each: Wheel, only: str | None, changes: dict[str, Any]) -> Wheel:
+    """A wheel of a rover after changes to all of them, or to the one of that name."""
+    if only is not None and each.name != only:
+        return each
+    if only is None and not changes.get("steered", each.steered):
+        changes = {name: value for name, value in changes.items() if name != "steering_limit"}
+    return each.replace(**changes)
+
+
+def _call(value: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """The call that makes a value, and the arguments that were given to it."""
+    kind: Callable[..., Any] = type(value)
+    if isinstance(value, tuple) or dataclasses.is_dataclass(value):
+        return kind, {name: getattr(value, name) for name in _parameters(kind)}
+    make: Any
+    make, call = value.__reduce__()
+    keywords: Mapping[str, Any] = {}
+    if make is copyreg.__newobj_ex__:  # type: ignore[attr-defined]
+        make, call, keywords = call
+    elif isinstance(make, partial):
+        make, keywords = make.func, make.keywords
+    return make, dict(zip(_parameters(make), call, strict=False)) | dict(keywords)
+
+
+@cache
+def _parameters(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    return inspect.signature(make).parameters
+
+
+def _check_names(value: object, changes: Iterable[str], names: Collection[str]) -> None:
+    for name in changes:
+        if name not in names:
+            call = f"{type(value).__name__}.replace()"
+            raise TypeError(f"{call} has no argument {name!r}; there are {', '.join(names)}")
 
 
 def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
@@ -14,38 +107,12 @@ def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
     ValueError
         If a wheel may not have such a value.
     """
-    steering, traction = joints_as_given(rover)
 
     def made() -> Rover:
-        wheels = [_with(wheel, **change) for wheel, change in zip(rover.wheels, changes, strict=True)]
-        return Rover(
-            wheels,
-            traction_joints=traction,
-            steering_joints=steering,
-            reversed_joints=rover.reversed_joints,
-            # Wheels that are elsewhere do not stand on what the file said.
-            suspension=rover.suspension if tuple(wheels) == rover.wheels else None,
-        )
+        pairs = zip(rover.wheels, changes, strict=True)
+        return rover.replace(wheels=[wheel.replace(**change) for wheel, change in pairs])
 
     return without_questions(made)  # which were asked of the rover itself
-
-
-def _with(wheel: Wheel, **changes: Any) -> Wheel:
-    values: dict[str, Any] = {
-        "x": wheel.x,
-        "y": wheel.y,
-        "radius": wheel.radius,
-        "steered": wheel.steered,
-        "heading": wheel.heading,
-        "steering_limit": wheel.steering_limit,
-        "scrub": wheel.scrub,
-        "trail": wheel.trail,
-        "roller_angle": wheel.roller_angle,
-        "driven": wheel.driven,
-        "castor": wheel.castor,
-    }
-    values |= changes
-    return Wheel(wheel.name, values.pop("x"), values.pop("y"), **values)
 
 
 def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:

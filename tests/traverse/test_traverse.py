@@ -172,3 +172,16 @@ def test_the_command(run: Any, refused: Any, tmp_path: Path, chart: Path) -> Non
         == "limit must be one of roll, pitch, tilt, rocker, bogie, clearance, wheel_drop, got 'height=3'"
     )
     assert "there is no folder" in refused("traverse", str(chart), *options, "-o", "x/a.tif")
+    for limit in ("roll=15", "tilt=", "bogie=adeg", "rocker=3grad"):
+        wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", limit)
+        name = limit.partition("=")[0]
+        assert wrong == f"limit {name} must be an angle such as 15deg or 0.26rad, got {limit!r}"
+    wrong = refused("traverse", str(chart), *options, "-o", "a.tif", "--limit", "clearance=0.1m")
+    assert wrong == "limit clearance must be a number, got 'clearance=0.1m'"
+
+
+def test_limits_are_in_either_unit() -> None:
+    from six_wheel.cli.commands.traverse import _limits
+
+    limits = _limits(["roll=15deg", "pitch=0.25rad", "clearance=0.3", "tilt= 2e1deg"])
+    assert limits == sw.StandLimits(roll=math.radians(15), pitch=0.25, clearance=0.3, tilt=math.radians(20))

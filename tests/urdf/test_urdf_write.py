@@ -138,3 +138,10 @@ def test_the_frame_of_a_planar_rover_lies_on_the_ground() -> None:
     assert [each.centre[2] for each in found.wheels.values()] == [0.15] * 6
     assert read_urdf is not None
     assert math.isclose(found.up, 1.0)
+
+
+def test_an_endless_steering_joint_comes_back_endless() -> None:
+    modules = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
+    assert modules.urdf().count('type="continuous"') == 8
+    found = parse_urdf(modules.urdf()).rover
+    assert [wheel.steering_limit for wheel in found.wheels] == [math.inf] * 4

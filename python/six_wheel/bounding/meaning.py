@@ -2,10 +2,14 @@
 
 import math
 from enum import StrEnum
-from typing import Any, NamedTuple
+from functools import wraps
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from six_wheel import rebuild
+from six_wheel._core import ask_settings
 
 __all__ = ["BoundStatus", "FeasibleReason", "StandLimits", "reasons", "statuses"]
 
@@ -80,11 +84,34 @@ def reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
     return found
 
 
+_Class = TypeVar("_Class", bound=type[Any])
+
+
+def _with_plausible_units(limits: _Class) -> _Class:
+    """The class, which warns of angles that are likely in degrees when it is called."""
+    plain: Any = limits.__new__
+
+    @wraps(plain)
+    def new(cls: type[Any], /, *given: float, **named: float) -> Any:
+        made = plain(cls, *given, **named)
+        ask_settings(made._asdict())
+        return made
+
+    limits.__new__ = new  # type: ignore[assignment]
+    return limits
+
+
+@_with_plausible_units
 class StandLimits(NamedTuple):
     """What is allowed where a rover stands; by default what Curiosity is, and a belly that touches nothing.
 
     Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars
     rover mobility trends during the first seven years, IEEE Aerospace Conference 2020.
+
+    Warns
+    -----
+    SuspiciousUnitsWarning
+        If an angle is above a quarter turn.
     """
 
     roll: float = math.radians(15)
@@ -101,3 +128,10 @@ class StandLimits(NamedTuple):
     """Least clearance of the belly [m]."""
     wheel_drop: float = math.inf
     """Largest drop of a wheel in the rover's frame [m]."""
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rebuild.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rebuild.replace(self, **changes)

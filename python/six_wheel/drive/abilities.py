@@ -87,12 +87,15 @@ def rim(rover: Rover, limits: Limits, directions: int = 720) -> Rim | None:
 
 
 def time_to_full_lock(rover: Rover, limits: Limits) -> float | None:
-    """Least time [s] from straight to the end of the range, for the widest range; None if unlimited."""
+    """Least time [s] from straight to the end of the range, for the widest range; None if unlimited
+    or endless."""
     ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
     if not ranges or math.isinf(limits.steering_rate):
         return None
     farthest = max(max(abs(lower), abs(upper)) for lower, upper in ranges)
     farthest = min(farthest, limits.steering_limit)
+    if math.isinf(farthest):
+        return None
     changes = limits.steering_acceleration
     profile = time_optimal(
         0.0, farthest, velocity=limits.steering_rate, acceleration=changes if math.isfinite(changes) else None

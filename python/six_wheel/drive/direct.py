@@ -1,5 +1,6 @@
 """Driving a command table directly: the command of a row holds from its time to that of the next row."""
 
+import math
 from collections.abc import Iterator
 from functools import partial
 from typing import Any
@@ -38,7 +39,8 @@ class Drive(Engine):
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
         super().__init__(rover, time_unit, keep)
         ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steered]
-        self._ends = np.array([ends for ends in ranges if ends is not None]).reshape(-1, 2).T
+        ends = np.array([ends for ends in ranges if ends is not None]).reshape(-1, 2).T
+        self._ends = np.clip(ends, -math.tau, math.tau)  # from either a joint without ends goes another way
         self._time: Any = None
 
     def blocks(self, chunk: Chunk) -> Iterator[list[Any]]:

@@ -38,7 +38,7 @@ from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest, declares
 from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
-from six_wheel.parameters.units import question_units
+from six_wheel.parameters.units import question_settings, question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
 
@@ -226,13 +226,14 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     if rover is not None:
         _check_wheels(found, values, rover, log)
         _check_covariance(found, values, rover, log)
+    question_settings(found, values, log.warning)
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
     for key, word in (("align", "none"), ("timeout", "never")):
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
-    named["limits"] = Limits(**values.get("limits", {}))
+    named["limits"] = without_questions(lambda: Limits(**values.get("limits", {})))
     controller = form.name if form in FOREIGN else None
     of_kind = form.kind if form.kind_of is None else form.kind_of(values)
     parameters = Parameters(

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Ta
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from six_wheel._core import Encoder, Gyroscope, Noise, Odometry, Rover, Wheel
+from six_wheel._core import Encoder, Gyroscope, Noise, Odometry, Rover, Wheel, without_questions
 from six_wheel.parameters.joints import JointList
 from six_wheel.parameters.nodes import Section
 from six_wheel.parameters.syntax import Path, Report, one_line, spell
@@ -51,7 +51,7 @@ def asks_core(call: Callable[..., object], argument: str, **others: Any) -> Afte
     """The core's own rule for one argument of `call`; its message is told with the file's key in front."""
 
     def check(value: Any) -> Any:
-        call(**others | {argument: as_argument(value)})
+        without_questions(lambda: call(**others | {argument: as_argument(value)}))  # they become findings
         return value
 
     return AfterValidator(check)

@@ -2,11 +2,12 @@
 
 from collections.abc import Collection
 
-from six_wheel._core import Rover, unit_questions
+from six_wheel._core import Rover, setting_questions, unit_questions
 from six_wheel.parameters.nodes import Section
+from six_wheel.parameters.schema import Values
 from six_wheel.parameters.syntax import Report
 
-__all__ = ["question_units"]
+__all__ = ["question_settings", "question_units"]
 
 
 def question_units(section: Section, rover: Rover, missing: Collection[str], warning: Report) -> None:
@@ -21,3 +22,11 @@ def question_units(section: Section, rover: Rover, missing: Collection[str], war
         keys = (key for key in section.data if word in key and "multiplier" not in key)
         at = (about if about in section.data else next(keys, ""),)
         warning(section.line_of(at) if at[0] else section.line, at, says, likely)
+
+
+def question_settings(section: Section, values: Values, warning: Report) -> None:
+    """The same of `limits` and `noise`."""
+    for group in ("limits", "noise"):
+        for about, says, likely in setting_questions(values.get(group, {})):
+            at = (group, about)
+            warning(section.line_of(at) if group in section.data else section.line, at, says, likely)

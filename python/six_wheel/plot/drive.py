@@ -81,7 +81,7 @@ def draw_course(
     steering = [colours[k] for k in steered]
     dashed = set(colours[(len(colours) + 1) // 2 :])
     if joints:
-        all_ends = sorted({min(max(end, -widest), widest) for ends in ranges for end in ends})
+        all_ends = [end for end in np.unique(np.clip(ranges, -widest, widest)) if math.isfinite(end)]
         panels.append(("steering [rad]", list(range(6, 6 + joints)), steering, all_ends))
         rates = list(range(6 + joints, 6 + 2 * joints))
         panels.append(("steering rate\n[rad/s]", rates, steering, both(limits.steering_rate)))

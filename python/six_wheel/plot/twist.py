@@ -70,7 +70,8 @@ def view(
 def draw_steering_ranges(axes: Axes, rover: Rover) -> None:
     for wheel in rover.wheels:
         if wheel.steering_range is not None:
-            lower, upper = np.degrees(np.asarray(wheel.steering_range) + wheel.heading + FORWARD_UP)
+            ends = np.clip(wheel.steering_range, -np.pi, np.pi)  # an endless joint has the whole circle
+            lower, upper = np.degrees(ends + wheel.heading + FORWARD_UP)
             axes.add_patch(
                 Wedge(
                     (-wheel.y, wheel.x),

@@ -91,7 +91,8 @@ class AdmissibleSet:
         for x, y, turn in self.zero:
             along, spin = np.array([y, -x, 0.0]), np.array([-x * turn, -y * turn, 1.0])
         # Wide ranges cut too, where a trail holds the wheel back; too many cuts do no harm.
-        ends = [wheel.rows(angle)[1] for wheel in self._steered for angle in wheel.steering_range or ()]
+        ranges = [(wheel, angle) for wheel in self._steered for angle in wheel.steering_range or ()]
+        ends = [wheel.rows(angle)[1] for wheel, angle in ranges if math.isfinite(angle)]
         cuts = {0.0} | {abs(float(end @ spin / (end @ along))) for end in ends if end @ along != 0.0}
         for wheel in self._steered:
             # A trail can be held while the pivot is no slower than |trail * omega|, outside these two R.

@@ -49,8 +49,9 @@ class Layout:
 
     @classmethod
     def swerve(cls, positions: ArrayLike, wheel_radius: float, *, steering_limit: Limit = None) -> Self:
-        """Every wheel steered, at `positions` (n, 2) [m]."""
-        module: dict[str, Any] = {"radius": wheel_radius, "steered": True, "steering_limit": steering_limit}
+        """Every wheel steered, endlessly without a limit, at `positions` (n, 2) [m]."""
+        limit = math.inf if steering_limit is None else steering_limit
+        module: dict[str, Any] = {"radius": wheel_radius, "steered": True, "steering_limit": limit}
         rows = enumerate(finite("positions", positions).tolist())
         return cls(tuple(Wheel(f"module_{i}", x, y, **module) for i, (x, y) in rows))
 

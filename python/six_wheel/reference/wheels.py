@@ -37,7 +37,8 @@ class Wheel:
     """One wheel: pivot ``(x, y)`` [m] in body axes, `radius` [m], and what decides its direction.
 
     The contact point lies `trail` behind the pivot and `scrub` to the left of it [m]. A steering angle is
-    counted from `heading`; `steering_limit` is a half range, a pair (lower, upper) or None for +-pi/2 [rad].
+    counted from `heading`; `steering_limit` is a half range (infinite: endless), a pair (lower, upper) or
+    None for +-pi/2 [rad].
     `roller_angle` lies between the axes of rollers and wheel [rad]. A `castor` swivels freely and asks
     nothing of the twist; a wheel that is not `driven` need not have a reading.
     """
@@ -105,6 +106,8 @@ class Wheel:
         """
         lower, upper = self.steering_range or (0.0, 0.0)
         held = min(max(previous, lower), upper)
+        if math.isinf(upper):  # endless: among the angles within a turn is the nearest one
+            lower, upper = held - math.tau, held + math.tau
         vx, vy, omega = twist
         ux, uy = self.pivot_velocity(twist)
         speed = math.hypot(ux, uy)

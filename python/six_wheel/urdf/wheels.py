@@ -78,7 +78,9 @@ class FoundWheel:
 
     @property
     def steering_limit(self) -> tuple[float, float] | None:
-        """Of the wheel, whichever way its joint counts; None without one that holds 0."""
+        """Of the wheel, infinite if its joint is continuous, None without limits that hold 0."""
+        if self.steering is not None and self.steering.type == "continuous":
+            return -math.inf, math.inf
         limits = None if self.steering is None else self.steering.limits
         if limits is None or limits[0] > 0.0 or limits[1] < 0.0:
             return None

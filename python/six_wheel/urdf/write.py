@@ -174,6 +174,8 @@ class _Description:
             pillar = f"{wheel.name}_pillar"
             upright: Point = (0.0, 0.0, -1.0) if steering in rover.reversed_joints else Z
             limit = wheel.steering_range
+            if limit is not None and math.isinf(limit[1]):
+                limit = None
             if limit is not None and upright is not Z:
                 limit = (-limit[1], -limit[0])
             self.link(pillar, mass=0.1)

@@ -2,10 +2,12 @@
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::planner::Costmap as Core;
 
 use crate::convert::{ArgumentTypeError, number, raise, refuse, shape_text};
 use crate::given;
+use crate::wheel::reduce;
 
 /// Costs on a grid, for a planner.
 ///
@@ -119,5 +121,25 @@ impl Costmap {
         let ([dx, dy], [x, y]) = (self.core.spacing(), self.core.origin());
         let frame = self.frame.as_ref().map_or_else(String::new, |frame| format!(", frame={frame:?}"));
         format!("Costmap(<{rows} x {columns}>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){frame})")
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| (&other.get().core, &other.get().frame) == (&self.core, &self.frame))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        (self.core.shape(), self.spacing(), self.origin(), &self.frame).into_pyobject(py)?.hash()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, map) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("values", map.values(py)?)?;
+        keywords.set_item("spacing", map.spacing())?;
+        keywords.set_item("origin", map.origin())?;
+        keywords.set_item("lethal", map.lethal())?;
+        keywords.set_item("outside", map.outside())?;
+        keywords.set_item("frame", &map.frame)?;
+        reduce(slf.as_any(), &PyTuple::empty(py), &keywords)
     }
 }

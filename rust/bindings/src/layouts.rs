@@ -7,8 +7,9 @@ use pyo3::types::PyDict;
 use six_wheel_core::rover::MAX_WHEELS;
 use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, presets};
 
-use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
+use crate::convert::{Rows, Scalars, memory, number, raise, refuse, short_repr};
 use crate::given;
+use crate::per_wheel::PerWheel;
 use crate::rover::Rover;
 use crate::wheel::steering_range;
 
@@ -30,12 +31,23 @@ fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     memory::gathered(rows.pairs().iter().copied())
 }
 
-fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
-    Ok(steering_range(value)?.unwrap_or_default())
-}
-
 fn drive(name: &str) -> PyResult<Drive> {
     Drive::from_str(name).map_err(|error| raise(error, &[]))
+}
+
+/// Fails where an argument comes beside others that say the same.
+fn refuse_beside(
+    argument: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    names: &str,
+    others: [Option<&Bound<'_, PyAny>>; 2],
+) -> PyResult<()> {
+    match value {
+        Some(value) if others.iter().any(Option::is_some) => {
+            Err(refuse(argument, &format!("be left out beside {names}, which say the same"), &short_repr(value)))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Rover {
@@ -43,15 +55,14 @@ impl Rover {
     fn car(
         py: Python<'_>,
         [wheelbase, track_width, wheel_radius]: [&Bound<'_, PyAny>; 3],
-        steering_limit: Option<&Bound<'_, PyAny>>,
         driven: &str,
+        given: &PerWheel<'_, '_>,
         layout: impl FnOnce(f64, f64, f64, SteeringRange, Drive) -> Result<Core, Error>,
     ) -> PyResult<Self> {
         let base = number("wheelbase", wheelbase)?;
         let track = number("track_width", track_width)?;
         let radius = number("wheel_radius", wheel_radius)?;
-        let range = limit(steering_limit)?;
-        Self::named(py, layout(base, track, radius, range, drive(driven)?))
+        Self::named(py, Ok(given.fit(layout(base, track, radius, SteeringRange::default(), drive(driven)?))?))
     }
 }
 
@@ -72,8 +83,14 @@ impl Rover {
     ///     Half track of the middle wheels [m]; may be 0.
     /// wheel_radius : float
     ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
+    ///     Of all corner wheels or one each: a mapping by name, or a sequence of pairs.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Of the wheels, in the order above.
     ///
     /// Raises
     /// ------
@@ -82,7 +99,11 @@ impl Rover {
     ///
     /// Source: the corner-steering geometry of NASA's Mars rovers as used by the JPL Open Source Rover.
     #[staticmethod]
-    #[pyo3(signature = (d1, d2, d3, d4, wheel_radius, steering_limit=None))]
+    #[pyo3(
+        signature = (d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=None, trail=None, names=None),
+        text_signature = "(d1, d2, d3, d4, wheel_radius, steering_limit=None, *, scrub=0.0, trail=0.0, names=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn six_wheel(
         py: Python<'_>,
         d1: &Bound<'_, PyAny>,
@@ -91,11 +112,14 @@ impl Rover {
         d4: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let dimensions = [number("d1", d1)?, number("d2", d2)?, number("d3", d3)?, number("d4", d4)?];
         let radius = number("wheel_radius", wheel_radius)?;
-        let range = steering_range(steering_limit)?.unwrap_or_default();
-        Self::named(py, Core::six_wheel(dimensions, radius, range))
+        let given = PerWheel { steering_limit, scrub, trail, names };
+        Self::named(py, Ok(given.fit(Core::six_wheel(dimensions, radius, SteeringRange::default()))?))
     }
 
     /// A vehicle whose wheels are all steered.
@@ -106,9 +130,13 @@ impl Rover {
     ///     Pivots ``[x, y]`` of the modules, n from 2 to 64 [m].
     /// wheel_radius : float
     ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
-    ///     A wider range lets a module keep its direction of rolling; beyond half a turn, turns are counted.
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default endless, ``math.inf`` for endless.
+    ///     Of all modules or one each: a mapping by name, or a sequence of pairs.
+    ///     Beyond half a turn, turns are counted.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
     /// names : sequence of str, optional
     ///     Default ``module_0``, ``module_1``, ...
     ///
@@ -119,17 +147,23 @@ impl Rover {
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[staticmethod]
-    #[pyo3(signature = (positions, wheel_radius, *, steering_limit=None, names=None))]
+    #[pyo3(
+        signature = (positions, wheel_radius, *, steering_limit=None, names=None, scrub=None, trail=None),
+        text_signature = "(positions, wheel_radius, *, steering_limit=None, names=None, scrub=0.0, trail=0.0)"
+    )]
     fn swerve(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         names: Option<Vec<String>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let positions = self::positions(positions)?;
-        let (radius, range) = (number("wheel_radius", wheel_radius)?, limit(steering_limit)?);
-        Self::named(py, Core::swerve(&positions, names, radius, range))
+        let radius = number("wheel_radius", wheel_radius)?;
+        let given = PerWheel { steering_limit, scrub, trail, names: None };
+        Self::named(py, Ok(given.fit(Core::swerve(&positions, names, radius, SteeringRange::ENDLESS))?))
     }
 
     /// Differential drive: fixed wheels on two sides. With several wheels per side, skid steering.
@@ -152,6 +186,13 @@ impl Rover {
     ///     side. Their distance is the effective track.
     /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name. Not beside `icr_left`,
+    ///     `icr_right` and `icr_forward`, which say the same.
+    /// names : sequence of str, optional
+    ///     Of the wheels, front to rear, left before right; default ``left`` and ``right``, behind the axle's where
+    ///     there are several.
     ///
     /// Raises
     /// ------
@@ -161,8 +202,8 @@ impl Rover {
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
     #[pyo3(
-        signature = (track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=None),
-        text_signature = "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0)"
+        signature = (track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
+        text_signature = "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn differential(
@@ -174,7 +215,13 @@ impl Rover {
         icr_left: Option<&Bound<'_, PyAny>>,
         icr_right: Option<&Bound<'_, PyAny>>,
         icr_forward: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
+        let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
+        refuse_beside("scrub", scrub, "icr_left and icr_right", [icr_left, icr_right])?;
+        refuse_beside("trail", trail, "icr_forward", [icr_forward, None])?;
         let skid = SkidCentres {
             left: optional("icr_left", icr_left)?,
             right: optional("icr_right", icr_right)?,
@@ -193,7 +240,7 @@ impl Rover {
             return Err(refuse("wheelbase", rule, "None"));
         }
         let base = wheelbase.unwrap_or_default();
-        Self::named(py, Core::differential(track, radii, per_side, base, skid))
+        Self::named(py, Ok(given.fit(Core::differential(track, radii, per_side, base, skid))?))
     }
 
     /// Tracked drive: a left and a right track, each a wheel with the radius of its sprocket.
@@ -209,6 +256,12 @@ impl Rover {
     ///     side, as without slip. Their distance is the effective track.
     /// icr_forward : float, default 0.0
     ///     Longitudinal position of the centres [m].
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name. Not beside `icr_left`,
+    ///     `icr_right` and `icr_forward`, which say the same.
+    /// names : sequence of str, optional
+    ///     Of the left and the right track; default ``left`` and ``right``.
     ///
     /// Raises
     /// ------
@@ -218,9 +271,10 @@ impl Rover {
     /// Source: J. L. Martinez et al., Approximating kinematics for tracked mobile robots, IJRR 24(10), 2005.
     #[staticmethod]
     #[pyo3(
-        signature = (track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=None),
-        text_signature = "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0)"
+        signature = (track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=None, scrub=None, trail=None, names=None),
+        text_signature = "(track_width, wheel_radius, *, icr_left=None, icr_right=None, icr_forward=0.0, scrub=None, trail=None, names=None)"
     )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn tracked(
         py: Python<'_>,
         track_width: &Bound<'_, PyAny>,
@@ -228,8 +282,23 @@ impl Rover {
         icr_left: Option<&Bound<'_, PyAny>>,
         icr_right: Option<&Bound<'_, PyAny>>,
         icr_forward: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
-        Self::differential(py, track_width, wheel_radius, 1, None, icr_left, icr_right, icr_forward)
+        Self::differential(
+            py,
+            track_width,
+            wheel_radius,
+            1,
+            None,
+            icr_left,
+            icr_right,
+            icr_forward,
+            scrub,
+            trail,
+            names,
+        )
     }
 
     /// A car with Ackermann steering: steered front wheels, fixed rear wheels, origin between the rear ones.
@@ -244,17 +313,27 @@ impl Rover {
     ///     Left to right wheel [m].
     /// wheel_radius : float
     ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
+    ///     Of both front wheels or one each: a mapping by name, or a sequence of pairs.
     /// driven : {'rear', 'front', 'all'}
     ///     Which wheels have motors; the others roll along.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="rear"))]
+    #[pyo3(
+        signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="rear", scrub=None, trail=None, names=None),
+        text_signature = "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn ackermann(
         py: Python<'_>,
         wheelbase: &Bound<'_, PyAny>,
@@ -262,9 +341,13 @@ impl Rover {
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::driven)] driven: &str,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
-        Self::car(py, lengths, steering_limit, driven, Core::ackermann)
+        let given = PerWheel { steering_limit, scrub, trail, names };
+        Self::car(py, lengths, driven, &given, Core::ackermann)
     }
 
     /// A tricycle: one steered front wheel, two fixed rear wheels, origin between the rear ones.
@@ -277,17 +360,27 @@ impl Rover {
     ///     Left to right rear wheel [m].
     /// wheel_radius : float
     ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
+    ///     Of the front wheel: a mapping by name, or a sequence of pairs.
     /// driven : {'front', 'rear', 'all'}
     ///     Which wheels have motors; the others roll along.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Default ``front``, ``rear_left``, ``rear_right``; in that order.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="front"))]
+    #[pyo3(
+        signature = (wheelbase, track_width, wheel_radius, *, steering_limit=None, driven="front", scrub=None, trail=None, names=None),
+        text_signature = "(wheelbase, track_width, wheel_radius, *, steering_limit=None, driven='front', scrub=0.0, trail=0.0, names=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn tricycle(
         py: Python<'_>,
         wheelbase: &Bound<'_, PyAny>,
@@ -295,9 +388,13 @@ impl Rover {
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::driven)] driven: &str,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
-        Self::car(py, lengths, steering_limit, driven, Core::tricycle)
+        let given = PerWheel { steering_limit, scrub, trail, names };
+        Self::car(py, lengths, driven, &given, Core::tricycle)
     }
 
     /// A bicycle: a steered front wheel, a fixed rear wheel, origin at the rear one.
@@ -308,27 +405,41 @@ impl Rover {
     ///     Rear wheel to front wheel [m].
     /// wheel_radius : float
     ///     Hub to ground [m].
-    /// steering_limit : float or (float, float), optional
-    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn.
+    /// steering_limit : float, (float, float), sequence or mapping, optional
+    ///     Largest steering angle to either side, or smallest and largest [rad]; default a quarter turn, ``math.inf`` for endless.
+    ///     Of the front wheel: a mapping by name, or a sequence of pairs.
     /// driven : {'rear', 'front', 'all'}
     ///     Which wheels have motors; the others roll along.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Default ``front``, ``rear``; in that order.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If a length or the limit is not finite and positive.
     #[staticmethod]
-    #[pyo3(signature = (wheelbase, wheel_radius, *, steering_limit=None, driven="rear"))]
+    #[pyo3(
+        signature = (wheelbase, wheel_radius, *, steering_limit=None, driven="rear", scrub=None, trail=None, names=None),
+        text_signature = "(wheelbase, wheel_radius, *, steering_limit=None, driven='rear', scrub=0.0, trail=0.0, names=None)"
+    )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn bicycle(
         py: Python<'_>,
         wheelbase: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::driven)] driven: &str,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let base = number("wheelbase", wheelbase)?;
-        let (radius, range) = (number("wheel_radius", wheel_radius)?, limit(steering_limit)?);
-        Self::named(py, Core::bicycle(base, radius, range, drive(driven)?))
+        let radius = number("wheel_radius", wheel_radius)?;
+        let given = PerWheel { steering_limit, scrub, trail, names };
+        Self::named(py, Ok(given.fit(Core::bicycle(base, radius, SteeringRange::default(), drive(driven)?))?))
     }
 
     /// Four mecanum wheels, the usual way round.
@@ -344,6 +455,11 @@ impl Rover {
     ///     Hub to ground [m].
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default an eighth of a turn.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
+    /// names : sequence of str, optional
+    ///     Default ``front_left``, ``front_right``, ``rear_left``, ``rear_right``; in that order.
     ///
     /// Raises
     /// ------
@@ -351,20 +467,25 @@ impl Rover {
     ///     If a length is not finite and positive, or the rollers leave nothing to drive.
     #[staticmethod]
     #[pyo3(
-        signature = (half_wheelbase, half_track, wheel_radius, *, roller_angle=None),
-        text_signature = "(half_wheelbase, half_track, wheel_radius, *, roller_angle=0.7853981633974483)"
+        signature = (half_wheelbase, half_track, wheel_radius, *, roller_angle=None, scrub=None, trail=None, names=None),
+        text_signature = "(half_wheelbase, half_track, wheel_radius, *, roller_angle=0.7853981633974483, scrub=0.0, trail=0.0, names=None)"
     )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn mecanum(
         py: Python<'_>,
         half_wheelbase: &Bound<'_, PyAny>,
         half_track: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         roller_angle: Option<&Bound<'_, PyAny>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
+        names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let half_base = number("half_wheelbase", half_wheelbase)?;
         let (half_track, radius) = (number("half_track", half_track)?, number("wheel_radius", wheel_radius)?);
         let angle = optional("roller_angle", roller_angle)?.unwrap_or(std::f64::consts::FRAC_PI_4);
-        Self::named(py, Core::mecanum(half_base, half_track, radius, angle))
+        let given = PerWheel { scrub, trail, names, ..PerWheel::default() };
+        Self::named(py, Ok(given.fit(Core::mecanum(half_base, half_track, radius, angle))?))
     }
 
     /// Omni wheels, any number of them and any way round.
@@ -379,6 +500,9 @@ impl Rover {
     ///     Hub to ground [m].
     /// roller_angle : float
     ///     Between the axes of rollers and wheel [rad]; default a quarter turn.
+    /// scrub, trail : float, sequence or mapping of str to float, default 0.0
+    ///     Contact to the left of the steering axis, and behind it [m]. Of every wheel alike, left and right ones too, or one
+    ///     each: in their order, or by name.
     /// names : sequence of str, optional
     ///     Default ``wheel_0``, ``wheel_1``, ...
     ///
@@ -388,9 +512,10 @@ impl Rover {
     ///     If a value is not finite, the radius not positive, or the rollers leave nothing to drive.
     #[staticmethod]
     #[pyo3(
-        signature = (positions, headings, wheel_radius, *, roller_angle=None, names=None),
-        text_signature = "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None)"
+        signature = (positions, headings, wheel_radius, *, roller_angle=None, names=None, scrub=None, trail=None),
+        text_signature = "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None, scrub=0.0, trail=0.0)"
     )]
+    #[allow(clippy::too_many_arguments)] // they are keywords
     fn omni(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
@@ -398,13 +523,16 @@ impl Rover {
         wheel_radius: &Bound<'_, PyAny>,
         roller_angle: Option<&Bound<'_, PyAny>>,
         names: Option<Vec<String>>,
+        scrub: Option<&Bound<'_, PyAny>>,
+        trail: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let positions = self::positions(positions)?;
         let headings = Scalars::read("headings", headings)?;
         headings.check_finite("headings")?;
         headings.fit_exactly("headings", &[positions.len()])?;
         let (radius, angle) = (number("wheel_radius", wheel_radius)?, optional("roller_angle", roller_angle)?);
-        Self::named(py, Core::omni(&positions, headings.flat(), names, radius, angle))
+        let given = PerWheel { scrub, trail, ..PerWheel::default() };
+        Self::named(py, Ok(given.fit(Core::omni(&positions, headings.flat(), names, radius, angle))?))
     }
 
     /// A published rover by name; `Rover.presets` lists them.

@@ -435,7 +435,7 @@ impl Odometry {
     /// Standard deviations of readings and slip.
     #[getter]
     fn noise(&self, py: Python<'_>) -> PyResult<Noise> {
-        Ok(Noise(self.work.lock(py)?.core.settings().noise))
+        Ok(self.work.lock(py)?.core.settings().noise.into())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

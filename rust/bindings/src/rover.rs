@@ -6,7 +6,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
 use six_wheel_core::suspension::WHEELS;
-use six_wheel_core::{Rover as Core, SteeringRange, units};
+use six_wheel_core::units::{self, Question};
+use six_wheel_core::{Rover as Core, SteeringRange};
 
 use crate::convert::{ArgumentTypeError, ask, items, raise, ready, refuse, short_repr};
 use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
@@ -166,8 +167,32 @@ fn read_wheels(wheels: &Bound<'_, PyAny>) -> PyResult<Vec<Wheel>> {
 /// What is odd about a rover's dimensions: each the key it is about, what it is, and what is likely.
 #[pyfunction]
 pub fn unit_questions(rover: &Rover) -> Vec<(&'static str, String, String)> {
-    let questions = units::dimensions(&rover.core).into_iter();
-    questions.map(|question| (question.about, question.says, question.likely)).collect()
+    listed(units::dimensions(&rover.core))
+}
+
+/// What is odd about settings of `Limits`, `Noise` or `StandLimits`, a dict by name: as [`unit_questions`].
+#[pyfunction]
+pub fn setting_questions(settings: &Bound<'_, PyDict>) -> Vec<(&'static str, String, String)> {
+    listed(odd_settings(settings))
+}
+
+/// Warns of what is odd about settings.
+#[pyfunction]
+pub fn ask_settings(settings: &Bound<'_, PyDict>) -> PyResult<()> {
+    ask(settings.py(), odd_settings(settings))
+}
+
+/// What is no number is for others to refuse.
+fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<Question> {
+    let numbers = settings
+        .iter()
+        .filter_map(|(name, value)| Some((name.extract::<String>().ok()?, value.extract::<f64>().ok()?)));
+    let numbers: Vec<_> = numbers.collect();
+    units::settings(numbers.iter().map(|(name, value)| (name.as_str(), *value)))
+}
+
+fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
+    questions.into_iter().map(|question| (question.about, question.says, question.likely)).collect()
 }
 
 #[pymethods]
@@ -271,6 +296,46 @@ impl Rover {
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
         let module = slf.py().import("six_wheel.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
+    }
+
+    /// The same rover with other wheels, or with other arguments of its constructor.
+    ///
+    /// Names, order and joints of the wheels stay. Wheels that change no longer stand on the suspension they had, unless
+    /// it is given again.
+    ///
+    /// Parameters
+    /// ----------
+    /// wheel : str, optional
+    ///     Name of the wheel that changes; default every wheel.
+    /// **changes
+    ///     Arguments of `Wheel` but for its name; `steering_limit` is that of every steered wheel. Without a name arguments of
+    ///     `Rover`, too. None leaves one out, so that it has its default.
+    ///
+    /// Returns
+    /// -------
+    /// Rover
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If there is no such argument; the message lists those there are.
+    /// ValueError
+    ///     If there is no such wheel, or a wheel or the rover may not be like that.
+    #[pyo3(signature = (wheel=None, /, **changes))]
+    fn replace<'py>(
+        slf: &Bound<'py, Self>,
+        wheel: Option<&Bound<'py, PyAny>>,
+        changes: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let changes = changes.cloned().unwrap_or_else(|| PyDict::new(py));
+        py.import("six_wheel.rebuild")?.call_method1("replace_in_rover", (slf, wheel, changes))
+    }
+
+    /// `replace`, for `copy.replace`.
+    #[pyo3(signature = (**changes))]
+    fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        Self::replace(slf, None, changes)
     }
 
     /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.

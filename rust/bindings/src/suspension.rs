@@ -13,9 +13,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::bounds::Plan;
 use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
-use six_wheel_core::{Error, RockerBogie as Core};
+use six_wheel_core::{Error, RockerBogie as Core, SteeringRange, units};
 
-use crate::convert::{ArgumentTypeError, number, numbers, raise, refuse};
+use crate::convert::{ArgumentTypeError, ask, number, numbers, raise, refuse};
 use crate::given;
 use crate::wheel::{reduce, steering_range};
 
@@ -165,6 +165,13 @@ pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> 
     Ok(range)
 }
 
+/// Range of a suspension's steered wheels, which is asked about where it is likely in degrees.
+fn steering(py: Python<'_>, limit: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
+    let range = steering_range(limit)?.unwrap_or_default();
+    ask(py, units::steering(range))?;
+    Ok(range)
+}
+
 #[pymethods]
 impl RockerBogie {
     #[new]
@@ -175,6 +182,7 @@ impl RockerBogie {
     ))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
+        py: Python<'_>,
         rocker_pivot: &Bound<'_, PyAny>,
         rocker_to_front: Option<&Bound<'_, PyAny>>,
         rocker_to_bogie: Option<&Bound<'_, PyAny>>,
@@ -206,6 +214,7 @@ impl RockerBogie {
             let rule = "be left out beside rocker_to_rear or bogie_to_front, which put the bogies in front";
             return Err(refuse(argument, rule, "a value"));
         }
+        let steering = steering(py, steering_limit)?;
         let names = bogie.names();
         let read = |k: usize| numbers(names[k + 1], given(names[k + 1], values[k])?);
         let pivot = numbers(names[0], rocker_pivot)?;
@@ -218,7 +227,7 @@ impl RockerBogie {
             bogie,
             wheel_radius: number("wheel_radius", given("wheel_radius", wheel_radius)?)?,
             steered: steered.map_err(|error| raise(error, &[]))?,
-            steering: steering_range(steering_limit)?.unwrap_or_default(),
+            steering,
             rocker_limit: joint_range("rocker_limit", rocker_limit)?,
             bogie_limit: joint_range("bogie_limit", bogie_limit)?,
             differential: match differential_bar {

@@ -5,9 +5,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyString, PyTuple};
-use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
+use six_wheel_core::{Pivot, SteeringRange, Wheel as Core, units};
 
-use crate::convert::{number, raise, refuse};
+use crate::convert::{ask, number, raise, refuse};
 use crate::given;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
@@ -63,9 +63,41 @@ pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Steer
     range.map(Some).map_err(|error| raise(error, &[]))
 }
 
-/// The argument of [`steering_range`] that makes this range.
+/// The argument of [`steering_range`] that makes this range, as Python text.
 pub fn steering_limit(range: SteeringRange) -> String {
-    if range.lower == -range.upper { format!("{:?}", range.upper) } else { range.to_string() }
+    match (range.lower == -range.upper, range.upper.is_finite()) {
+        (true, true) => format!("{:?}", range.upper),
+        (true, false) => "float('inf')".into(),
+        _ => format!("({:?}, {:?})", range.lower, range.upper),
+    }
+}
+
+impl Wheel {
+    /// The arguments of the constructor beside name and place that are not the default ones.
+    fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let wheel = &self.0;
+        let keywords = PyDict::new(py);
+        keywords.set_item("radius", wheel.radius)?;
+        if let Some(range) = wheel.steering() {
+            keywords.set_item("steered", true)?;
+            if range != SteeringRange::default() {
+                keywords.set_item("steering_limit", self.steering_limit(py)?)?;
+            }
+        }
+        let numbers = [("heading", wheel.heading), ("scrub", wheel.scrub), ("trail", wheel.trail)];
+        for (argument, value) in numbers.into_iter().filter(|(_, value)| *value != 0.0) {
+            keywords.set_item(argument, value)?;
+        }
+        if let Some(angle) = wheel.roller_angle {
+            keywords.set_item("roller_angle", angle)?;
+        }
+        if wheel.pivot == Pivot::Castor {
+            keywords.set_item("castor", true)?;
+        } else if !wheel.driven {
+            keywords.set_item("driven", false)?;
+        }
+        Ok(keywords)
+    }
 }
 
 /// Hashes a wheel so that equal wheels, zeros of either sign included, hash alike.
@@ -89,6 +121,7 @@ impl Wheel {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
+        py: Python<'_>,
         #[pyo3(from_py_with = given::name)] name: String,
         x: &Bound<'_, PyAny>,
         y: &Bound<'_, PyAny>,
@@ -132,6 +165,7 @@ impl Wheel {
             driven: driven.unwrap_or(!castor),
         };
         wheel.check().map_err(|error| raise(error, &[]))?;
+        ask(py, units::wheel(&wheel))?;
         Ok(Self(wheel))
     }
 
@@ -223,25 +257,12 @@ impl Wheel {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
-        let name = PyString::new(py, &wheel.name).repr()?;
-        let mut text = format!("Wheel({name}, {:?}, {:?}, radius={:?}", wheel.x, wheel.y, wheel.radius);
-        if let Some(range) = wheel.steering() {
-            text += ", steered=True";
-            if range != SteeringRange::default() {
-                text += &format!(", steering_limit={}", steering_limit(range));
-            }
-        }
-        let rest = [("heading", wheel.heading), ("scrub", wheel.scrub), ("trail", wheel.trail)];
-        for (argument, value) in rest.iter().filter(|(_, value)| *value != 0.0) {
-            text += &format!(", {argument}={value:?}");
-        }
-        if let Some(angle) = wheel.roller_angle {
-            text += &format!(", roller_angle={angle:?}");
-        }
-        if wheel.pivot == Pivot::Castor {
-            text += ", castor=True";
-        } else if !wheel.driven {
-            text += ", driven=False";
+        let mut text = format!("Wheel({}, {:?}, {:?}", PyString::new(py, &wheel.name).repr()?, wheel.x, wheel.y);
+        for (argument, value) in self.keywords(py)?.iter() {
+            let range = wheel.steering().filter(|_| argument.eq("steering_limit").unwrap_or_default());
+            let value =
+                range.map_or_else(|| value.repr().map(|text| text.to_string()), |range| Ok(steering_limit(range)))?;
+            text += &format!(", {argument}={value}");
         }
         Ok(text + ")")
     }
@@ -257,19 +278,9 @@ impl Wheel {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let (py, wheel) = (slf.py(), &slf.get().0);
-        let keywords = PyDict::new(py);
-        keywords.set_item("radius", wheel.radius)?;
-        keywords.set_item("steered", wheel.steering().is_some())?;
-        keywords.set_item("heading", wheel.heading)?;
-        keywords.set_item("steering_limit", wheel.steering().map(|range| (range.lower, range.upper)))?;
-        keywords.set_item("scrub", wheel.scrub)?;
-        keywords.set_item("trail", wheel.trail)?;
-        keywords.set_item("roller_angle", wheel.roller_angle)?;
-        keywords.set_item("driven", wheel.driven)?;
-        keywords.set_item("castor", wheel.pivot == Pivot::Castor)?;
-        let arguments = (wheel.name.as_str(), wheel.x, wheel.y).into_pyobject(py)?;
-        reduce(slf.as_any(), &arguments, &keywords)
+        let (py, wheel) = (slf.py(), slf.get());
+        let arguments = (wheel.0.name.as_str(), wheel.0.x, wheel.0.y).into_pyobject(py)?;
+        reduce(slf.as_any(), &arguments, &wheel.keywords(py)?)
     }
 }
 

@@ -240,7 +240,8 @@ impl Rover {
     fn limit_planes(&self) -> Vec<(usize, [Vector3<f64>; 2])> {
         let ends = |(joint, &i): (usize, &usize)| {
             let wheel = &self.wheels()[i];
-            let range = wheel.steering().filter(|range| !range.is_full() || wheel.trail != 0.0)?;
+            let range =
+                wheel.steering().filter(|range| !range.is_full() || wheel.trail != 0.0 && !range.is_endless())?;
             let row = |angle: f64| wheel.rows(Direction::from(wheel.heading + angle)).side_slip;
             Some((joint, [row(range.lower), row(range.upper)]))
         };

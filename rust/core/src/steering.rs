@@ -29,22 +29,32 @@ impl Default for SteeringRange {
 }
 
 impl SteeringRange {
+    /// Without ends: a joint that turns on and on.
+    pub const ENDLESS: Self = Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+
     /// Wherever a wheel may turn that nothing steers.
     pub(crate) const WHOLE_TURN: Self = Self { lower: -PI, upper: PI };
 
-    /// From `-limit` to `limit`. Fails unless the limit is finite and positive.
+    /// From `-limit` to `limit`; infinity is endless. Fails unless the limit is positive.
     pub fn symmetric(limit: f64) -> Result<Self, Error> {
-        positive("steering_limit", limit)?;
+        if limit != f64::INFINITY {
+            positive("steering_limit", limit)?;
+        }
         Ok(Self { lower: -limit, upper: limit })
     }
 
-    /// Fails unless both ends are finite and in order.
+    /// Fails unless both ends are finite and in order, or there are none.
     pub fn check(self) -> Result<(), Error> {
-        if self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper {
+        if self.lower.is_finite() && self.upper.is_finite() && self.lower < self.upper || self.is_endless() {
             return Ok(());
         }
         let rule = "be finite, the lower angle below the upper";
         Err(Error::value("steering_limit", rule, self.to_string()))
+    }
+
+    /// Whether there are no ends.
+    pub fn is_endless(self) -> bool {
+        self == Self::ENDLESS
     }
 
     /// Whether a wheel can roll in every direction, forwards or backwards.
@@ -78,6 +88,9 @@ impl SteeringRange {
 impl std::fmt::Display for SteeringRange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (low, high) = (self.lower, self.upper);
+        if self.is_endless() {
+            return write!(f, "endless");
+        }
         write!(f, "{} to {} rad (", short(low), short(high))?;
         write!(f, "{:.1}° to {:.1}°)", low.to_degrees(), high.to_degrees())
     }

@@ -2,7 +2,7 @@
 //!
 //! They are no errors: what is asked about is computed all the same.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::batch::Table;
 use crate::error::short;
@@ -10,16 +10,50 @@ use crate::rover::Rover;
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
 
-/// Hub to ground of what drives [m]: the largest tyres of trucks have 2 m.
-const LARGEST_RADIUS: f64 = 2.0;
-/// Origin to a wheel of what drives [m].
-const LARGEST_DISTANCE: f64 = 50.0;
+/// Quantities that have a plausible range: from minus to plus [`Self::largest`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Hub to ground [m].
+    Radius,
+    /// Origin to a wheel [m].
+    Distance,
+    /// Angle of a steering joint [rad].
+    SteeringAngle,
+    /// Angle of a module that counts its turns [rad].
+    ModuleAngle,
+    /// Heading of a wheel, or angle of its rollers [rad].
+    Direction,
+    /// Roll, pitch or tilt of a body, or angle of a suspension joint [rad].
+    Inclination,
+    /// Standard deviation of a steering angle [rad].
+    AngleError,
+    /// Rate of a steering joint or of the body, or its standard deviation [rad/s].
+    Rate,
+}
+
+impl Quantity {
+    /// Largest plausible magnitude, in metres, radians and seconds; the one table for files and constructors.
+    pub const fn largest(self) -> f64 {
+        match self {
+            Self::Radius => 2.0, // the largest tyres of trucks
+            Self::Distance => 50.0,
+            Self::SteeringAngle => PI,
+            Self::ModuleAngle => 10.0 * PI, // beyond what cables allow
+            Self::Direction => 2.0 * TAU,   // places around a circle and a quarter turn come to less
+            Self::Inclination => FRAC_PI_2,
+            Self::AngleError => 0.5,
+            Self::Rate => 8.0 * PI,
+        }
+    }
+
+    /// Whether a value is none of it in its unit. Infinity is "without a limit".
+    fn excludes(self, value: f64) -> bool {
+        value.is_finite() && value.abs() > self.largest()
+    }
+}
+
 /// A radius [m] that would be none in centimetres either.
 const MILLIMETRES: f64 = 20.0;
-/// Of a module that counts its turns [rad]: beyond what cables allow.
-const LARGEST_RANGE: f64 = 10.0 * PI;
-/// Of a heading or of rollers [rad]: places around a circle and a quarter turn come to less.
-const LARGEST_DIRECTION: f64 = 2.0 * TAU;
 
 /// What is odd about a number, and what it may have been meant as.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,6 +64,57 @@ pub struct Question {
     pub says: String,
     /// What is likely.
     pub likely: String,
+}
+
+/// Settings that have a plausible range, by the names that `Limits`, `Noise` and `StandLimits` have for them.
+const SETTINGS: [(&str, Quantity); 9] = [
+    ("steering_limit", Quantity::SteeringAngle),
+    ("steering_rate", Quantity::Rate),
+    ("yaw_rate", Quantity::Rate),
+    ("steering", Quantity::AngleError),
+    ("roll", Quantity::Inclination),
+    ("pitch", Quantity::Inclination),
+    ("tilt", Quantity::Inclination),
+    ("rocker", Quantity::Inclination),
+    ("bogie", Quantity::Inclination),
+];
+
+/// Everything that is odd about some settings, by their names.
+pub fn settings<'a>(given: impl IntoIterator<Item = (&'a str, f64)>) -> Vec<Question> {
+    let known = |(name, value)| {
+        let found = SETTINGS.iter().find(|(setting, _)| *setting == name);
+        found.map(|&(setting, quantity)| (setting, quantity, value))
+    };
+    arguments(given.into_iter().filter_map(known))
+}
+
+/// Everything that is odd about the angles of one wheel, which may be of any rover.
+pub fn wheel(wheel: &Wheel) -> Vec<Question> {
+    wheel.steering().into_iter().flat_map(steering).chain(direction(wheel)).collect()
+}
+
+/// Everything that is odd about the range of a steering joint.
+pub fn steering(range: SteeringRange) -> Vec<Question> {
+    arguments([("steering_limit", Quantity::SteeringAngle, widest(range))])
+}
+
+/// Everything that is odd about the arguments of a constructor: name, quantity and value of each.
+fn arguments(given: impl IntoIterator<Item = (&'static str, Quantity, f64)>) -> Vec<Question> {
+    let odd = given.into_iter().filter(|&(_, quantity, value)| quantity.excludes(value));
+    odd.map(|(about, quantity, value)| too_large(about, quantity, value)).collect()
+}
+
+/// A value in radians, or radians per second, that is likely one in degrees.
+fn too_large(about: &'static str, quantity: Quantity, value: f64) -> Question {
+    let (shown, turns) = (digits(value), digits(value / TAU));
+    let (says, likely) = match quantity {
+        Quantity::Rate => (
+            format!("{about} of {shown} rad/s is {turns} turns per second"),
+            format!("{shown} degrees per second are {} rad/s", short(value.to_radians())),
+        ),
+        _ => (format!("{about} of {shown} rad is {turns} turns"), in_degrees(value)),
+    };
+    Question { about, says, likely }
 }
 
 /// Everything that is odd about the dimensions of a rover.
@@ -43,7 +128,7 @@ pub fn dimensions(rover: &Rover) -> Vec<Question> {
 fn lengths(wheels: &[Wheel]) -> Option<Question> {
     let radius = largest(wheels.iter().map(|wheel| wheel.radius));
     let reach = largest(wheels.iter().map(|wheel| wheel.x.abs().max(wheel.y.abs())));
-    if radius <= LARGEST_RADIUS && reach <= LARGEST_DISTANCE {
+    if !Quantity::Radius.excludes(radius) && !Quantity::Distance.excludes(reach) {
         return None;
     }
     let (unit, metres) = if radius >= MILLIMETRES { ("millimetres", 1e-3) } else { ("centimetres", 1e-2) };
@@ -80,7 +165,7 @@ fn exchanged(wheels: &[Wheel]) -> Option<Question> {
 /// A wheel or rollers in a direction that is many turns round.
 fn direction(wheel: &Wheel) -> Option<Question> {
     let angles = [("heading", wheel.heading), ("roller_angle", wheel.roller_angle.unwrap_or_default())];
-    let far = |&(_, angle): &(&str, f64)| angle.abs() > LARGEST_DIRECTION;
+    let far = |&(_, angle): &(&str, f64)| Quantity::Direction.excludes(angle);
     let (about, angle) = angles.into_iter().find(far)?;
     Some(Question {
         about,
@@ -92,14 +177,10 @@ fn direction(wheel: &Wheel) -> Option<Question> {
 fn range(rover: &Rover) -> Option<Question> {
     let wheels = rover.wheels();
     let ranges = wheels.iter().filter_map(Wheel::steering);
-    let widest = largest(ranges.map(widest));
+    let widest = largest(ranges.map(widest).filter(|angle| angle.is_finite()));
     let are_modules = rover.steered().len() == wheels.len();
-    let limit = if are_modules { LARGEST_RANGE } else { TAU };
-    (widest > limit).then(|| Question {
-        about: "steering_limit",
-        says: format!("steering_limit of {} rad is {} turns", digits(widest), digits(widest / TAU)),
-        likely: in_degrees(widest),
-    })
+    let quantity = if are_modules { Quantity::ModuleAngle } else { Quantity::SteeringAngle };
+    arguments([("steering_limit", quantity, widest)]).pop()
 }
 
 /// Up to which angle [`angles`] asks nothing, whichever wheel's it is [rad].
@@ -147,8 +228,9 @@ fn widest(range: SteeringRange) -> f64 {
 }
 
 fn in_degrees(angle: f64) -> String {
-    let meant = short(angle.to_radians());
-    format!("{} degrees are {meant} radians", digits(angle))
+    let (shown, meant) = (digits(angle), short(angle.to_radians()));
+    let are = if shown == "1" { "degree is" } else { "degrees are" };
+    format!("{shown} {are} {meant} radians")
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -172,6 +254,38 @@ mod tests {
         for preset in presets::PRESETS {
             assert_eq!(dimensions(&presets::preset(preset.name, None)?), []);
         }
+        Ok(())
+    }
+
+    #[test]
+    fn settings_are_asked_about_beyond_their_range_and_not_at_its_ends() {
+        for (name, quantity) in SETTINGS {
+            let largest = quantity.largest();
+            for (value, odd) in [(largest, false), (largest.next_up(), true), (f64::INFINITY, false), (f64::NAN, false)]
+            {
+                for value in [value, -value] {
+                    let asked = settings([(name, value), ("speed", 1e9)]);
+                    assert_eq!(asked.iter().map(|question| question.about).collect::<Vec<_>>(), vec![name; odd.into()]);
+                }
+            }
+        }
+        let likely: Vec<String> = settings([("yaw_rate", 60.0)]).into_iter().map(|question| question.likely).collect();
+        assert_eq!(likely, ["60 degrees per second are 1.047 rad/s"]);
+    }
+
+    #[test]
+    fn a_module_may_count_its_turns_and_another_wheel_not() -> Result<(), crate::Error> {
+        let square = [[0.4, 0.3], [0.4, -0.3], [-0.4, 0.3], [-0.4, -0.3]];
+        for (limit, of_module, of_other) in
+            [(PI, false, false), (PI.next_up(), false, true), (10.0 * PI, false, true), (32.0, true, true)]
+        {
+            let limit = SteeringRange::symmetric(limit)?;
+            let modules = Rover::swerve(&square, None, 0.1, limit)?;
+            let other = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
+            assert_eq!([!dimensions(&modules).is_empty(), !dimensions(&other).is_empty()], [of_module, of_other]);
+            assert_eq!(!wheel(&other.wheels()[0]).is_empty(), of_other);
+        }
+        assert_eq!(dimensions(&Rover::swerve(&square, None, 0.1, SteeringRange::ENDLESS)?), []);
         Ok(())
     }
 

@@ -1,5 +1,8 @@
 """Commands by name: whichever way joints and arrays are paired, a joint gets its own value."""
 
+import inspect
+import pickle
+
 import numpy as np
 import pytest
 
@@ -40,12 +43,26 @@ def test_a_rover_keeps_the_order_it_was_given():
 
 
 def test_flags_print_their_names():
-    assert str(sw.Reason.STALE) == f"{sw.Reason.STALE}" == "STALE"
-    assert f"{sw.Reason.STALE | sw.Reason.SPEED}" == "SPEED|STALE"
-    assert str(sw.Reason(0)) == "none"
     assert str(sw.Health(0)) == "GOOD"
     assert str(sw.Health.LEFT_OUT) == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
     assert f"{sw.Health.DUPLICATE:>12}|{sw.Health.DUPLICATE:d}" == "   DUPLICATE|32"
+
+
+def test_reasons_have_texts_of_their_own():
+    texts = [reason.help for reason in sw.Reason]
+    assert all(texts)
+    assert len(set(texts)) == len(texts)
+    for reason in sw.Reason:
+        assert str(reason) == f"{reason}" == f"{reason.name}: {reason.help}"
+        if reason.name.lower() in inspect.signature(sw.Limits).parameters:
+            assert f"`{reason.name.lower()}`" in reason.help  # which limit it was
+    both = sw.Reason.STALE | sw.Reason.SPEED
+    assert str(both) == f"{sw.Reason.SPEED}; {sw.Reason.STALE}"
+    assert both.help == f"{sw.Reason.SPEED.help}; {sw.Reason.STALE.help}"
+    assert str(sw.Reason(0)) == f"{sw.Reason(0)}" == "as commanded"
+    assert sw.Reason(0).help == ""
+    assert f"{both:d}" == "65568"
+    assert pickle.loads(pickle.dumps(both)) == both == sw.Reason(65568)
 
 
 def test_three_numbers_are_no_twist():

@@ -12,7 +12,7 @@ from six_wheel import InfeasibleMotionError, Rover, Wheel, reference
 from tests.strategies import any_twists
 
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
-SWERVE = Rover.swerve(CORNERS, 0.05)
+SWERVE = Rover.swerve(CORNERS, 0.05, steering_limit=math.pi / 2)
 WIDE = Rover.swerve(CORNERS, 0.05, steering_limit=math.pi)
 
 

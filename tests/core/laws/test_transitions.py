@@ -27,7 +27,7 @@ ROVERS = {
     "six wheels": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15),
     "limited": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.0),
     "wide": sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=(-2.0, 2.5)),
-    "swerve": sw.Rover.swerve(SWERVE, 0.1),
+    "swerve": sw.Rover.swerve(SWERVE, 0.1, steering_limit=math.pi / 2),
     "turning swerve": sw.Rover.swerve(SWERVE[:3], 0.1, steering_limit=math.pi),
     "ackermann": sw.Rover.ackermann(2.0, 1.2, 0.3, steering_limit=0.6),
     "tricycle": sw.Rover.tricycle(1.0, 0.8, 0.2),

@@ -132,6 +132,8 @@ def _turning(wheel: "Wheel") -> str:
     """How a wheel steers, and what else is not as usual about it."""
     ends = wheel.steering_range
     turns = "fixed" if ends is None else f"{math.degrees(ends[0]):.1f}° to {math.degrees(ends[1]):.1f}°"
+    if ends is not None and math.isinf(ends[1]):
+        turns = "endless"
     notes = {
         "swivels freely": wheel.castor,
         turns: not wheel.castor,

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from six_wheel.bounding import StandLimits
 
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
+UNITS = {"": 1.0, "rad": 1.0, "deg": math.radians(1.0)}
 
 
 def traverse(
@@ -35,7 +36,8 @@ def traverse(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUE",
-            help="Largest roll, pitch, tilt, rocker, bogie [degrees], wheel_drop [m]; least clearance [m].",
+            help="Largest roll, pitch, tilt, rocker, bogie (15deg or 0.26rad), wheel_drop [m]; "
+            "least clearance [m].",
         ),
     ] = None,
     map_error: Annotated[float, typer.Option(help="How far the heights may be wrong [m].")] = 0.0,
@@ -91,9 +93,10 @@ def _limits(texts: list[str]) -> "StandLimits":
         name, _, value = text.partition("=")
         if name not in StandLimits._fields:
             raise ValueError(f"limit must be one of {', '.join(StandLimits._fields)}, got {text!r}")
+        number, unit = (value[:-3], value[-3:]) if name in ANGLES else (value, "")
         try:
-            number = float(value)
-        except ValueError:
-            raise ValueError(f"limit {name} must be a number, got {text!r}") from None
-        found[name] = math.radians(number) if name in ANGLES else number
+            found[name] = float(number) * UNITS[unit]
+        except (KeyError, ValueError):
+            rule = "be an angle such as 15deg or 0.26rad" if name in ANGLES else "be a number"
+            raise ValueError(f"limit {name} must {rule}, got {text!r}") from None
     return StandLimits(**found)

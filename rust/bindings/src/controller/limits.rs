@@ -2,12 +2,11 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::Limits as Core;
+use six_wheel_core::{Limits as Core, units};
 
-use crate::convert::{number, raise};
+use crate::convert::{ask, number, raise};
 use crate::given;
 use crate::rover::Rover;
 use crate::wheel::reduce;
@@ -82,6 +81,7 @@ impl Limits {
         steering_acceleration=None, halt_deceleration=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
+        py: Python<'_>,
         speed: Option<&Bound<'_, PyAny>>,
         yaw_rate: Option<&Bound<'_, PyAny>>,
         acceleration: Option<&Bound<'_, PyAny>>,
@@ -120,6 +120,7 @@ impl Limits {
             *value = given.map(|given| number(name, given)).transpose()?;
         }
         let core = Core::new(values).map_err(|error| raise(error, &[]))?;
+        ask(py, units::settings(Core::NAMES.into_iter().zip(core.values())))?;
         Ok(Self(core))
     }
 
@@ -228,42 +229,6 @@ impl Limits {
     ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
     fn on(&self, #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>) -> Self {
         Self(self.0.on(&rover.get().core))
-    }
-
-    /// These limits with some of them replaced.
-    ///
-    /// Parameters
-    /// ----------
-    /// **changes : float or None
-    ///     By the names of the constructor; None leaves a limit out. What was left out stays left out.
-    ///
-    /// Returns
-    /// -------
-    /// Limits
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If there is no limit of a name.
-    /// ValueError
-    ///     As the constructor.
-    #[pyo3(signature = (**changes))]
-    fn replace<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        let keywords = slf.get().keywords(slf.py())?;
-        for (name, value) in changes.into_iter().flatten() {
-            let name: String = name.extract()?;
-            if !Core::NAMES.contains(&name.as_str()) {
-                let known = Core::NAMES.join(", ");
-                return Err(PyTypeError::new_err(format!("Limits has no {name:?}; it has {known}")));
-            }
-            keywords.set_item(name, value)?;
-        }
-        slf.get_type().call((), Some(&keywords))
-    }
-
-    #[pyo3(signature = (**changes))]
-    fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        Self::replace(slf, changes)
     }
 
     /// Way of a halt straight ahead from a steady speed.

@@ -140,17 +140,32 @@ pub fn without_questions<'py>(call: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     result
 }
 
-/// Warns of what cannot be meant, with the unit that is likely.
+/// Warns once, at the line that called this package, of all that cannot be meant, with the unit that is likely.
 pub fn ask(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyResult<()> {
     if QUIET.get() > 0 {
         return Ok(());
     }
-    for question in questions {
-        let text = CString::new(format!("{}; {}", question.says, question.likely))?;
-        let category = py.import("six_wheel.errors")?.getattr("SuspiciousUnitsWarning")?;
-        PyErr::warn(py, &category, &text, 1)?;
+    let texts: Vec<String> = questions.into_iter().map(|odd| format!("{}; {}", odd.says, odd.likely)).collect();
+    if texts.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    let category = py.import("six_wheel.errors")?.getattr("SuspiciousUnitsWarning")?;
+    PyErr::warn(py, &category, &CString::new(texts.join(". "))?, callers_level(py)?)
+}
+
+/// Which frame of Python called this package, as `warnings.warn` counts: 1 is the innermost one.
+fn callers_level(py: Python<'_>) -> PyResult<i32> {
+    let mut level = 1;
+    let Ok(mut frame) = py.import("sys")?.call_method0("_getframe") else { return Ok(level) };
+    loop {
+        let name = frame.getattr("f_globals")?.get_item("__name__");
+        let name: String = name.and_then(|name| name.extract()).unwrap_or_default();
+        let next = frame.getattr("f_back")?;
+        if !(name == "six_wheel" || name.starts_with("six_wheel.")) || next.is_none() {
+            return Ok(level);
+        }
+        (frame, level) = (next, level + 1);
+    }
 }
 
 /// A number of a constructor.

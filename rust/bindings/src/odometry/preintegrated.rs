@@ -389,7 +389,7 @@ impl Preintegrated {
     /// Standard deviations of readings and slip.
     #[getter]
     fn noise(&self) -> Noise {
-        Noise(self.core.rules().settings.noise)
+        self.core.rules().settings.noise.into()
     }
 
     /// What is known of the gyroscope; None without one.

@@ -381,7 +381,7 @@ impl Odometry3 {
     /// Standard deviations of readings and slip.
     #[getter]
     fn noise(&self, py: Python<'_>) -> PyResult<Noise> {
-        Ok(Noise(self.work.lock(py)?.settings().common.noise))
+        Ok(self.work.lock(py)?.settings().common.noise.into())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -3,8 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
+use six_wheel_core::units;
 
-use crate::convert::{number, raise};
+use crate::convert::{ask, number, raise};
 use crate::wheel::reduce;
 
 /// How far readings and wheels may err: standard deviations.
@@ -42,7 +43,16 @@ use crate::wheel::reduce;
 ///     If a number is negative or not finite.
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone, Copy)]
-pub struct Noise(pub CoreNoise);
+pub struct Noise(pub CoreNoise, Measured);
+
+/// Which of speed, steering, slip and side_slip were given: the others follow from that.
+type Measured = [bool; 4];
+
+impl From<CoreNoise> for Noise {
+    fn from(core: CoreNoise) -> Self {
+        Self(core, [true; 4])
+    }
+}
 
 impl Noise {
     fn numbers(&self) -> [(&'static str, f64); 6] {
@@ -67,6 +77,7 @@ impl Noise {
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
+        py: Python<'_>,
         speed: Option<&Bound<'_, PyAny>>,
         steering: Option<&Bound<'_, PyAny>>,
         slip: Option<&Bound<'_, PyAny>>,
@@ -75,7 +86,8 @@ impl Noise {
         yaw_rate: Option<&Bound<'_, PyAny>>,
         period: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let is_guess = [speed, steering, slip, side_slip].iter().all(Option::is_none);
+        let measured = [speed, steering, slip, side_slip].map(|value| value.is_some());
+        let is_guess = measured == [false; 4];
         let mut noise = if is_guess { CoreNoise::default() } else { CoreNoise::READINGS };
         let given = [
             ("speed", speed, &mut noise.speed),
@@ -92,7 +104,9 @@ impl Noise {
         }
         noise.period = period.map(|period| number("period", period)).transpose()?;
         noise.check().map_err(|error| raise(error, &[]))?;
-        Ok(Self(noise))
+        let noise = Self(noise, measured);
+        ask(py, units::settings(noise.numbers()))?;
+        Ok(noise)
     }
 
     /// Of every wheel's rim speed over one step [m/s].
@@ -161,11 +175,12 @@ impl Noise {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let keywords = PyDict::new(slf.py());
-        for (argument, value) in slf.get().numbers() {
+        let (keywords, noise) = (PyDict::new(slf.py()), slf.get());
+        let given = noise.1.into_iter().chain([true; 2]);
+        for ((argument, value), _) in noise.numbers().into_iter().zip(given).filter(|(_, given)| *given) {
             keywords.set_item(argument, value)?;
         }
-        keywords.set_item("period", slf.get().0.period)?;
+        keywords.set_item("period", noise.0.period)?;
         reduce(slf.as_any(), &PyTuple::empty(slf.py()), &keywords)
     }
 }

@@ -41,8 +41,9 @@ impl Made {
 
     /// What pickle needs to make it again.
     pub fn reduce<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let call = (self.maker, &self.arguments, &self.keywords);
-        (class(py, "_remake")?, call).into_pyobject(py)
+        let maker = class(py, self.maker)?;
+        let partial = py.import("functools")?.call_method("partial", (maker,), Some(self.keywords.bind(py)))?;
+        (partial, &self.arguments).into_pyobject(py)
     }
 }
 

@@ -7,10 +7,10 @@ use six_wheel_core::moving::Prepared;
 use six_wheel_core::suspension::TripleBogie;
 use six_wheel_core::{Chain, Error, SteeringRange};
 
-use super::joint_range;
+use super::{joint_range, steering};
 use crate::convert::{Rows, number, numbers, raise, refuse, shape_text};
 use crate::given;
-use crate::wheel::{reduce, steering_range};
+use crate::wheel::reduce;
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -107,7 +107,7 @@ impl Suspension {
             rear_to_wheel: numbers("rear_to_wheel", rear_to_wheel)?,
             wheel_radius: number("wheel_radius", wheel_radius)?,
             steered: pairs(steered)?,
-            steering: steering_range(steering_limit)?.unwrap_or_default(),
+            steering: steering(py, steering_limit)?,
             bogie_limit: joint_range("bogie_limit", bogie_limit)?,
         };
         let arguments = PyDict::new(py);
@@ -176,7 +176,7 @@ impl Suspension {
             read("track_width", track_width)?,
             read("drop", drop)?,
             read("wheel_radius", wheel_radius)?,
-            steering_range(steering_limit)?.unwrap_or_default(),
+            steering(py, steering_limit)?,
             joint_range("roll_limit", roll_limit)?,
         );
         arguments.set_item("steering_limit", steering_limit)?;
@@ -243,7 +243,7 @@ impl Suspension {
     ) -> PyResult<Self> {
         let rows = Rows::read_table("centres", centres, 3)?;
         let radius = number("wheel_radius", wheel_radius)?;
-        let range = steering_range(steering_limit)?.unwrap_or_default();
+        let range = steering(py, steering_limit)?;
         let count = rows.count();
         let numbered = || (1..=count).map(|wheel| format!("wheel_{wheel}")).collect();
         let names: Vec<String> = names.unwrap_or_else(numbered);

@@ -97,7 +97,7 @@ pub(crate) struct Steered {
     /// `None` where it is straight ahead.
     pub heading: Option<Direction>,
     pub range: SteeringRange,
-    /// Of the lower and the upper end of the range.
+    /// Of the lower and the upper end of the range; NaN where it is endless.
     pub ends: [Direction; 2],
     /// Contact to the left of the steering axis, and behind it [m].
     pub scrub: f64,
