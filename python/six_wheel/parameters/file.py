@@ -37,7 +37,7 @@ from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest, declares
-from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
+from six_wheel.parameters.schema import GROUPS, NONE_WORDS, Form, LimitKeys, Values, check_values
 from six_wheel.parameters.units import question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
@@ -229,7 +229,7 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
-    for key, word in (("align", "none"), ("timeout", "never")):
+    for key, word in NONE_WORDS.items():
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
     named["limits"] = Limits(**values.get("limits", {}))

@@ -10,7 +10,7 @@ from six_wheel.descriptions.joint_names import wheel_said_by
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import parse_parameters
 from six_wheel.parameters.nodes import PARAMETERS
-from six_wheel.parameters.schema import LimitKeys, Values
+from six_wheel.parameters.schema import NONE_WORDS, LimitKeys, Values
 from six_wheel.rebuild import joints_as_given
 
 __all__ = ["dump"]
@@ -53,8 +53,7 @@ def dump(
         for key in LimitKeys.model_fields
         if math.isfinite(getattr(limits, key, math.inf))
     }
-    words = {"align": "none", "timeout": "never"}
-    ways = {key: words[key] if value is None else value for key, value in (control or {}).items()}
+    ways = {key: NONE_WORDS[key] if value is None else value for key, value in (control or {}).items()}
     others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
     for values in (_six_wheel_values(rover), _suspended_values(rover), _custom_values(rover)):
         text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
