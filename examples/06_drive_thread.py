@@ -70,9 +70,12 @@ class DriveThread(threading.Thread):
                 self._step()
                 due = max(due + PERIOD, time.monotonic() - PERIOD)  # after a pause it does not catch up
         except Exception as error:
-            self.fault = f"{type(error).__name__}: {error}"
+            self._note(error)
         finally:
             self._come_to_rest()
+
+    def _note(self, error: Exception) -> None:
+        self.fault = f"{type(error).__name__}: {error}"
 
     def _step(self) -> None:
         now, readings = time.monotonic(), self.bus.read()
@@ -97,6 +100,8 @@ class DriveThread(threading.Thread):
             while not self.controller.stopped and time.monotonic() < end:
                 self.bus.write(self.controller.step(time.monotonic()).commands)
                 time.sleep(PERIOD)
+        except Exception as error:  # a bus that fails, say: the last command is tried all the same
+            self._note(error)
         finally:
             self.bus.write(rest)
 

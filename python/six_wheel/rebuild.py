@@ -1,9 +1,10 @@
-"""A rover with other numbers in its wheels: everything else stays as it was."""
+"""A rover with other numbers in its wheels, all else as it was; and what rovers and limits were made from."""
 
 from collections.abc import Iterable
+from inspect import signature
 from typing import Any
 
-from six_wheel._core import Rover, Wheel, without_questions
+from six_wheel._core import Limits, Rover, Wheel, without_questions
 
 
 def with_wheels(rover: Rover, changes: Iterable[dict[str, Any]]) -> Rover:
@@ -56,3 +57,16 @@ def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
         {joint: steering[joint] for joint in order if joint in steering},
         {joint: traction[joint] for joint in order if joint in traction},
     )
+
+
+def limits_given(limits: Limits) -> dict[str, float]:
+    """The limits that were given, by name; infinite ones among them."""
+    given = {}
+    for name in signature(Limits).parameters:
+        try:
+            left_out = limits.replace(**{name: None}) == limits
+        except ValueError:  # the others do not fit without it
+            left_out = False
+        if not left_out:
+            given[name] = float(getattr(limits, name))
+    return given

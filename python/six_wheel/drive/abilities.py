@@ -3,6 +3,7 @@
 Nothing is computed here: a `Controller` is asked.
 """
 
+import inspect
 import math
 from typing import NamedTuple
 
@@ -12,17 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.controller import Reason
 from six_wheel.profiles import time_optimal
+from six_wheel.rebuild import limits_given
 
 __all__ = ["Bound", "Rim", "Stop", "bound", "defaults", "halt_from", "rim", "stop_from", "time_to_full_lock"]
 
 Floats = NDArray[np.float64]
 
 LASTING = ("speed", "yaw_rate", "lateral_acceleration", "wheel_speed", "steering_limit")
-CHANGES = (
-    *("acceleration", "deceleration", "jerk"),
-    *("angular_acceleration", "angular_deceleration", "angular_jerk"),
-    *("wheel_acceleration", "steering_rate", "steering_acceleration", "halt_deceleration"),
-)
 FAR = 1e6  # times what is likely: more than any limit allows
 SETTLED = 1e-9  # share of the speed that is still to come
 STEPS = 2000  # per time that speeding up takes
@@ -55,8 +52,9 @@ class Stop(NamedTuple):
 
 def _lasting(rover: Rover, limits: Limits) -> Controller:
     """One that knows only the limits that stay, and so is there in one step."""
-    values = {name: getattr(limits, name) for name in LASTING} | dict.fromkeys(CHANGES, math.inf)
-    return Controller(rover, Limits(**values), timeout=None, align=None)
+    none = dict.fromkeys(inspect.signature(Limits).parameters, math.inf)
+    lasting = {name: getattr(limits, name) for name in LASTING}
+    return Controller(rover, Limits(**none | lasting), timeout=None, align=None)
 
 
 def _fastest(controller: Controller, twist: ArrayLike) -> Bound:
@@ -92,12 +90,11 @@ def rim(rover: Rover, limits: Limits, directions: int = 720) -> Rim | None:
 
 def defaults(rover: Rover, limits: Limits) -> dict[str, float]:
     """The limits that were left out and have a default, by name, with that."""
-    filled = limits.on(rover)
-    left_out = [name for name in (*LASTING, *CHANGES) if limits.replace(**{name: None}) == limits]
+    given, filled = limits_given(limits), limits_given(limits.on(rover))
+    left_out = {name: value for name, value in filled.items() if name not in given and math.isfinite(value)}
     if not rover.steered_names:
-        left_out = [name for name in left_out if not name.startswith("steering")]
-    values = {name: float(getattr(filled, name)) for name in left_out}
-    return {name: value for name, value in values.items() if math.isfinite(value)}
+        left_out.pop("steering_rate", None)
+    return left_out
 
 
 def time_to_full_lock(rover: Rover, limits: Limits) -> float | None:

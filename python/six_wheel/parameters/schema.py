@@ -87,6 +87,7 @@ Flag: TypeAlias = Annotated[bool, Strict()]
 Finite: TypeAlias = Annotated[Number, asks_core(Wheel, "x", **_WHEEL)]
 Length: TypeAlias = Annotated[Number, asks_core(Wheel, "radius", **_WHEEL)]
 Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
+Limit: TypeAlias = Annotated[float, Strict(), Field(gt=0)]
 OrNever: TypeAlias = Annotated[
     Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
     by_type(str, "<word>", "<number>"),
@@ -120,23 +121,23 @@ def _any_of(schema: type[BaseModel]) -> str:
 
 
 class LimitKeys(BaseModel):
-    """The keys of `limits`: the keywords of `six_wheel.Limits`."""
+    """The keys of `limits`: the keywords of `six_wheel.Limits`; `.inf` is none."""
 
-    speed: Positive = optional("a speed in m/s")
-    yaw_rate: Positive = optional("a rate of turn in rad/s")
-    acceleration: Positive = optional("an acceleration in m/s^2")
-    deceleration: Positive = optional("an acceleration in m/s^2")
-    jerk: Positive = optional("a jerk in m/s^3")
-    angular_acceleration: Positive = optional("an angular acceleration in rad/s^2")
-    angular_deceleration: Positive = optional("an angular acceleration in rad/s^2")
-    angular_jerk: Positive = optional("an angular jerk in rad/s^3")
-    lateral_acceleration: Positive = optional("an acceleration in m/s^2")
-    wheel_speed: Positive = optional("a rate of turn in rad/s")
-    wheel_acceleration: Positive = optional("an angular acceleration in rad/s^2")
-    steering_limit: Positive = optional("an angle in radians")
-    steering_rate: Positive = optional("a rate of turn in rad/s")
-    steering_acceleration: Positive = optional("an angular acceleration in rad/s^2")
-    halt_deceleration: Positive = optional("an acceleration in m/s^2")
+    speed: Limit = optional("a speed in m/s")
+    yaw_rate: Limit = optional("a rate of turn in rad/s")
+    acceleration: Limit = optional("an acceleration in m/s^2")
+    deceleration: Limit = optional("an acceleration in m/s^2")
+    jerk: Limit = optional("a jerk in m/s^3")
+    angular_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    angular_deceleration: Limit = optional("an angular acceleration in rad/s^2")
+    angular_jerk: Limit = optional("an angular jerk in rad/s^3")
+    lateral_acceleration: Limit = optional("an acceleration in m/s^2")
+    wheel_speed: Limit = optional("a rate of turn in rad/s")
+    wheel_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    steering_limit: Limit = optional("an angle in radians")
+    steering_rate: Limit = optional("a rate of turn in rad/s")
+    steering_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    halt_deceleration: Limit = optional("an acceleration in m/s^2")
 
 
 class ControlKeys(BaseModel):
