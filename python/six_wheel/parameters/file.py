@@ -232,7 +232,10 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     for key, word in NONE_WORDS.items():
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
-    named["limits"] = Limits(**values.get("limits", {}))
+    try:
+        named["limits"] = Limits(**values.get("limits", {}))
+    except ValueError as error:  # limits that do not fit each other
+        _refuse(found, error, log)
     controller = form.name if form in FOREIGN else None
     of_kind = form.kind if form.kind_of is None else form.kind_of(values)
     parameters = Parameters(
@@ -250,10 +253,15 @@ def _check_controller(section: Section, parameters: Parameters, log: _Log) -> No
     try:
         parameters.build_controller()
     except ValueError as error:
-        key = str(error).partition(" ")[0]
-        at = ("limits" if key in LimitKeys.model_fields else "control", key)
-        log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
-        raise log.failure() from None
+        _refuse(section, error, log)
+
+
+def _refuse(section: Section, error: ValueError, log: _Log) -> NoReturn:
+    """Limits or ways of a controller that fit neither each other nor the rover."""
+    key = str(error).partition(" ")[0]
+    at = ("limits" if key in LimitKeys.model_fields else "control", key)
+    log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+    raise log.failure() from None
 
 
 def _text(path: Path, log: _Log) -> str:
