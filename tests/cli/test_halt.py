@@ -19,8 +19,9 @@ LIMITED = ROVER + "limits: {speed: 0.4, acceleration: 0.5, wheel_speed: 3.0, hal
 
 def test_drive_halts_on_its_way(run: Run, refused: Callable[..., str]) -> None:
     Path("limited.yaml").write_text(LIMITED)
+    Path("straight.csv").write_text("time,vx,omega\n" + "".join(f"{k / 10},0.5,0\n" for k in range(31)))
     code, out, err = run(
-        "drive", "limited.yaml", "commands.csv", "--halt", "1.5", "-o", "run.csv", "--plot", "run.png"
+        "drive", "limited.yaml", "straight.csv", "--halt", "1.5", "-o", "run.csv", "--plot", "run.png"
     )
     assert (code, err) == (0, ""), err
     assert re.search(r"halted +at 1\.5 s, at 2 m/s\^2", out)
@@ -36,11 +37,11 @@ def test_drive_halts_on_its_way(run: Run, refused: Callable[..., str]) -> None:
         "drive", "rover.yaml", "commands.csv", "--direct", "--halt", "1"
     )
     assert "halt must be finite and not negative" in refused(
-        "drive", "limited.yaml", "commands.csv", "--halt", "-1"
+        "drive", "limited.yaml", "straight.csv", "--halt", "-1"
     )
     assert (
         "halt must be before the drive ends"
-        in run("drive", "limited.yaml", "commands.csv", "--halt", "99")[2]
+        in run("drive", "limited.yaml", "straight.csv", "--halt", "99")[2]
     )
 
 

@@ -170,6 +170,11 @@ class Peer:
             if then > now
         ]
 
+    def last_report(self) -> str:
+        """What the node said last, line by line."""
+        statuses = self.diagnostics[-1].status if self.diagnostics else ()
+        return "\n".join(f"{status.name}: {status.message}" for status in statuses)
+
     def diagnosed(self, text: str) -> bool:
         """Whether a report has said this since the list was cleared."""
         return any(
@@ -198,4 +203,4 @@ def driving(peer: "Peer", twist: Sequence[float] = TWIST) -> None:
     _, speeds = peer.rover.inverse(twist)
     wheels = list(peer.rover.wheel_names)
     wanted = speeds[[wheels.index(wheel) for wheel in peer.rover.traction_joints.values()]]
-    peer.until(lambda: peer.commands and np.allclose(peer.speeds, wanted, atol=1e-9))
+    peer.until(lambda: peer.commands and np.allclose(peer.speeds, wanted, atol=1e-9), peer.last_report)
