@@ -199,7 +199,11 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
     let rover = rover(&mut random)?;
     let limits = limits(&mut random)?;
     let mut controller = Controller::new(&rover, limits, Options::default(), None)?;
+    let limits = limits.on(&rover);
     let (mut now, mut wanted) = (0.0, Twist::ZERO);
+    // A new command now and then, or at every step, or at some of them, off by noise.
+    let noise = [0.0, 1e-8, 0.01, 0.1][random.pick(4)];
+    let share = [1.0, 0.5, 0.1][random.pick(3)];
     let period = [0.001, 0.01, 0.05][random.pick(3)];
     let jitter = random.chance(0.5);
     controller.step(now, None)?;
@@ -209,6 +213,11 @@ fn stream(seed: u64, steps: usize) -> Result<(), Error> {
         if random.chance(0.03) {
             wanted = twist(&mut random, wanted);
             controller.command(wanted, now, None)?;
+        } else if noise > 0.0 && random.chance(share) {
+            let factor = 1.0 + random.within(-noise, noise);
+            let heading = random.within(-noise, noise) * wanted.vx;
+            let noisy = Twist { omega: wanted.omega * factor, vy: wanted.vy + heading, ..wanted };
+            controller.command(noisy, now, None)?;
         }
         let dt = if jitter { period * random.within(0.1, 1.9) } else { period };
         let distance = controller.stopping_distance();
@@ -252,7 +261,7 @@ fn without_limits_every_command_is_met_at_once() -> Result<(), Error> {
     for seed in 0..200 {
         let mut random = Random(seed);
         let rover = rover(&mut random)?;
-        let mut controller = Controller::new(&rover, Limits::default(), Options::default(), None)?;
+        let mut controller = Controller::new(&rover, Limits::NONE, Options::default(), None)?;
         let mut wanted = Twist::ZERO;
         for step in 0..100 {
             wanted = twist(&mut random, wanted);
@@ -325,14 +334,14 @@ fn modes_mean_what_they_say() -> Result<(), Error> {
         (Mode::Spin, Twist { vx: 0.0, vy: 0.0, ..wanted }),
     ] {
         let options = Options { mode, ..Options::default() };
-        let mut controller = Controller::new(&swerve, Limits::default(), options, None)?;
+        let mut controller = Controller::new(&swerve, Limits::NONE, options, None)?;
         controller.command(wanted, 0.0, None)?;
         controller.step(0.0, None)?;
         assert_eq!(controller.twist(), expected);
         assert_eq!(controller.reasons() == 0, mode == Mode::Free);
     }
     let options = Options { mode: Mode::FrontOnly, ..Options::default() };
-    let mut controller = Controller::new(&swerve, Limits::default(), options, None)?;
+    let mut controller = Controller::new(&swerve, Limits::NONE, options, None)?;
     controller.command(wanted, 0.0, None)?;
     controller.step(0.0, None)?;
     // About a point on the rear axle.

@@ -2,14 +2,20 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::Limits as Core;
 
 use crate::convert::{number, raise};
+use crate::given;
+use crate::rover::Rover;
 use crate::wheel::reduce;
 
-/// What a motion may not exceed. A limit left out, None, or 1e60 and more, is none and reads as infinity.
+/// What a motion may not exceed.
+///
+/// A limit left out, or None, has the default that `on` fills in, and reads as infinity; ``math.inf``, or 1e60 and
+/// more, is no limit.
 ///
 /// Linear limits are of the velocity of the body's origin, angular ones of the yaw rate. Speeding up and
 /// slowing down count along the motion: they mean the same forwards and backwards.
@@ -20,11 +26,12 @@ use crate::wheel::reduce;
 ///     Of the body [m/s, rad/s].
 /// acceleration, deceleration : float, optional
 ///     Change of the velocity while speeding up and slowing down [m/s^2]. Slowing down is limited as speeding
-///     up is unless told otherwise.
+///     up is unless told otherwise. Default 9.81, a friction of 1.
 /// jerk : float, optional
 ///     Change of the acceleration [m/s^3].
 /// angular_acceleration, angular_deceleration, angular_jerk : float, optional
-///     The same of the yaw rate [rad/s^2, rad/s^2, rad/s^3].
+///     The same of the yaw rate [rad/s^2, rad/s^2, rad/s^3]. Default: the linear limit over the distance of the farthest
+///     wheel from the origin [m].
 /// lateral_acceleration : float, optional
 ///     Speed times yaw rate [m/s^2].
 /// wheel_speed, wheel_acceleration : float, optional
@@ -32,12 +39,16 @@ use crate::wheel::reduce;
 /// steering_limit : float, optional
 ///     Steering angle to either side [rad], inside the ranges of the rover's wheels.
 /// steering_rate, steering_acceleration : float, optional
-///     Of every steering angle [rad/s, rad/s^2].
+///     Of every steering angle [rad/s, rad/s^2]. Default of the rate: 12 rad/s.
+/// halt_deceleration : float, optional
+///     Change of the speed of a wheel over the ground during a halt [m/s^2], at least `deceleration`. Default:
+///     `deceleration`.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     If a limit is zero, negative or not a number: the rover could not move, or not stop.
+///     If a limit is zero, negative or not a number: the rover could not move, or not stop. If `halt_deceleration` is less
+///     than `deceleration`.
 #[pyclass(frozen, module = "six_wheel", from_py_object)]
 #[derive(Clone)]
 pub struct Limits(pub Core);
@@ -46,7 +57,7 @@ impl Limits {
     /// The arguments that make these limits.
     fn keywords<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let keywords = PyDict::new(py);
-        for (name, value) in self.given() {
+        for (name, value) in self.0.pairs() {
             keywords.set_item(name, value)?;
         }
         Ok(keywords)
@@ -57,20 +68,8 @@ impl Limits {
         let text = |value: f64| {
             if value.is_infinite() { "float('inf')".into() } else { format!("{value:?}") }
         };
-        let given: Vec<String> = self.given().map(|(name, value)| format!("{name}={}", text(value))).collect();
+        let given: Vec<String> = self.0.pairs().map(|(name, value)| format!("{name}={}", text(value))).collect();
         format!("Limits({})", given.join(", "))
-    }
-
-    /// The limits that are not what leaving them out makes them.
-    fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let core = self.0;
-        let left_out = move |name: &str| match name {
-            "deceleration" => core.acceleration,
-            "angular_deceleration" => core.angular_acceleration,
-            _ => f64::INFINITY,
-        };
-        let pairs = Core::NAMES.into_iter().zip(core.values());
-        pairs.filter(move |(name, value)| *value != left_out(name))
     }
 }
 
@@ -80,7 +79,7 @@ impl Limits {
     #[pyo3(signature = (*, speed=None, yaw_rate=None, acceleration=None, deceleration=None, jerk=None,
         angular_acceleration=None, angular_deceleration=None, angular_jerk=None, lateral_acceleration=None,
         wheel_speed=None, wheel_acceleration=None, steering_limit=None, steering_rate=None,
-        steering_acceleration=None))]
+        steering_acceleration=None, halt_deceleration=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         speed: Option<&Bound<'_, PyAny>>,
@@ -97,6 +96,7 @@ impl Limits {
         steering_limit: Option<&Bound<'_, PyAny>>,
         steering_rate: Option<&Bound<'_, PyAny>>,
         steering_acceleration: Option<&Bound<'_, PyAny>>,
+        halt_deceleration: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let given = [
             speed,
@@ -113,6 +113,7 @@ impl Limits {
             steering_limit,
             steering_rate,
             steering_acceleration,
+            halt_deceleration,
         ];
         let mut values = [None; Core::NAMES.len()];
         for ((value, given), name) in values.iter_mut().zip(given).zip(Core::NAMES) {
@@ -206,6 +207,87 @@ impl Limits {
         self.0.steering_acceleration
     }
 
+    /// Change of the speed of a wheel over the ground during a halt [m/s^2].
+    #[getter]
+    fn halt_deceleration(&self) -> f64 {
+        self.0.halt_deceleration
+    }
+
+    /// These limits with the defaults of a rover filled in.
+    ///
+    /// Parameters
+    /// ----------
+    /// rover : Rover
+    ///     The distance of its farthest wheel from the origin [m] turns linear limits into angular ones.
+    ///
+    /// Returns
+    /// -------
+    /// Limits
+    ///     `acceleration` 9.81 m/s^2, `deceleration` as `acceleration`, `angular_acceleration`,
+    ///     `angular_deceleration` and `angular_jerk` the linear limit over that distance, `steering_rate` 12 rad/s,
+    ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
+    fn on(&self, #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>) -> Self {
+        Self(self.0.on(&rover.get().core))
+    }
+
+    /// These limits with some of them replaced.
+    ///
+    /// Parameters
+    /// ----------
+    /// **changes : float or None
+    ///     By the names of the constructor; None leaves a limit out. What was left out stays left out.
+    ///
+    /// Returns
+    /// -------
+    /// Limits
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If there is no limit of a name.
+    /// ValueError
+    ///     As the constructor.
+    #[pyo3(signature = (**changes))]
+    fn replace<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        let keywords = slf.get().keywords(slf.py())?;
+        for (name, value) in changes.into_iter().flatten() {
+            let name: String = name.extract()?;
+            if !Core::NAMES.contains(&name.as_str()) {
+                let known = Core::NAMES.join(", ");
+                return Err(PyTypeError::new_err(format!("Limits has no {name:?}; it has {known}")));
+            }
+            keywords.set_item(name, value)?;
+        }
+        slf.get_type().call((), Some(&keywords))
+    }
+
+    #[pyo3(signature = (**changes))]
+    fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        Self::replace(slf, changes)
+    }
+
+    /// Way of a halt straight ahead from a steady speed.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed : float
+    ///     [m/s]
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     At the halt_deceleration of these limits [m].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the speed is not finite.
+    fn halting_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let speed = number("speed", speed)?;
+        six_wheel_core::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
+        Ok(self.0.halting_distance(speed))
+    }
+
     /// Way of the quickest stop straight ahead from a steady speed.
     ///
     /// Parameters
@@ -238,7 +320,7 @@ impl Limits {
 
     fn __hash__(&self) -> u64 {
         let mut state = DefaultHasher::new();
-        self.0.values().map(f64::to_bits).hash(&mut state);
+        (self.0.values().map(f64::to_bits), self.0.given).hash(&mut state);
         state.finish()
     }
 

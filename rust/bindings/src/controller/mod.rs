@@ -50,6 +50,10 @@ pub use quick::install;
 ///     by the cosine of the largest error, or waits, or takes no notice.
 /// align_tolerance : float, default 0.02
 ///     Error that is none [rad].
+/// following_error : float or None, default 0.2
+///     Error of a measured steering angle [rad] above which a joint does not follow its commands; None for any.
+/// following_time : float or None, default 0.5
+///     Time after which a joint that does not follow is stuck, and the rover halts [s]; None for never.
 /// discretise : bool
 ///     Take a command for the motion of one `period` instead of the velocity at its beginning, so that driving
 ///     sideways while turning does not skew.
@@ -76,8 +80,8 @@ pub struct Controller {
 impl Controller {
     #[new]
     #[pyo3(
-        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, discretise=false, steering=None, twist=None),
-        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, discretise=False, steering=None, twist=None)"
+        signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, following_error=Some(0.2), following_time=Some(0.5), discretise=false, steering=None, twist=None),
+        text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
@@ -89,6 +93,8 @@ impl Controller {
         #[pyo3(from_py_with = given::mode)] mode: &str,
         #[pyo3(from_py_with = given::align)] align: Option<&str>,
         #[pyo3(from_py_with = given::align_tolerance)] align_tolerance: f64,
+        #[pyo3(from_py_with = given::following_error)] following_error: Option<f64>,
+        #[pyo3(from_py_with = given::following_time)] following_time: Option<f64>,
         #[pyo3(from_py_with = given::discretise)] discretise: bool,
         steering: Option<&Bound<'_, PyAny>>,
         twist: Option<&Bound<'_, PyAny>>,
@@ -101,6 +107,8 @@ impl Controller {
                 mode: Mode::from_str(mode)?,
                 align: align.map(Align::from_str).transpose()?,
                 align_tolerance,
+                following_error,
+                following_time,
                 discretise,
             })
         };
@@ -238,10 +246,50 @@ impl Controller {
         ControllerRun::of(py, self, [stamps, twists, times])
     }
 
-    /// Back to where it was when it was made: at rest, without a command and with the clock stopped.
-    fn reset(&self, py: Python<'_>) -> PyResult<()> {
-        self.core.lock(py)?.reset();
+    /// Forget command, clock, halt and fault.
+    ///
+    /// The body rests. The joints stay where they were last commanded, or start where the next step measures them: a reset
+    /// moves none. It is no stop; `halt` is.
+    ///
+    /// Parameters
+    /// ----------
+    /// steering : array_like, shape (steered wheels,), optional
+    ///     Steering angles to start at instead [rad].
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or far outside its range, or the shape does not fit. Nothing is changed then.
+    #[pyo3(signature = (steering=None))]
+    fn reset(&self, py: Python<'_>, steering: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let steering = Rows::read_beside("steering", steering, self.joints, &[])?;
+        let result = self.core.lock(py)?.reset(steering.as_ref().map(Rows::flat));
+        result.map_err(|error| raise(error, &[]))
+    }
+
+    /// Stop by `halt_deceleration` from the next step on, and stay at rest until `release`.
+    ///
+    /// The centre of rotation stays, joints that turn brake within their limits. Every step has the reason `HALTED`;
+    /// `command` takes nothing and returns False.
+    fn halt(&self, py: Python<'_>) -> PyResult<()> {
+        self.core.lock(py)?.halt();
         Ok(())
+    }
+
+    /// End a halt, whatever it came from. Nothing moves before a new command.
+    ///
+    /// Returns
+    /// -------
+    /// bool
+    ///     False, without effect, while body or joints still move.
+    fn release(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.release())
+    }
+
+    /// True from `halt`, or from the step that finds a stuck joint, until `release`.
+    #[getter]
+    fn halted(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.core.lock(py)?.halted())
     }
 
     /// What is driven.
@@ -250,10 +298,19 @@ impl Controller {
         self.rover.clone_ref(py)
     }
 
-    /// What its motion may not exceed.
+    /// The limits of its motion. They may be replaced at any time, from the next step on: a motion beyond the new ones comes
+    /// down within them without a stop, and command, clock and halt stay. ValueError, and no change, if the rover cannot
+    /// meet them.
     #[getter]
     fn limits(&self, py: Python<'_>) -> PyResult<Limits> {
         Ok(Limits(*self.core.lock(py)?.limits()))
+    }
+
+    #[setter]
+    fn set_limits(&self, py: Python<'_>, limits: &Bound<'_, PyAny>) -> PyResult<()> {
+        let limits: Limits = given::limits(limits)?;
+        let result = self.core.lock(py)?.set_limits(limits.0);
+        result.map_err(|error| raise(error, &[]))
     }
 
     /// The motion commanded by the last step, ``[vx, vy, omega]``, shape (3,).
@@ -311,6 +368,15 @@ impl Controller {
         }
         if options.align_tolerance != usual.align_tolerance {
             text += &format!(", align_tolerance={:?}", options.align_tolerance);
+        }
+        let named = [
+            ("following_error", options.following_error, usual.following_error),
+            ("following_time", options.following_time, usual.following_time),
+        ];
+        for (name, value, usual) in named {
+            if value != usual {
+                text += &value.map_or_else(|| format!(", {name}=None"), |value| format!(", {name}={value:?}"));
+            }
         }
         if options.discretise {
             text += ", discretise=True";

@@ -13,23 +13,37 @@ use crate::rover::Rover;
 pub struct ControllerOutput {
     twist: [f64; 3],
     reasons: u32,
-    /// Steering angles, their rates, wheel speeds.
+    speed_share: f64,
+    worst_joint: Option<usize>,
+    /// Joint errors follow the other numbers.
+    measured: bool,
+    /// Steering angles, their rates, wheel speeds, errors of the joints if they were measured.
     numbers: Box<[f64]>,
     joints: usize,
     rover: Py<Rover>,
 }
 
 impl ControllerOutput {
+    /// Index of the first error of a joint.
+    fn errors(&self) -> usize {
+        if self.measured { self.numbers.len() - self.joints } else { self.numbers.len() }
+    }
+
     /// The last step of a controller.
     pub fn of(core: &Controller, rover: Py<Rover>) -> Self {
         let (steering, rates, speeds) = (core.steering(), core.steering_rates(), core.speeds());
-        let mut numbers = Vec::with_capacity(2 * steering.len() + speeds.len());
+        let errors = core.joint_errors();
+        let mut numbers = Vec::with_capacity(3 * steering.len() + speeds.len());
         numbers.extend_from_slice(steering);
         numbers.extend_from_slice(rates);
         numbers.extend_from_slice(speeds);
+        numbers.extend_from_slice(errors.unwrap_or_default());
         Self {
             twist: core.twist().into(),
             reasons: core.reasons(),
+            speed_share: core.speed_share(),
+            worst_joint: core.worst_joint(),
+            measured: errors.is_some(),
             numbers: numbers.into_boxed_slice(),
             joints: steering.len(),
             rover,
@@ -79,7 +93,28 @@ impl ControllerOutput {
     /// Wheel speeds [rad/s], shape (wheels,), in the order of `Rover.wheel_names`.
     #[getter]
     fn speeds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.numbers[2 * self.joints..])
+        PyArray1::from_slice(py, &self.numbers[2 * self.joints..self.errors()])
+    }
+
+    /// Measured steering angles minus the last commands [rad], shape (steered wheels,), or None if the step was given none.
+    #[getter]
+    fn joint_errors<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.measured.then(|| PyArray1::from_slice(py, &self.numbers[self.errors()..]))
+    }
+
+    /// The steering joint that is stuck, or else the one farthest from its command, by its name in `commands`; None if all
+    /// are within the tolerance or none was measured.
+    #[getter]
+    fn worst_joint<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let names = || self.rover.bind(py).getattr("steering_joints")?.cast_into::<PyDict>().map_err(PyErr::from);
+        self.worst_joint.map(|joint| names()?.keys().get_item(joint)).transpose()
+    }
+
+    /// Share of the commanded speed that `SPEED`, `YAW_RATE`, `LATERAL_ACCELERATION` and `WHEEL_SPEED` leave; 1 if none of
+    /// them binds.
+    #[getter]
+    fn speed_share(&self) -> f64 {
+        self.speed_share
     }
 
     /// The motion they make, ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s], shape (3,).
@@ -102,7 +137,7 @@ impl ControllerOutput {
         Ok(format!(
             "ControllerOutput(steering={}, speeds={}, twist={}, reasons={})",
             part(&self.numbers[..self.joints]),
-            part(&self.numbers[2 * self.joints..]),
+            part(&self.numbers[2 * self.joints..self.errors()]),
             part(&self.twist),
             reason(py, self.reasons)?.repr()?,
         ))

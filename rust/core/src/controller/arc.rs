@@ -207,6 +207,12 @@ impl Arc {
         self.from * cos + self.across * sin
     }
 
+    /// The derivative of the direction by the angle: of unit length, at a right angle to it.
+    pub fn ahead(&self, angle: f64) -> Vector3<f64> {
+        let (sin, cos) = angle.sin_cos();
+        self.across * cos - self.from * sin
+    }
+
     /// The angle from here to the part of a direction in the plane of the arc, and what is out of the plane.
     pub fn angle_to(&self, metric: &Matrix3<f64>, angle: f64, to: Vector3<f64>) -> (f64, f64) {
         let (sin, cos) = angle.sin_cos();

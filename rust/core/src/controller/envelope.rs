@@ -110,8 +110,13 @@ struct Row {
 }
 
 impl Envelope {
-    /// Of one direction that is kept, or of the turn to `end`, up to `speed` or what is possible of it.
-    pub fn new(room: &Room, arc: &Arc, start: f64, end: f64, speed: f64) -> Self {
+    /// Of one direction that is kept.
+    pub fn of_direction(room: &Room, arc: &Arc, angle: f64) -> Self {
+        Self::new(room, arc, [angle; 2], 0.0, 0.0)
+    }
+
+    /// Of the turn from `start` to `end` at a rate of `useful` at most [rad/s], up to `speed` or what is possible of it.
+    pub fn new(room: &Room, arc: &Arc, [start, end]: [f64; 2], speed: f64, useful: f64) -> Self {
         let mut limits = room.limits;
         let turning = end != start;
         let bounds = arc.bounds(start, end);
@@ -133,7 +138,7 @@ impl Envelope {
             way: bounds.linear.along,
         };
         if turning {
-            envelope.turn = turn(room, &limits, &bounds, &rows, speed);
+            envelope.turn = turn(room, &limits, &bounds, &rows, [speed, useful]);
         } else {
             envelope.speed = fastest.value;
         }
@@ -172,6 +177,16 @@ impl Envelope {
         let [rate, change] = self.turn.map(|cap| cap.value);
         let left = (self.end - angle).abs();
         rate.min(times(change, left).sqrt()).min(left / dt)
+    }
+
+    /// The same with a change of the speed that lets it end its braking at rest: for a motion that was under other limits.
+    #[must_use]
+    pub fn for_motion(mut self, speed: Motion) -> Self {
+        if speed.value * speed.rate < 0.0 {
+            let needed = speed.rate * speed.rate / (2.0 * speed.value.abs());
+            self.change.value = self.change.value.max(needed);
+        }
+        self
     }
 
     /// Whether a turn is inside: not faster than `turn[0]`, and braked by `turn[1]` at rest before `end`.
@@ -226,7 +241,7 @@ fn rows(limits: &Limits, bounds: &Bounds) -> [Row; 3] {
 }
 
 /// Limits of the turn: what joints allow, and half of what everything else does.
-fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], speed: f64) -> [Cap; 2] {
+fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], [speed, useful]: [f64; 2]) -> [Cap; 2] {
     let [first, second] = bounds.steering;
     let joints = [limits.steering_rate, limits.steering_acceleration];
     let mut rate = Cap::NONE
@@ -242,6 +257,7 @@ fn turn(room: &Room, limits: &Limits, bounds: &Bounds, rows: &[Row; 3], speed: f
     if rate.value < f64::INFINITY {
         // So that the wheels go the way round they would go in smaller steps.
         rate = rate.or(over(room.fastest_turn, first), rate.reason);
+        rate.value = rate.value.min(useful);
     }
     let left = joints[1] - times(second, rate.value * rate.value);
     let mut change = Cap::NONE;

@@ -71,6 +71,8 @@ pub struct Goal {
     pub direction: Vector3<f64>,
     /// Not negative.
     pub speed: f64,
+    /// Share of the speed asked for that the limits leave.
+    pub share: f64,
     /// Why it is not what was asked for.
     pub reasons: u32,
 }
@@ -89,7 +91,7 @@ pub fn polar(metric: &Matrix3<f64>, twist: Twist) -> Option<(f64, Vector3<f64>)>
 
 impl Goal {
     fn rest(reasons: u32) -> Self {
-        Self { twist: Twist::ZERO, direction: Vector3::x(), speed: 0.0, reasons }
+        Self { twist: Twist::ZERO, direction: Vector3::x(), speed: 0.0, share: 1.0, reasons }
     }
 
     /// The goal of a command, or none if it is too large to be meant. `period` is the time [s] over which the
@@ -120,7 +122,7 @@ impl Goal {
         let Some((mut speed, mut direction)) = polar(&rover.metric, twist) else {
             return Some(Self::rest(reasons));
         };
-        let cap = highest(direction);
+        let (whole, cap) = (speed, highest(direction));
         if cap.value < speed {
             twist = Twist::from(direction * cap.value);
             speed = cap.value;
@@ -143,7 +145,7 @@ impl Goal {
             reasons |= cap.reason;
             share *= cap.value / length;
         }
-        Some(Self { twist, direction, speed, reasons })
+        Some(Self { twist, direction, speed, share: (speed / whole).min(1.0), reasons })
     }
 }
 

@@ -1,33 +1,47 @@
 //! What the motion may not exceed: of the body, of the wheels, of the steering.
 
 use crate::error::{Error, HUGE, TINY, number};
+use crate::rover::Rover;
 
 /// Number of limits.
-pub const COUNT: usize = 14;
+pub const COUNT: usize = 15;
+
+/// Acceleration where none is given [m/s²]: wheels with a friction of 1 on level ground allow no more.
+const USUAL_ACCELERATION: f64 = 9.81;
+
+/// Rate of a steering angle where none is given [rad/s]: 1.2 rad, less than a quarter turn, in a step of 0.1 s.
+const USUAL_STEERING_RATE: f64 = 12.0;
 
 /// Declares the limits, their names, and the way from and to a row of values.
 macro_rules! limits {
     ($($(#[$doc:meta])* $name:ident;)*) => {
-        /// Limits of a motion. Infinite where there is none.
+        /// Limits of a motion; infinite where there is none.
         ///
         /// Linear ones concern the velocity of the body's origin, angular ones the yaw rate. Speeding up and slowing
         /// down count along the motion, so that both are the same forwards and backwards.
+        ///
+        /// An infinite limit that is not in `given` is left out: [`Self::on`] fills in its default.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Limits {
             $($(#[$doc])* pub $name: f64,)*
+            /// Bit k: limit k of [`Self::NAMES`] was given, be it as infinite.
+            pub given: u32,
         }
 
         impl Limits {
             /// Names, in the order of [`Self::values`].
             pub const NAMES: [&'static str; COUNT] = [$(stringify!($name)),*];
 
+            /// No limit, and no default.
+            pub const NONE: Self = Self { $($name: f64::INFINITY,)* given: (1 << COUNT) - 1 };
+
             /// All limits, in the order of [`Self::NAMES`].
             pub fn values(&self) -> [f64; COUNT] {
                 [$(self.$name),*]
             }
 
-            fn of_values([$($name),*]: [f64; COUNT]) -> Self {
-                Self { $($name),* }
+            fn of_values([$($name),*]: [f64; COUNT], given: u32) -> Self {
+                Self { $($name,)* given }
             }
         }
     };
@@ -62,26 +76,29 @@ limits! {
     steering_rate;
     /// Change of the rate of every steering angle [rad/s²].
     steering_acceleration;
+    /// Change of the speed of a wheel over the ground during a halt [m/s²]; at least `deceleration`.
+    halt_deceleration;
 }
 
 impl Default for Limits {
-    /// No limit at all.
+    /// Every limit left out.
     fn default() -> Self {
-        Self::of_values([f64::INFINITY; COUNT])
+        Self { given: 0, ..Self::NONE }
     }
 }
 
 impl Limits {
-    /// Limits from values in the order of [`Self::NAMES`]; what is not given is unlimited, but slowing down
-    /// is limited as speeding up is. Fails unless every one is positive; 1e60 and more is unlimited.
-    pub fn new(given: [Option<f64>; COUNT]) -> Result<Self, Error> {
-        for (&name, value) in Self::NAMES.iter().zip(given) {
+    /// Limits from values in the order of [`Self::NAMES`]. Fails unless every one is positive; 1e60 and more is no limit.
+    ///
+    /// What is left out reads as infinity, but slowing down as speeding up.
+    pub fn new(values: [Option<f64>; COUNT]) -> Result<Self, Error> {
+        for (&name, value) in Self::NAMES.iter().zip(values) {
             let Some(value) = value else { continue };
             if value >= TINY {
                 continue;
             }
             let still = name.ends_with("deceleration") && value == 0.0;
-            let top = [("speed", given[0]), ("yaw_rate", given[1])];
+            let top = [("speed", values[0]), ("yaw_rate", values[1])];
             let moving = top.iter().find_map(|(top, v)| Some((top, (*v)?)));
             let rule = match moving.filter(|_| still) {
                 Some((top, value)) => {
@@ -89,21 +106,97 @@ impl Limits {
                     format!("be positive: with {top}={value} the rover would never stop again")
                 }
                 None if value > 0.0 => format!("be at least {TINY:e}"),
-                None => "be positive (leave it out for no limit)".into(),
+                None => "be positive (math.inf for no limit)".into(),
             };
             return Err(Error::value(name, rule, number(value)));
         }
-        let given = given.map(|value| value.map(|value| if value < HUGE { value } else { f64::INFINITY }));
-        let mut values = given.map(|value| value.unwrap_or(f64::INFINITY));
-        for (slower, faster) in [(3, 2), (6, 5)] {
-            values[slower] = given[slower].unwrap_or(values[faster]);
+        let bits = values.iter().enumerate().filter(|(_, value)| value.is_some());
+        let given = bits.fold(0, |bits, (k, _)| bits | 1 << k);
+        let values = values.map(|value| value.filter(|value| *value < HUGE).unwrap_or(f64::INFINITY));
+        let mut limits = Self::of_values(values, given);
+        if !limits.has("deceleration") {
+            limits.deceleration = limits.acceleration;
         }
-        Ok(Self::of_values(values))
+        if !limits.has("angular_deceleration") {
+            limits.angular_deceleration = limits.angular_acceleration;
+        }
+        let slows = limits.has("deceleration") || limits.has("acceleration");
+        if slows && limits.has("halt_deceleration") && limits.halt_deceleration < limits.deceleration {
+            let rule = format!("be at least deceleration={}", number(limits.deceleration));
+            return Err(Error::value("halt_deceleration", rule, number(limits.halt_deceleration)));
+        }
+        Ok(limits)
+    }
+
+    /// Whether a limit was given, by its name.
+    pub fn has(&self, name: &str) -> bool {
+        Self::NAMES.iter().position(|known| *known == name).is_some_and(|k| self.given & 1 << k != 0)
+    }
+
+    /// The limits that were given, by name.
+    pub fn pairs(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let limits = *self;
+        let named = Self::NAMES.into_iter().zip(self.values());
+        named.filter(move |(name, _)| limits.has(name))
+    }
+
+    /// The limits with a default for each that was left out and has one:
+    ///
+    /// - `acceleration`: 9.81 m/s², the friction of 1; `deceleration`: as `acceleration`;
+    /// - `angular_acceleration`, `angular_deceleration`, `angular_jerk`: the linear one over the distance of the farthest
+    ///   wheel from the origin, so that no wheel's speed over the ground changes faster in a spin than straight on; but
+    ///   `angular_deceleration` as a given `angular_acceleration`;
+    /// - `steering_rate`: 12 rad/s; `halt_deceleration`: as `deceleration`.
+    #[must_use]
+    pub fn on(&self, rover: &Rover) -> Self {
+        let reach = rover.wheels().iter().map(|wheel| wheel.x.hypot(wheel.y)).fold(0.0, f64::max);
+        let left_out = |name, value: f64| value.is_infinite() && !self.has(name);
+        let mut filled = self.slowing();
+        let fill = |value: &mut f64, name, usual: f64| {
+            if left_out(name, *value) && usual > 0.0 {
+                *value = usual;
+            }
+        };
+        fill(&mut filled.angular_acceleration, "angular_acceleration", filled.acceleration / reach);
+        let slower = if left_out("angular_acceleration", self.angular_acceleration) {
+            filled.deceleration / reach
+        } else {
+            filled.angular_acceleration
+        };
+        fill(&mut filled.angular_deceleration, "angular_deceleration", slower);
+        fill(&mut filled.angular_jerk, "angular_jerk", filled.jerk / reach);
+        fill(&mut filled.steering_rate, "steering_rate", USUAL_STEERING_RATE);
+        filled.given |= (1 << COUNT) - 1;
+        filled
+    }
+
+    /// The limits with the defaults of the linear ones, which are the same for every rover.
+    fn slowing(&self) -> Self {
+        let mut filled = *self;
+        if !self.has("acceleration") && self.acceleration.is_infinite() {
+            filled.acceleration = USUAL_ACCELERATION;
+        }
+        if !self.has("deceleration") && self.deceleration.is_infinite() {
+            filled.deceleration = filled.acceleration;
+            if !self.has("acceleration") {
+                // A slower halt that was given is a slower deceleration too.
+                filled.deceleration = filled.deceleration.min(self.halt_deceleration);
+            }
+        }
+        if !self.has("halt_deceleration") && self.halt_deceleration.is_infinite() {
+            filled.halt_deceleration = filled.deceleration;
+        }
+        filled
     }
 
     /// Way [m] of a stop straight ahead from a steady speed [m/s], at the deceleration and jerk allowed.
     pub fn stopping_distance(&self, speed: f64) -> f64 {
-        stop(speed.abs(), 0.0, self.deceleration, self.jerk)
+        stop(speed.abs(), 0.0, self.slowing().deceleration, self.jerk)
+    }
+
+    /// Way [m] of a halt straight ahead from a steady speed [m/s].
+    pub fn halting_distance(&self, speed: f64) -> f64 {
+        stop(speed.abs(), 0.0, self.slowing().halt_deceleration, f64::INFINITY)
     }
 }
 

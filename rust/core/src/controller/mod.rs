@@ -9,9 +9,13 @@
 //! Between directions that no continuous turn of the wheels connects, and from rest, the joints go on their own
 //! while the rover stands.
 
+mod ahead;
+mod align;
 mod arc;
 mod envelope;
+mod following;
 mod goal;
+mod halt;
 mod limits;
 mod motion;
 mod options;
@@ -19,11 +23,13 @@ pub mod reason;
 mod route;
 mod run;
 mod step;
+mod swing;
 
 use nalgebra::{Matrix3, Vector3};
 
 use self::arc::Arc;
 use self::envelope::{Envelope, Room};
+use self::following::Following;
 use self::goal::Goal;
 pub use self::goal::Mode;
 pub use self::limits::Limits;
@@ -42,52 +48,83 @@ const MEASURED_SLACK: f64 = 0.05;
 /// Largest turn of a joint in one step [rad]: less than a quarter turn, so that a wheel does not go the other way round.
 const LARGEST_TURN: f64 = 1.2;
 
+/// Time for which goals have to be far from the direction that the joints go to before they are sent elsewhere [s], so
+/// that a command which changes at every step does not keep the rover at rest.
+const PATIENCE: f64 = 0.1;
+
 /// A command that was taken.
 #[derive(Clone, Copy, Debug)]
 struct Command {
     goal: Goal,
+    /// What was asked for: the goal follows from it and the limits.
+    twist: Twist,
+    mode: Mode,
     stamp: f64,
 }
 
 /// A motion on its way to a command.
 #[derive(Clone, Debug)]
 pub struct Controller {
+    /// The rover as it was given.
+    given: Rover,
+    /// The rover inside the steering limit and in its mode: how joints are solved for.
     rover: Rover,
+    /// The rover inside a narrower steering limit, until all joints are there: what goals are projected by.
+    narrowed: Option<Rover>,
     /// The rover's joints among all joints; the others are held at 0.
     joints: Vec<usize>,
+    /// The limits as they were given, and with their defaults.
     limits: Limits,
+    filled: Limits,
     room: Room,
+    /// What follows from new limits, until the motion is ready for them.
+    pending: Option<Room>,
     options: Options,
-    start: Option<Vec<f64>>,
-    /// The motion it starts with, if not at rest; possible for the rover.
-    moving: Option<Twist>,
+    /// The angles were given: the first measured ones do not replace them.
+    placed: bool,
     scratch: Arc,
 
     clock: Option<f64>,
+    /// Length of the last step and of the one before [s].
     last_step: f64,
+    step_before: f64,
     command: Option<Command>,
+    /// Stamp of the newest command taken.
+    newest: Option<f64>,
     /// Reasons to report about commands that were not taken.
     ignored: u32,
     stale: bool,
+    halted: bool,
+    following: Following,
 
     arc: Arc,
     turn: Motion,
     speed: Motion,
-    /// Whether the steering angles are those of the direction.
+    /// The steering angles are those of the direction.
     aligned: bool,
     route: Route,
     rerouted: bool,
     envelope: Envelope,
     /// Angle at which the envelope was entered.
     entered: f64,
-    /// Whether it is that of the direction there is.
+    /// The envelope is that of the direction there is.
     settled: bool,
+    /// The plane of the turn was changed in this step, and its envelope chosen with it.
+    swung: bool,
     /// The highest speed for the whole turn ahead.
     ahead: f64,
 
     steering: Vec<f64>,
     steering_rates: Vec<f64>,
+    /// Angles that the joints go to at rest, and the direction they are for.
     targets: Vec<f64>,
+    target: Vector3<f64>,
+    /// Angles of the newest goal.
+    candidates: Vec<f64>,
+    /// Time since a goal was near the direction that the joints have or go to [s].
+    astray: f64,
+    /// The joints have arrived there, and the body has not moved since.
+    arrived: bool,
     /// Wheel speeds per unit of speed.
     ratios: Vec<f64>,
     speeds: Vec<f64>,
@@ -105,21 +142,29 @@ impl Controller {
         let count = rover.steered().len();
         let along = Vector3::x() / model.metric[(0, 0)].sqrt();
         let arc = Arc::new(&model, along);
-        let room = room(&model, limits, &options);
-        let envelope = Envelope::new(&room, &arc, 0.0, 0.0, 0.0);
+        let filled = limits.on(rover);
+        let room = room(&model, filled, &options);
+        let envelope = Envelope::of_direction(&room, &arc, 0.0);
         let mut controller = Self {
+            given: rover.clone(),
+            narrowed: None,
             joints,
             limits,
+            filled,
             room,
+            pending: None,
             options,
-            start: None,
-            moving: None,
+            placed: false,
             scratch: arc.clone(),
             clock: None,
             last_step: 0.0,
+            step_before: 0.0,
             command: None,
+            newest: None,
             ignored: 0,
             stale: false,
+            halted: false,
+            following: Following::new(count),
             arc,
             turn: Motion::default(),
             speed: Motion::default(),
@@ -129,21 +174,25 @@ impl Controller {
             envelope,
             entered: 0.0,
             settled: false,
+            swung: false,
             ahead: f64::INFINITY,
             steering: vec![0.0; count],
             steering_rates: vec![0.0; count],
             targets: vec![0.0; count],
+            target: along,
+            candidates: vec![0.0; count],
+            astray: PATIENCE,
+            arrived: false,
             ratios: vec![0.0; rover.wheels().len()],
             speeds: vec![0.0; rover.wheels().len()],
             twist: Twist::ZERO,
             reasons: 0,
             rover: model,
         };
-        if let Some(steering) = steering {
-            controller.check_angles("steering", steering)?;
-            controller.start = Some(steering.to_vec());
+        controller.reset(steering)?;
+        if steering.is_none() {
+            controller.set_angles_in_range();
         }
-        controller.reset();
         Ok(controller)
     }
 
@@ -154,17 +203,37 @@ impl Controller {
     pub fn in_motion(mut self, twist: Twist) -> Result<Self, Error> {
         finite("twist", &<[f64; 3]>::from(twist))?;
         let possible = self.rover.project(twist, Keep::Nearest)?;
-        self.moving = Some(possible).filter(|twist| *twist != Twist::ZERO);
-        self.reset();
+        if let Some((speed, direction)) = goal::polar(&self.rover.metric, possible) {
+            self.settle(direction);
+            self.speed = Motion::at(speed);
+            self.twist = possible;
+            // Taken even if the speed does not fit into it: then it comes down until it does.
+            self.envelope = Envelope::of_direction(&self.room, &self.arc, 0.0);
+            self.settled = true;
+            self.placed = true;
+            self.set_speeds();
+        }
         Ok(self)
     }
 
-    /// Back to where it was when it was made.
-    pub fn reset(&mut self) {
+    /// Forgets command, clock, halt and fault. The body rests; the joints stay where they were last commanded, or start
+    /// at the angles of the next step's measurement, or of `steering` [rad].
+    ///
+    /// Fails, without effect, unless there is an angle near its range for every joint.
+    pub fn reset(&mut self, steering: Option<&[f64]>) -> Result<(), Error> {
+        if let Some(steering) = steering {
+            self.check_angles("steering", steering)?;
+            self.steering.copy_from_slice(steering);
+            self.set_angles_in_range();
+        }
+        self.placed = steering.is_some();
         self.clock = None;
         self.command = None;
+        self.newest = None;
         self.ignored = 0;
         self.stale = false;
+        self.halted = false;
+        self.following.clear();
         self.turn = Motion::default();
         self.speed = Motion::default();
         self.aligned = false;
@@ -172,31 +241,15 @@ impl Controller {
         self.settled = false;
         self.route = Route::Stay;
         self.rerouted = true;
-        self.steering.fill(0.0);
-        if let Some(start) = self.start.take() {
-            self.steering.copy_from_slice(&start);
-            self.set_angles_in_range();
-            self.start = Some(start);
-        } else {
-            self.set_angles_in_range();
-        }
+        (self.astray, self.arrived) = (PATIENCE, false);
         self.steering_rates.fill(0.0);
         self.targets.copy_from_slice(&self.steering);
         self.speeds.fill(0.0);
         self.twist = Twist::ZERO;
         self.reasons = 0;
         self.last_step = 0.0;
-        if let Some((twist, (speed, direction))) =
-            self.moving.and_then(|twist| Some((twist, goal::polar(&self.rover.metric, twist)?)))
-        {
-            self.settle(direction);
-            self.speed = Motion::at(speed);
-            self.twist = twist;
-            // Taken even if the speed does not fit into it: then it comes down until it does.
-            self.envelope = Envelope::new(&self.room, &self.arc, 0.0, 0.0, 0.0);
-            self.settled = true;
-            self.set_speeds();
-        }
+        self.step_before = 0.0;
+        Ok(())
     }
 
     /// Takes a command given at `stamp` [s]; returns whether it is taken.
@@ -211,23 +264,32 @@ impl Controller {
             let rule = "be that of the controller to be 'front_only'";
             return Err(Error::value("mode", rule, format!("{:?}", held.name())));
         }
-        if self.command.is_some_and(|last| stamp < last.stamp) {
+        if self.newest.is_some_and(|newest| stamp < newest) {
             self.ignored |= reason::OUT_OF_ORDER;
             return Ok(false);
         }
-        let period = self.options.period.filter(|_| self.options.discretise);
-        let finite = <[f64; 3]>::from(twist).iter().all(|value| value.abs() < HUGE);
-        let (rover, limits, scratch) = (&self.rover, &self.limits, &mut self.scratch);
-        let goal = finite.then(|| Goal::new(rover, limits, scratch, [mode, held], period, twist)).flatten();
-        let Some(goal) = goal else {
+        if self.halted {
+            return Ok(false);
+        }
+        let Some(goal) = self.goal_of(twist, mode) else {
             self.ignored |= reason::NOT_FINITE;
             return Ok(false);
         };
         let same = |last: &Command| last.goal.direction == goal.direction && last.goal.speed == goal.speed;
         self.rerouted |= !self.command.as_ref().is_some_and(same);
         self.ignored &= !reason::NOT_FINITE;
-        self.command = Some(Command { goal, stamp });
+        self.newest = Some(stamp);
+        self.command = Some(Command { goal, twist, mode, stamp });
         Ok(true)
+    }
+
+    /// The goal of a command, or none if it is not finite.
+    fn goal_of(&mut self, twist: Twist, mode: Mode) -> Option<Goal> {
+        let finite = <[f64; 3]>::from(twist).iter().all(|value| value.abs() < HUGE);
+        let period = self.options.period.filter(|_| self.options.discretise);
+        let rover = self.narrowed.as_ref().unwrap_or(&self.rover);
+        let modes = [mode, self.options.mode];
+        finite.then(|| Goal::new(rover, &self.filled, &mut self.scratch, modes, period, twist)).flatten()
     }
 
     /// Steering angles to command now [rad].
@@ -255,6 +317,11 @@ impl Controller {
         self.reasons
     }
 
+    /// Share of the speed asked for that the limits leave: 1 if none of them binds.
+    pub fn speed_share(&self) -> f64 {
+        self.command.map_or(1.0, |command| command.goal.share)
+    }
+
     /// Whether everything stands still.
     pub fn stopped(&self) -> bool {
         self.speed == Motion::default() && self.steering_rates.iter().all(|rate| *rate == 0.0)
@@ -265,7 +332,7 @@ impl Controller {
         self.clock
     }
 
-    /// The limits.
+    /// The limits as they were given.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
@@ -333,7 +400,7 @@ impl Controller {
         self.rover.solve(twist, inputs, angles, &mut self.ratios);
         let joints = match into {
             Into::Steering => &mut self.steering,
-            Into::Targets => &mut self.targets,
+            Into::Candidates => &mut self.candidates,
         };
         joints.fill(0.0);
         for (angle, &joint) in angles.iter().zip(&self.joints) {
@@ -376,11 +443,11 @@ impl Controller {
     }
 }
 
-/// Which angles to write.
+/// The angles to write.
 #[derive(Clone, Copy)]
 enum Into {
     Steering,
-    Targets,
+    Candidates,
 }
 
 /// Limits with what steering takes from them: a wheel with scrub rolls while it is steered.

@@ -38,54 +38,78 @@ impl Motion {
         }
     }
 
-    /// After `dt` seconds on the quickest way to rest at the goal: the rate grows to a limit, stays, and falls to
-    /// zero just there. The limits hold all along, so for a log of any steps.
+    /// The motion after `dt` seconds on the quickest way to rest at the goal: the rate grows to a limit, stays, and falls
+    /// to zero just there. The limits hold all along, so for a log of any steps.
     ///
-    /// `rates` are the limits downwards and upwards. What is faster slows down first.
+    /// `rates` are the limits downwards and upwards. A rate beyond its limit falls first.
     pub fn approach(self, goal: f64, rates: [f64; 2], change: f64, dt: f64) -> (Self, Held) {
         let there = (Self::at(goal), Held::No);
+        let (sign, way) = match self.plan(goal, rates, change) {
+            Plan::Arrived => return there,
+            Plan::Constant { gap, limit, .. } if limit * dt >= gap || limit.is_infinite() => return there,
+            Plan::Constant { sign, limit, .. } => (sign, (limit * dt, limit, Held::Rate)),
+            Plan::Phases { end, .. } if dt >= end * (1.0 - ROUNDING) => return there,
+            Plan::Phases { sign, rate, peak, first, first_way, cruise, end, limit } => {
+                if dt < first {
+                    let slope = if rate > peak { -change } else { change };
+                    (sign, (dt * (rate + slope * dt / 2.0), slope.mul_add(dt, rate), Held::Change))
+                } else if dt < first + cruise {
+                    let held = if peak < limit { Held::Change } else { Held::Rate };
+                    (sign, (peak.mul_add(dt - first, first_way), peak, held))
+                } else {
+                    let left = end - dt;
+                    let value = goal - sign * change * left * left / 2.0;
+                    return (Self { value, rate: sign * change * left }, Held::Change);
+                }
+            }
+        };
+        let (way, rate, held) = way;
+        (Self { value: sign.mul_add(way, self.value), rate: sign * rate }, held)
+    }
+
+    /// Time of the way of [`Self::approach`] [s].
+    pub fn time_to(self, goal: f64, rates: [f64; 2], change: f64) -> f64 {
+        match self.plan(goal, rates, change) {
+            Plan::Arrived => 0.0,
+            Plan::Constant { gap, limit, .. } => gap / limit,
+            Plan::Phases { end, .. } => end,
+        }
+    }
+
+    /// The quickest way to rest at the goal.
+    fn plan(self, goal: f64, rates: [f64; 2], change: f64) -> Plan {
         let stop = self.stop(change);
         // Braking already, and just in time.
         let brakes = (goal - stop).abs() <= ROUNDING * ((stop - self.value).abs() + goal.abs());
         let way = if brakes && self.rate != 0.0 { self.rate } else { goal - stop };
         if way == 0.0 {
-            return there;
+            return Plan::Arrived;
         }
         let sign = way.signum();
         let limit = rates[usize::from(way > 0.0)];
         let (gap, rate) = ((goal - self.value) * sign, self.rate * sign);
-        let moved = |way: f64, rate: f64| Self { value: sign.mul_add(way, self.value), rate: sign * rate };
         // Squares of speeds, beyond which there is no number: no limit that any motion meets.
         let fastest = change * gap + rate * rate / 2.0;
         if change.is_infinite() || !fastest.is_finite() {
-            return if limit * dt >= gap || limit.is_infinite() {
-                there
-            } else {
-                (moved(limit * dt, limit), Held::Rate)
-            };
+            return Plan::Constant { sign, gap, limit };
         }
         // Braking distances of the three speeds, and the fastest one from which it can still stop in time.
         let braking = |rate: f64| rate * rate / (2.0 * change);
         let peak = if brakes && rate > 0.0 { rate } else { limit.min(fastest.max(0.0).sqrt()) };
-        let too_fast = rate > peak;
         let first = (peak - rate).abs() / change;
-        let first_way = if too_fast { braking(rate) - braking(peak) } else { braking(peak) - braking(rate) };
+        let first_way = if rate > peak { braking(rate) - braking(peak) } else { braking(peak) - braking(rate) };
         let cruise_way = (gap - first_way - braking(peak)).max(0.0);
         let cruise = if cruise_way > 0.0 && peak > 0.0 { cruise_way / peak } else { 0.0 };
-        let end = first + cruise + peak / change;
-        if dt >= end * (1.0 - ROUNDING) {
-            there
-        } else if dt < first {
-            let slope = if too_fast { -change } else { change };
-            let way = dt * (rate + slope * dt / 2.0);
-            (moved(way, slope.mul_add(dt, rate)), Held::Change)
-        } else if dt < first + cruise {
-            let held = if peak < limit { Held::Change } else { Held::Rate };
-            (moved(peak.mul_add(dt - first, first_way), peak), held)
-        } else {
-            let left = end - dt;
-            let rest = Self { value: goal - sign * change * left * left / 2.0, rate: sign * change * left };
-            (rest, Held::Change)
-        }
+        Plan::Phases { sign, rate, limit, peak, first, first_way, cruise, end: first + cruise + peak / change }
     }
+}
+
+/// A way to rest at a goal; ways and rates count in the direction `sign`.
+enum Plan {
+    /// The goal is reached.
+    Arrived,
+    /// At one rate over the gap: the change of the rate is not limited.
+    Constant { sign: f64, gap: f64, limit: f64 },
+    /// From `rate` to `peak` in the time `first` over `first_way`, at `peak` for `cruise`, then to rest at the time `end`.
+    Phases { sign: f64, rate: f64, limit: f64, peak: f64, first: f64, first_way: f64, cruise: f64, end: f64 },
 }

@@ -55,6 +55,10 @@ pub struct Options {
     pub align: Option<Align>,
     /// Error of a steering angle that is none [rad].
     pub align_tolerance: f64,
+    /// Error of a measured steering angle [rad] that lasts for the following time, at most; None for any.
+    pub following_error: Option<f64>,
+    /// Time for which a joint may be farther from its command [s]; None for ever.
+    pub following_time: Option<f64>,
     /// Whether a command is the motion of one period, not the velocity at its beginning.
     pub discretise: bool,
 }
@@ -68,6 +72,8 @@ impl Default for Options {
             mode: Mode::Free,
             align: Some(Align::Cosine),
             align_tolerance: 0.02,
+            following_error: Some(0.2),
+            following_time: Some(0.5),
             discretise: false,
         }
     }
@@ -81,6 +87,9 @@ impl Options {
         }
         positive("max_step", self.max_step)?;
         positive("align_tolerance", self.align_tolerance)?;
+        for (name, value) in [("following_error", self.following_error), ("following_time", self.following_time)] {
+            value.map_or(Ok(()), |value| positive(name, value))?;
+        }
         if let Some(period) = self.period {
             positive("period", period)?;
             if period > self.max_step {

@@ -52,4 +52,8 @@ reasons! {
     OUT_OF_ORDER = 19;
     /// The step took longer than a step may, and counts as one of that length.
     PAUSED = 20;
+    /// A halt was asked for, or a joint does not follow: the rover stays at rest until it is released.
+    HALTED = 21;
+    /// A steering joint does not follow its commands.
+    JOINT_STUCK = 22;
 }

@@ -1,29 +1,14 @@
 //! One step.
 
-use super::envelope::Envelope;
+use super::Controller;
+use super::ahead::Bridle;
 use super::goal::Goal;
 use super::motion::{Held, Motion};
 use super::options::Align;
 use super::reason;
 use super::route::Route;
-use super::{Controller, Into};
 use crate::error::Error;
 use crate::geometry::Twist;
-
-/// Pieces of the arc ahead that are tried, each half as long.
-const PIECES: usize = 32;
-
-/// What the speed is bounded by beside the envelope, while the motion gets ready for another one.
-#[derive(Clone, Copy)]
-struct Bridle {
-    speed: f64,
-    rates: [f64; 2],
-    reasons: u32,
-}
-
-impl Bridle {
-    const NONE: Self = Self { speed: f64::INFINITY, rates: [f64::INFINITY; 2], reasons: 0 };
-}
 
 impl Controller {
     /// Moves on to the time `now` [s], the steering angles being `measured` [rad].
@@ -37,44 +22,57 @@ impl Controller {
         }
         let mut reasons = self.ignored;
         self.ignored &= !reason::OUT_OF_ORDER;
-        let since = self.clock.map(|last| now - last);
-        if let (None, None, None, Some(measured)) = (since, &self.start, self.moving, measured) {
+        if let (None, false, Some(measured)) = (self.clock, self.placed, measured) {
             self.steering.copy_from_slice(measured);
         }
-        let dt = match since {
-            None => self.options.period.unwrap_or(0.0),
-            Some(since) if since > self.options.max_step => {
-                reasons |= reason::PAUSED;
-                // A step that was merely late is not taken for a pause.
-                if since > 2.0 * self.options.max_step {
-                    self.hold();
-                }
-                self.options.max_step
-            }
-            Some(since) => since,
-        };
-        self.clock = Some(now);
-        self.last_step = dt;
+        let (dt, paused) = self.take_time(now);
+        reasons |= paused;
+        self.watch_joints(measured, dt);
+        self.adopt_limits(dt);
+        if self.halted {
+            self.reasons = reasons | self.brake(dt);
+            return Ok(());
+        }
         let goal = self.goal(now);
         if self.stale {
             reasons |= reason::STALE;
         }
-        let share = self.share(measured);
+        let share = self.share();
         if share < 1.0 {
             reasons |= reason::ALIGNING;
         }
         if self.rerouted || (self.at_rest() && self.route.needs_rest()) {
-            self.route = self.find_route(goal.as_ref());
             self.rerouted = false;
+            self.route = self.find_route(goal.as_ref(), dt);
         }
         reasons |= goal.as_ref().map_or(0, |goal| goal.reasons);
         let mut why = self.advance(goal.as_ref(), share, dt);
         if self.at_rest() && self.route.needs_rest() && self.stops_at_once() {
-            self.route = self.find_route(goal.as_ref());
+            self.route = self.find_route(goal.as_ref(), dt);
             why = self.advance(goal.as_ref(), share, dt);
         }
         self.reasons = reasons | why;
         Ok(())
+    }
+
+    /// Length that the step to `now` counts for [s], and the reason if that is less than it took.
+    fn take_time(&mut self, now: f64) -> (f64, u32) {
+        let longest = self.options.max_step;
+        let (dt, reasons) = match self.clock.map(|last| now - last) {
+            None => (self.options.period.unwrap_or(0.0), 0),
+            Some(since) if since > longest => {
+                // A step that was merely late is not taken for a pause.
+                if since > 2.0 * longest {
+                    self.hold();
+                }
+                (longest, reason::PAUSED)
+            }
+            Some(since) => (since, 0),
+        };
+        self.clock = Some(now);
+        self.step_before = self.last_step;
+        self.last_step = dt;
+        (dt, reasons)
     }
 
     /// Nothing went on meanwhile: speed and angles are those of the last step, and change from rest.
@@ -105,12 +103,11 @@ impl Controller {
     }
 
     /// Share of the drive that the measured angles allow.
-    fn share(&self, measured: Option<&[f64]>) -> f64 {
-        let (Some(measured), Some(align)) = (measured, self.options.align) else {
+    fn share(&self) -> f64 {
+        let Some(align) = self.options.align else {
             return 1.0;
         };
-        let errors = measured.iter().zip(&self.steering);
-        let error = errors.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = self.joint_errors().into_iter().flatten().fold(0.0, |most: f64, error| most.max(error.abs()));
         match align {
             _ if error <= self.options.align_tolerance => 1.0,
             Align::Hold => 0.0,
@@ -132,16 +129,21 @@ impl Controller {
         let mut bridle = Bridle::NONE;
         let target = match self.route {
             Route::Along { sign } => sign * wanted,
-            Route::Turn { end, sign } => {
+            Route::Near { sign } => {
+                reasons |= reason::ALIGNING;
+                sign * wanted
+            }
+            Route::Turn { end, sign, .. } => {
                 let target = sign * wanted;
                 bridle = self.look_ahead(end, target, dt);
                 target
             }
             Route::Wait => {
                 let [rate, change] = self.envelope.turn;
-                reasons |= rate.reason | change.reason;
-                let stop = self.speed.stop(self.envelope.change.value);
-                stop.clamp(-wanted, wanted)
+                reasons |= rate.reason | change.reason | reason::ALIGNING;
+                // The share of the goal along the direction there is.
+                let along = |goal: &Goal| self.direction().dot(&(self.metric() * goal.direction));
+                if self.at_rest() { 0.0 } else { wanted * goal.map_or(0.0, along) }
             }
             Route::Blocked(why) => {
                 reasons |= why;
@@ -149,6 +151,9 @@ impl Controller {
             }
             Route::Stay | Route::Align => 0.0,
         };
+        if let Some(room) = &self.pending {
+            bridle.speed = bridle.speed.min(self.fastest_by(room));
+        }
         reasons |= bridle.reasons;
         let turning = self.turn_on(goal, dt);
         reasons |= self.change_speed(target, bridle, dt);
@@ -167,190 +172,6 @@ impl Controller {
             None => Twist::from(self.direction() * self.speed.value),
         };
         reasons
-    }
-
-    /// Each joint on its own way, the body at rest. Whether the drive may begin.
-    fn align(&mut self, goal: Option<&Goal>, dt: f64) -> (bool, u32) {
-        let limits = &self.room.limits;
-        let (rates, change) = ([limits.steering_rate; 2], limits.steering_acceleration);
-        let at_once = limits.steering_rate.is_infinite() && change.is_infinite();
-        let onwards = self.route == Route::Align;
-        let (mut there, mut moved, mut reasons) = (true, false, 0);
-        for (k, angle) in self.steering.iter_mut().enumerate() {
-            let motion = Motion { value: *angle, rate: self.steering_rates[k] };
-            let target = match self.joints.iter().position(|&joint| joint == k) {
-                _ if onwards => self.targets[k],
-                Some(place) => {
-                    let wheel = &self.rover.wheels()[self.rover.steered()[place]];
-                    let range = wheel.steering().unwrap_or_default();
-                    range.clip(motion.stop(change))
-                }
-                // Held straight by the mode.
-                None => 0.0,
-            };
-            let (motion, held) = motion.approach(target, rates, change, dt);
-            moved |= motion.value != *angle;
-            there &= held == Held::No;
-            reasons |= match held {
-                Held::No => 0,
-                Held::Rate => reason::STEERING_RATE,
-                Held::Change => reason::STEERING_ACCELERATION,
-            };
-            *angle = motion.value;
-            self.steering_rates[k] = motion.rate;
-        }
-        self.twist = Twist::ZERO;
-        let Some(goal) = goal.filter(|_| onwards) else {
-            return (false, reasons);
-        };
-        if there {
-            self.settle(goal.direction);
-            self.rest_turn();
-            self.route = Route::Along { sign: 1.0 };
-        }
-        let go = there && (at_once || !moved);
-        (go, if go { 0 } else { reasons | reason::ALIGNING })
-    }
-
-    /// Takes the envelope of the piece of arc ahead that promises the quickest turn, if the motion fits into it;
-    /// otherwise the bounds that make it fit.
-    fn look_ahead(&mut self, end: f64, target: f64, dt: f64) -> Bridle {
-        let here = self.turn.value;
-        let left = self.envelope.end - here;
-        let present =
-            if self.envelope.turning && left * (end - here) > 0.0 { self.envelope.promise(here, dt) } else { -1.0 };
-        let used = present < 0.0 || (here - self.entered).abs() >= left.abs();
-        let enough = self.envelope.speed >= target.abs();
-        if enough && !used {
-            return Bridle { speed: self.ahead, ..Bridle::NONE };
-        }
-        if enough && present >= 0.0 && left.abs() >= (end - here).abs() {
-            return Bridle::NONE;
-        }
-        let sign = if self.speed.value < 0.0 { -1.0 } else { 1.0 };
-        let peak = if self.speed.rate * sign > 0.0 {
-            self.speed.stop(self.envelope.change.value) * sign
-        } else {
-            self.speed.value * sign
-        };
-        let needed = peak.max(target.abs());
-        let mut best: Option<(f64, Envelope)> = None;
-        let mut whole: Option<Envelope> = None;
-        let mut last = 0.0;
-        let mut length = end - here;
-        for k in 0..PIECES {
-            let piece_end = if k == 0 { end } else { here + length };
-            if piece_end == here {
-                break;
-            }
-            let envelope = Envelope::new(&self.room, &self.arc, here, piece_end, needed);
-            whole.get_or_insert(envelope);
-            let fits = envelope.holds_turn(self.turn) && envelope.holds_speed(self.speed);
-            let promise = envelope.promise(here, dt);
-            if fits && best.is_none_or(|(most, _)| promise > most) {
-                best = Some((promise, envelope));
-            }
-            if promise < last || (fits && envelope.turn[0].value.is_infinite()) {
-                break;
-            }
-            last = promise;
-            length /= 2.0;
-        }
-        if let Some((promise, envelope)) = best
-            && (promise > present || used)
-        {
-            self.envelope = envelope;
-            self.entered = here;
-            self.settled = false;
-        }
-        let Some(whole) = whole else {
-            return Bridle::NONE;
-        };
-        let cap = whole.fastest.value;
-        self.ahead = cap;
-        let reasons = if cap < needed { whole.fastest.reason } else { 0 };
-        if best.is_some() {
-            return Bridle { speed: cap, rates: [f64::INFINITY; 2], reasons };
-        }
-        Bridle {
-            speed: cap,
-            rates: whole.rates.map(|rate| rate.value),
-            reasons: reasons | whole.turn[0].reason | whole.turn[1].reason,
-        }
-    }
-
-    /// Turns the direction as far as the envelope goes, or brings the turn to rest.
-    fn turn_on(&mut self, goal: Option<&Goal>, dt: f64) -> u32 {
-        if self.joints.is_empty() && self.at_rest() {
-            self.turn.rate = 0.0; // nothing turns
-        }
-        let resting = self.turn.rate == 0.0;
-        if resting {
-            self.steering_rates.fill(0.0);
-        }
-        let wanted = match self.route {
-            Route::Turn { end, sign } => Some((end, sign)),
-            _ => None,
-        };
-        if wanted.is_none() && resting {
-            if !self.settled {
-                self.rest_turn();
-            }
-            return 0;
-        }
-        let (limits, change) = self.envelope.turn_limits();
-        let ahead = wanted.filter(|(end, _)| {
-            let way = self.envelope.end - self.turn.value;
-            self.envelope.turning && way * (end - self.turn.value) > 0.0
-        });
-        let target = if let Some((end, _)) = ahead {
-            let [near, far] = [self.envelope.end, end].map(|end| (end - self.turn.value).abs());
-            if near < far { self.envelope.end } else { end }
-        } else if resting {
-            self.turn.value
-        } else {
-            self.turn.stop(change)
-        };
-        let before = self.turn;
-        let held;
-        (self.turn, held) = self.turn.approach(target, limits, change, dt);
-        let mut reasons = match held {
-            Held::No => 0,
-            Held::Rate => self.envelope.turn[0].reason,
-            Held::Change => self.envelope.turn[1].reason,
-        };
-        if let (Some((end, sign)), Some(goal)) = (wanted, goal) {
-            if self.turn == Motion::at(end) {
-                // Until the step is over the envelope of the turn holds.
-                self.settle(goal.direction * sign);
-                self.route = Route::Along { sign };
-                self.steering_rates.fill(0.0);
-                return reasons;
-            }
-            // On the way: something holds it, if only the end of this envelope.
-            reasons |= self.envelope.turn[0].reason | self.envelope.turn[1].reason;
-        } else if self.turn.rate == 0.0 {
-            self.rerouted |= self.route == Route::Wait;
-        }
-        if self.turn != before {
-            self.solve(Twist::from(self.direction()), Into::Steering);
-            let rates = self.arc.steering_rates(&self.rover, self.turn.value);
-            self.steering_rates.fill(0.0);
-            for (rate, &joint) in rates.zip(&self.joints) {
-                self.steering_rates[joint] = rate * self.turn.rate;
-            }
-        }
-        reasons
-    }
-
-    /// Takes the envelope of the direction there is, as soon as the speed fits into it.
-    fn rest_turn(&mut self) {
-        let here = self.turn.value;
-        let envelope = Envelope::new(&self.room, &self.arc, here, here, 0.0);
-        if envelope.holds_speed(self.speed) {
-            self.envelope = envelope;
-            self.settled = true;
-        }
     }
 
     /// Speeds up or slows down, never through rest in one go.
@@ -387,12 +208,5 @@ impl Controller {
         }
         self.speed = Motion { value: moved.value * sign + 0.0, rate: moved.rate * sign + 0.0 };
         reasons
-    }
-}
-
-impl Route {
-    /// Whether there is something to do once the body stands.
-    fn needs_rest(self) -> bool {
-        matches!(self, Self::Turn { .. } | Self::Wait | Self::Blocked(_))
     }
 }
