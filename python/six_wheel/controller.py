@@ -50,3 +50,7 @@ class Reason(NamedFlag):
     """A command older than the last one came since the last step, and is ignored."""
     PAUSED = 1 << 20
     """The step took longer than a step may, and counts as one of that length."""
+    HALTED = 1 << 21
+    """A halt was asked for, or a joint does not follow: the rover rests until it is released."""
+    JOINT_STUCK = 1 << 22
+    """A steering joint does not follow its commands."""
