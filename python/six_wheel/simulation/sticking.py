@@ -116,7 +116,8 @@ def drive_stuck(
     angles, actual = (np.zeros((len(stamps), len(rover.steered_names))) for _ in range(2))
     rates, speeds = np.zeros_like(angles), np.zeros((len(stamps), len(rover.wheels)))
     twists, reasons = np.zeros((len(stamps), 3)), np.zeros(len(stamps), np.uint32)
-    measured, found = angles[0], {}
+    measured = angles[0]
+    found: dict[str, Any] = {}
     for row, now in enumerate((stamps - begin).tolist()):
         controller.command(tuple(wanted[row].tolist()), now)
         output = controller.step(now, measured)
@@ -127,6 +128,8 @@ def drive_stuck(
             actual[row, stuck] = actual[row - 1, stuck]
         measured = actual[row] + noise.steering * random.standard_normal(len(actual[row]))
         if not found and output.reasons & Reason.JOINT_STUCK:
+            assert output.worst_joint is not None
+            assert output.joint_errors is not None
             wheel = rover.steering_joints[output.worst_joint]
             error = float(output.joint_errors[list(rover.steered_names).index(wheel)])
             found = {"joint": output.worst_joint, "found": now, "error": error}
