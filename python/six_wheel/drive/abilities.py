@@ -118,13 +118,8 @@ def stop_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     if steady is None:
         return None
     controller, now, dt = steady
-    distance, begin = controller.stopping_distance, now
     controller.command((0.0, 0.0, 0.0), now)
-    end = now + 100 * STEPS * dt
-    while not controller.stopped and now < end:
-        now += dt
-        controller.step(now)
-    return Stop(distance, now - begin)
+    return _to_rest(controller, now, dt)
 
 
 def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
@@ -134,10 +129,15 @@ def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     if steady is None or math.isinf(filled.halt_deceleration):
         return None
     controller, now, dt = steady
-    begin, distance = now, 0.0
-    speed = float(np.hypot(*controller.twist[:2]))
     controller.halt()
-    while not controller.stopped:
+    return _to_rest(controller, now, dt)
+
+
+def _to_rest(controller: Controller, now: float, dt: float) -> Stop:
+    """The way from here to rest, which the controller has been told to come to."""
+    distance, begin, end = 0.0, now, now + 100 * STEPS * dt
+    speed = float(np.hypot(*controller.twist[:2]))
+    while not controller.stopped and now < end:
         now += dt
         slower = float(np.hypot(*controller.step(now).twist[:2]))
         distance, speed = distance + dt * (speed + slower) / 2.0, slower
