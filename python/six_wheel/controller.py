@@ -41,6 +41,8 @@ class Reason(TextFlag):
     ALIGNING = 1 << 18, "the wheels are not yet where the motion needs them"
     OUT_OF_ORDER = 1 << 19, "a command older than the last one came since the last step, and is ignored"
     PAUSED = 1 << 20, "the step took longer than `max_step`, and counts as one of that length"
+    HALTED = 1 << 21, "halt() was called, or a joint does not follow: at rest until release()"
+    JOINT_STUCK = 1 << 22, "a steering joint does not follow its commands: `worst_joint`"
 
     def __str__(self) -> str:
         return super().__str__() or "as commanded"

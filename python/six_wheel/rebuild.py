@@ -7,9 +7,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cache, partial
 from typing import Any, TypeVar
 
-from six_wheel._core import Rover, Wheel, without_questions
+from six_wheel._core import Limits, Rover, Wheel, without_questions
 
-__all__ = ["joints_as_given", "replace", "replace_in_rover", "with_wheels"]
+__all__ = ["joints_as_given", "limits_given", "replace", "replace_in_rover", "with_wheels"]
 
 _T = TypeVar("_T")
 
@@ -123,3 +123,8 @@ def joints_as_given(rover: Rover) -> tuple[dict[str, str], dict[str, str]]:
         {joint: steering[joint] for joint in order if joint in steering},
         {joint: traction[joint] for joint in order if joint in traction},
     )
+
+
+def limits_given(limits: Limits) -> dict[str, float]:
+    """The limits that were given, by name; infinite ones among them."""
+    return _call(limits)[1]

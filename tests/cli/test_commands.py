@@ -1,6 +1,7 @@
 """The command line: what it prints and writes, its exit codes, and one line for everything that is wrong."""
 
 import io
+import math
 import os
 import re
 import signal
@@ -221,6 +222,14 @@ def test_check_says_what_the_limits_leave(run: Run) -> None:
     assert re.search(r"top speed +0\.3 m/s, bound by wheel speed", out)  # 2 rad/s at 0.15 m
     assert re.search(r"time to full lock +2 s", out)  # 1 rad
     assert re.search(r"stopping distance +0\.09 m in 0\.6 s", out)  # v^2 / 2a
+    assert re.search(r"halt distance +0\.09 m in 0\.6 s", out)  # as deceleration, unless the file has its own
+    found = " ".join(out[out.index("limits by default") :].split())
+    reach = math.hypot(0.5, 0.4)  # of the farthest wheel
+    assert f"angular_acceleration {9.81 / reach:.4g} (acceleration at the farthest wheel)" in found
+    assert "halt_deceleration 0.5 (as deceleration)" in found
+    assert "steering_rate" not in found.partition("noise")[0]  # the file has it
+    Path("halting.yaml").write_text(ROVER + f"limits: {limits[:-1]}, halt_deceleration: 1.5}}\n")
+    assert re.search(r"halt distance +0\.03 m in 0\.2 s", run("check", "halting.yaml")[1])
     assert Path("limits.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.controller import Reason
-from six_wheel.drive.abilities import bound, rim, stop_from, time_to_full_lock
+from six_wheel.drive.abilities import bound, defaults, halt_from, rim, stop_from, time_to_full_lock
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
 LIMITS = sw.Limits(speed=0.6, yaw_rate=0.9, wheel_speed=6.0, lateral_acceleration=0.2)
@@ -28,8 +28,35 @@ def test_what_is_not_limited_has_no_bound():
     assert rim(ROVER, sw.Limits(speed=1.0, yaw_rate=1.0)) is not None
     assert rim(ROVER, sw.Limits(yaw_rate=1.0)) is None
     assert rim(ROVER, sw.Limits(speed=1.0)) is None  # it can spin
-    assert time_to_full_lock(ROVER, sw.Limits(speed=1.0)) is None
-    assert stop_from(ROVER, sw.Limits(speed=1.0), (1.0, 0.0, 0.0)) is None
+    assert time_to_full_lock(ROVER, sw.Limits(steering_rate=math.inf)) is None
+    assert stop_from(ROVER, sw.Limits(acceleration=math.inf), (1.0, 0.0, 0.0)) is None
+    assert halt_from(ROVER, sw.Limits(acceleration=0.5, halt_deceleration=math.inf), (1.0, 0.0, 0.0)) is None
+
+
+def test_what_is_left_out_has_a_default():
+    assert time_to_full_lock(ROVER, sw.Limits(speed=1.0)) == pytest.approx(1.0 / 12.0)
+    stop = stop_from(ROVER, sw.Limits(speed=1.0), (1.0, 0.0, 0.0))
+    assert stop is not None
+    assert stop.distance == pytest.approx(1.0 / (2 * 9.81), rel=1e-2)
+    found = defaults(ROVER, sw.Limits(acceleration=0.5, jerk=math.inf, steering_rate=1.0))
+    reach = math.hypot(0.5, 0.4)  # of the farthest wheel
+    assert found == pytest.approx(
+        {
+            "deceleration": 0.5,
+            "angular_acceleration": 0.5 / reach,
+            "angular_deceleration": 0.5 / reach,
+            "halt_deceleration": 0.5,
+        }
+    )
+    assert "steering_rate" not in defaults(sw.Rover.differential(0.5, 0.1), sw.Limits())
+
+
+def test_a_halt_has_its_own_deceleration():
+    limits = sw.Limits(acceleration=0.5, jerk=1.0, halt_deceleration=2.0)
+    halt = halt_from(ROVER, limits, (0.6, 0.0, 0.0))
+    assert halt is not None
+    assert halt.distance == pytest.approx(0.6**2 / (2 * 2.0), rel=1e-2)
+    assert halt.time == pytest.approx(0.6 / 2.0, rel=0.02)
 
 
 def test_every_direction_reaches_the_limit_that_is_said_to_bind():

@@ -206,7 +206,7 @@ def test_a_steering_angle_that_cannot_be_stops_the_drive():
         alter=lambda names, positions, velocities, stamp: (names, [2.5, *positions[1:]], velocities, stamp),
     )
     assert robot.steps[-1].twist == (0.0, 0.0, 0.0)
-    assert "ALIGNING" in robot.said("motion")
+    assert "halted: joint front_left_steering_joint does not follow" in robot.said("motion")
 
 
 def test_order_and_strangers_and_several_messages_make_no_difference():

@@ -52,6 +52,12 @@ def record(path: Path, periods: int = 800, options: Options | None = None) -> No
         if k == 450:
             loop.reset(now)
             recorder.change({"reset": [0.0, 0.0, 0.0]}, now)
+        if k in (520, 745):
+            loop.halt(now)
+            recorder.change({"halt": True}, now)
+        if k in (525, 580, 790):  # in motion, at rest, at the end
+            loop.release(now)
+            recorder.change({"release": True}, now)
         if not 600 <= k < 720:
             values = [*steering, *angles.tolist()]
             values[9] = math.nan if k == 350 else values[9]
@@ -64,6 +70,9 @@ def record(path: Path, periods: int = 800, options: Options | None = None) -> No
                 steering, speeds = step.steering, np.array(step.speeds)
         if k % 200 == 0:
             recorder.diagnostics(now, statuses(loop, "rover"))
+    recorder.change({"end": True}, now)
+    if (step := loop.end(now)) is not None:
+        recorder.step(step)
     recorder.close()
 
 

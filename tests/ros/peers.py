@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
@@ -22,6 +23,7 @@ PATIENCE = (
     60.0  # [s] for what has to come: milliseconds, and on a machine that is very busy as long as it likes
 )
 PERIOD = 0.005  # [s] of the robot's joint states
+TWIST = (0.5, 0.0, 0.2)
 
 
 class Process:
@@ -168,6 +170,11 @@ class Peer:
             if then > now
         ]
 
+    def last_report(self) -> str:
+        """What the node said last, line by line."""
+        statuses = self.diagnostics[-1].status if self.diagnostics else ()
+        return "\n".join(f"{status.name}: {status.message}" for status in statuses)
+
     def diagnosed(self, text: str) -> bool:
         """Whether a report has said this since the list was cleared."""
         return any(
@@ -175,3 +182,25 @@ class Peer:
             for report in self.diagnostics
             for status in report.status
         )
+
+
+def call(peer: "Peer", kind: Any, name: str, request: Any) -> Any:
+    """The answer of a service."""
+    if name not in peer.clients:
+        client = peer.clients[name] = peer.node.create_client(kind, name)
+        peer.until(client.service_is_ready)
+        # Ready is who can be asked. That answers find their way back is settled later, and one that came too
+        # early is lost: what asks for nothing is asked until it is answered.
+        peer.until(lambda: peer.spin(1.0, client.call_async(kind.Request()).done))
+    future = peer.clients[name].call_async(request)
+    peer.until(future.done)
+    return future.result()
+
+
+def driving(peer: "Peer", twist: Sequence[float] = TWIST) -> None:
+    """Drive until that is what the robot does."""
+    peer.wanted = (twist[0], twist[1], twist[2])
+    _, speeds = peer.rover.inverse(twist)
+    wheels = list(peer.rover.wheel_names)
+    wanted = speeds[[wheels.index(wheel) for wheel in peer.rover.traction_joints.values()]]
+    peer.until(lambda: peer.commands and np.allclose(peer.speeds, wanted, atol=1e-9), peer.last_report)

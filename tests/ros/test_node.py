@@ -14,22 +14,7 @@ from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from tests.ros.peers import PATIENCE
-
-TWIST = (0.5, 0.0, 0.2)
-
-
-def call(peer, kind, name, request):
-    """The answer of a service."""
-    if name not in peer.clients:
-        client = peer.clients[name] = peer.node.create_client(kind, name)
-        peer.until(client.service_is_ready)
-        # Ready is who can be asked. That answers find their way back is settled later, and one that came too
-        # early is lost: what asks for nothing is asked until it is answered.
-        peer.until(lambda: peer.spin(1.0, client.call_async(kind.Request()).done))
-    future = peer.clients[name].call_async(request)
-    peer.until(future.done)
-    return future.result()
+from tests.ros.peers import PATIENCE, TWIST, call, driving
 
 
 def set_parameter(peer, name, value):
@@ -38,15 +23,6 @@ def set_parameter(peer, name, value):
         peer, SetParameters, "/rover_controller/set_parameters", SetParameters.Request(parameters=[parameter])
     ).results
     return result
-
-
-def driving(peer, twist=TWIST):
-    """Drive until that is what the robot does."""
-    peer.wanted = twist
-    _, speeds = peer.rover.inverse(twist)
-    wheels = list(peer.rover.wheel_names)
-    wanted = speeds[[wheels.index(wheel) for wheel in peer.rover.traction_joints.values()]]
-    peer.until(lambda: peer.commands and np.allclose(peer.speeds, wanted, atol=1e-9))
 
 
 def hardest(peer, twist=TWIST):

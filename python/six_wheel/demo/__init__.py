@@ -1,7 +1,7 @@
 """The whole library on one real recording and one yard of rocks: `six-wheel demo`.
 
-`motion` turns the recording into twists and drives rovers along them, `ground` drives one over rocks,
-`showing` draws and tabulates, `running` joins them.
+`motion` turns the recording into twists and drives rovers along them, `control` gives them to a controller as
+commands, `ground` drives a rover over rocks, `showing` draws and tabulates, `running` joins them.
 """
 
 from typing import TYPE_CHECKING
@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING
 from six_wheel.lazy import attach
 
 if TYPE_CHECKING:
+    from six_wheel.demo.control import ControlResult, drive_controlled
     from six_wheel.demo.ground import drive_yard
     from six_wheel.demo.motion import DemoResult, Motion, drive_path, load_path, recorded_motion
     from six_wheel.demo.running import run
 
 __all__ = [
+    "ControlResult",
     "DemoResult",
     "Motion",
+    "drive_controlled",
     "drive_path",
     "drive_yard",
     "load_path",
@@ -26,6 +29,7 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
+        "control": ("ControlResult", "drive_controlled"),
         "ground": ("drive_yard",),
         "motion": ("DemoResult", "Motion", "drive_path", "load_path", "recorded_motion"),
         "running": ("run",),

@@ -1,4 +1,5 @@
-"""`six-wheel demo`: two rovers along the recording, one over a yard of rocks; pictures, tables and timing."""
+"""`six-wheel demo`: two rovers along the recording, directly and through the controller, one over a yard of
+rocks; pictures, tables and timing."""
 
 from pathlib import Path
 from typing import Any, Protocol
@@ -9,6 +10,8 @@ from six_wheel import reference
 from six_wheel._core import Rover
 from six_wheel.benchmark import Job, Timing, nanoseconds, round_robin
 from six_wheel.demo import showing
+from six_wheel.demo.control import NOISE, draw_control, drive_controlled
+from six_wheel.demo.control import rows as control_rows
 from six_wheel.demo.ground import COVER, drive_yard
 from six_wheel.demo.motion import ROVERS, DemoResult, drive_path, load_path, recorded_motion
 from six_wheel.plot.ground.run import ground_figure, speeds_figure
@@ -25,7 +28,9 @@ class Console(Protocol):
 
 
 def run(directory: Path, *, console: Console) -> None:
-    """Drive two rovers along the recording and one over rocks; pictures and tables go into `directory`.
+    """Drive two rovers along the recording, directly and through the controller, and one over rocks.
+
+    Pictures and tables go into `directory`.
 
     Parameters
     ----------
@@ -56,6 +61,13 @@ def run(directory: Path, *, console: Console) -> None:
         showing.write_commands(result, written[-1])
     written.append(directory / "demo.png")
     save(showing.draw(results), written[-1])
+
+    through = [drive_controlled(result, noise) for result in results for noise in (0.0, NOISE)]
+    header = ["", *(result.name for result in through)]
+    title = "The recording through the controller, a new command in every step"
+    console.print(showing.table(title, header, control_rows(through)))
+    written.append(directory / "demo_control.png")
+    save(draw_control(through[-1]), written[-1])
 
     arm, yard, over = drive_yard()
     console.print(showing.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))

@@ -3,6 +3,7 @@
 Nothing is computed here: a `Controller` is asked.
 """
 
+import inspect
 import math
 from typing import NamedTuple
 
@@ -12,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Controller, Limits, Rover
 from six_wheel.controller import Reason
 from six_wheel.profiles import time_optimal
+from six_wheel.rebuild import limits_given
 
-__all__ = ["Bound", "Rim", "Stop", "bound", "rim", "stop_from", "time_to_full_lock"]
+__all__ = ["Bound", "Rim", "Stop", "bound", "defaults", "halt_from", "rim", "stop_from", "time_to_full_lock"]
 
 Floats = NDArray[np.float64]
 
@@ -50,9 +52,9 @@ class Stop(NamedTuple):
 
 def _lasting(rover: Rover, limits: Limits) -> Controller:
     """One that knows only the limits that stay, and so is there in one step."""
-    return Controller(
-        rover, Limits(**{name: getattr(limits, name) for name in LASTING}), timeout=None, align=None
-    )
+    none = dict.fromkeys(inspect.signature(Limits).parameters, math.inf)
+    lasting = {name: getattr(limits, name) for name in LASTING}
+    return Controller(rover, Limits(**none | lasting), timeout=None, align=None)
 
 
 def _fastest(controller: Controller, twist: ArrayLike) -> Bound:
@@ -86,9 +88,19 @@ def rim(rover: Rover, limits: Limits, directions: int = 720) -> Rim | None:
     return Rim(scales * around, twists, [each.reasons for each in found])
 
 
+def defaults(rover: Rover, limits: Limits) -> dict[str, float]:
+    """The limits that were left out and have a default, by name, with that."""
+    given, filled = limits_given(limits), limits_given(limits.on(rover))
+    left_out = {name: value for name, value in filled.items() if name not in given and math.isfinite(value)}
+    if not rover.steered_names:
+        left_out.pop("steering_rate", None)
+    return left_out
+
+
 def time_to_full_lock(rover: Rover, limits: Limits) -> float | None:
     """Least time [s] from straight to the end of the range, for the widest range; None if unlimited
     or endless."""
+    limits = limits.on(rover)
     ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
     if not ranges or math.isinf(limits.steering_rate):
         return None
@@ -105,23 +117,49 @@ def time_to_full_lock(rover: Rover, limits: Limits) -> float | None:
 
 def stop_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
     """Distance [m] and time [s] from a steady twist to rest; None if it stops at once."""
+    steady = _steady(rover, limits.on(rover), twist)
+    if steady is None:
+        return None
+    controller, now, dt = steady
+    controller.command((0.0, 0.0, 0.0), now)
+    return _to_rest(controller, now, dt)
+
+
+def halt_from(rover: Rover, limits: Limits, twist: ArrayLike) -> Stop | None:
+    """Distance [m] and time [s] of a halt from a steady twist to rest; None if it stops at once."""
+    filled = limits.on(rover)
+    steady = _steady(rover, filled, twist)
+    if steady is None or math.isinf(filled.halt_deceleration):
+        return None
+    controller, now, dt = steady
+    controller.halt()
+    return _to_rest(controller, now, dt)
+
+
+def _to_rest(controller: Controller, now: float, dt: float) -> Stop:
+    """The way from here to rest, which the controller has been told to come to."""
+    distance, begin, end = 0.0, now, now + 100 * STEPS * dt
+    speed = float(np.hypot(*controller.twist[:2]))
+    while not controller.stopped and now < end:
+        now += dt
+        slower = float(np.hypot(*controller.step(now).twist[:2]))
+        distance, speed = distance + dt * (speed + slower) / 2.0, slower
+    return Stop(distance, now - begin)
+
+
+def _steady(rover: Rover, limits: Limits, twist: ArrayLike) -> tuple[Controller, float, float] | None:
+    """A controller in a steady twist, its time [s] and a step [s] that is short for these limits, all of them
+    filled in; None if the rover stops at once."""
     speed = float(np.hypot(*np.asarray(twist, dtype=np.float64)[:2]))
     slowest = min(limits.acceleration, limits.deceleration)
     if speed == 0.0 or math.isinf(limits.deceleration):
         return None
     likely = speed / slowest + math.sqrt(speed / limits.jerk) if math.isfinite(slowest) else 1.0
-    dt = likely / STEPS
+    dt, now = likely / STEPS, 0.0
     controller = Controller(rover, limits, timeout=None, align=None, max_step=dt)
-    now = 0.0
     controller.command(twist, now)
     for _ in range(100 * STEPS):
         now += dt
-        reached = float(np.hypot(*controller.step(now).twist[:2]))
-        if reached >= (1.0 - SETTLED) * speed:
+        if float(np.hypot(*controller.step(now).twist[:2])) >= (1.0 - SETTLED) * speed:
             break
-    distance, begin = controller.stopping_distance, now
-    controller.command((0.0, 0.0, 0.0), now)
-    while not controller.stopped and now < begin + 100 * likely:
-        now += dt
-        controller.step(now)
-    return Stop(distance, now - begin)
+    return controller, now, dt

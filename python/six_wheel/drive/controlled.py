@@ -36,11 +36,14 @@ class Loop:
         Steps per second [Hz]; without it 1 / `control["period"]`, or else 50.
     control : mapping of str to object
         Other keywords of `Controller`.
+    halt : float, optional
+        Time since the first command at which the rover is halted, for good [s].
     """
 
     limits: Limits = field(default_factory=Limits)
     rate: float | None = None
     control: Mapping[str, Any] = field(default_factory=dict)
+    halt: float | None = None
 
     def option(self, name: str) -> Any:
         """A keyword of the controller: as given, or else its default."""
@@ -53,8 +56,10 @@ class Loop:
         ------
         ValueError
             If the rate is not positive, or a step would take longer than the controller lets one count for;
-            or as `Controller` does.
+            if the halt is negative or not finite; or as `Controller` does.
         """
+        if self.halt is not None and not (math.isfinite(self.halt) and self.halt >= 0.0):
+            raise ValueError(f"halt must be finite and not negative, got {self.halt:g}")
         if self.rate is None:
             rate = 1.0 / self.control["period"] if "period" in self.control else RATE
         else:
@@ -114,6 +119,8 @@ class ControlledDrive(Engine):
         self._controller, self._rate = loop.start(rover)
         self.limits, self._timeout = loop.limits, loop.option("timeout")
         self.summary.rate = self._rate
+        self.halt = loop.halt
+        self._halt_step = None if loop.halt is None else self._first_step(loop.halt)
         self.block_rows = min(block_rows, BLOCK_ROWS)
         self.course = Course(6 + 2 * len(self._steered) + len(self._wheels))
         self._names: dict[int, str] = {0: ""}
@@ -169,6 +176,14 @@ class ControlledDrive(Engine):
         RowError
             If that takes too long.
         """
+        yield from self._to_rest()
+        if self._halt_step is not None:
+            end = (self._step - 1) / self._rate
+            self.summary.warnings.append(
+                f"halt must be before the drive ends at {end:g} s, got {self.halt:g}"
+            )
+
+    def _to_rest(self) -> Iterator[list[Any]]:
         if self._timeout is not None and self._longest > self._timeout + self._snap:
             self.summary.warnings.append(
                 f"commands are up to {self._longest:g} s apart, longer than the timeout of "
@@ -188,7 +203,7 @@ class ControlledDrive(Engine):
             if self._step - last > MOST_STEPS:
                 raise RowError(self._row, f"the rover must stop within {MOST_STEPS:,} steps of the last row")
             times, run = self._run(min(END_STEPS, self.block_rows))
-            idle = (run.reasons & Reason.STALE > 0) | asleep
+            idle = (run.reasons & (Reason.STALE | Reason.HALTED) > 0) | asleep
             still = idle & ~run.speeds.any(axis=1) & ~run.steering_rates.any(axis=1)
             if self._controller.stopped and still[-1]:
                 rows = len(still) - int(np.argmin(still[::-1])) + 1 if not still.all() else 1
@@ -220,7 +235,13 @@ class ControlledDrive(Engine):
             yield self._columns(times, run, len(times))
 
     def _run(self, count: int) -> tuple[Floats, Any]:
-        """The next steps: their times, what the controller says; commands go to `_given`."""
+        """The next steps, fewer up to that of a halt: their times, what the controller says; commands go to
+        `_given`."""
+        if self._halt_step is not None and self._step < self._halt_step:
+            count = min(count, self._halt_step - self._step)
+        elif self._halt_step is not None:
+            self._controller.halt()
+            self._halt_step = None
         times = np.arange(self._step, self._step + count) / self._rate
         given = int(np.searchsorted(self._stamps, times[-1], side="right"))
         run = self._controller.run(self._stamps[:given], self._twists[:given], times)

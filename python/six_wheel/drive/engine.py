@@ -91,6 +91,8 @@ class Engine:
 
     block_rows = 0
     """Most rows that come out at a time; 0 if those that came in."""
+    halt: float | None = None
+    """Time since the first row at which a controller halts the rover [s]."""
 
     def __init__(self, rover: Rover, time_unit: Unit, keep: str | None = None) -> None:
         if keep is not None and keep not in KEEP:

@@ -44,8 +44,12 @@ class DriveRecord:
         self._origin: int | None = None
         self._rows = 0
         self._wanted: list[float] | None = None
-        told = {"unit": engine.time_unit.symbol, "rate": engine.summary.rate, "keep": engine.keep}
-        told["block_rows"] = engine.block_rows
+        told: dict[str, Any] = {
+            "unit": engine.time_unit.symbol,
+            "rate": engine.summary.rate,
+            "keep": engine.keep,
+        }
+        told |= {"block_rows": engine.block_rows, "halt": engine.halt}
         self._record = RoverRecord(path, engine.rover, "drive", parameters, {"drive": told})
 
     def given(self, chunk: Chunk) -> None:

@@ -9,60 +9,30 @@ is complete, and by `tick` where none come in time. What a fault leads to:
   start.
 - Where the gyroscope is silent or late odometry goes by the wheels alone.
 - At a start the rover may be moving. The first commands are those of the motion that odometry measures.
+- A joint that does not follow halts the rover. A halt lasts until `release`, time that jumps included.
 """
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Sequence
 
-from six_wheel._core import Controller, OdometryState
+from six_wheel._core import Controller, ControllerOutput, OdometryState
 from six_wheel.controller import Reason
-from six_wheel.odometry.tracks import Health
 from six_wheel.onboard.faults import ERROR, WARN, Faults
 from six_wheel.onboard.joints import JointReader, Numbers
 from six_wheel.onboard.odometer import Odometer
 from six_wheel.onboard.settings import Settings
+from six_wheel.onboard.starting import StartMotion
+from six_wheel.onboard.steps import Send, Step
 from six_wheel.rebuild import joints_as_given
 
-__all__ = ["Loop", "Send", "Step"]
+__all__ = ["Loop"]
 
 SECOND = 1_000_000_000  # [ns]
 HICCUP = SECOND // 100  # of a clock that is set back a little: time stands still for so long
 JUMP = SECOND  # of time, forward, between two calls, that is worth a word
-SETTLE = 0.03  # [s] over which it is measured at the start how the rover moves
-CLOSE = 0.1  # [rad] of the joints to those of the measured motion: then it is a motion, and not noise at rest
 AHEAD = SECOND // 10  # of a stamp, that is not just another clock's rounding
-STALE = int(Reason.STALE)
-Send: TypeAlias = Callable[[int, list[float], list[float]], None]
-"""What commands go to: a time [ns], steering angles and wheel speeds in the order of the joints."""
-
-
-class Step(NamedTuple):
-    """What came of one step.
-
-    Attributes
-    ----------
-    now : int
-        Its time [ns].
-    steering, speeds : list of float, or None
-        Joint commands in the order of `Rover.command_joints` [rad, rad/s]; None where nothing is commanded.
-    twist : tuple of float
-        The motion they make.
-    reasons : int
-        Bits of `Reason`.
-    stamp : int or None
-        When the readings were taken [ns] that odometry has counted with this step; None if it has not.
-    state : OdometryState or None
-    """
-
-    now: int
-    steering: list[float] | None
-    speeds: list[float] | None
-    twist: tuple[float, float, float]
-    reasons: int
-    stamp: int | None
-    state: OdometryState | None
+STALE, STUCK = int(Reason.STALE), int(Reason.JOINT_STUCK)
 
 
 class Loop:
@@ -80,6 +50,9 @@ class Loop:
         Steps with each combination of reasons, since `reasons` was cleared.
     stopping : str or None
         Why the rover is stopped, whatever the commands; None if it is not.
+    stuck : tuple of str and float, or None
+        The joint that did not follow, and by how much its reading differed from the command [rad], with the
+        signs of the joint; None after `release`.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -87,7 +60,10 @@ class Loop:
         self.faults = Faults()
         self.reasons: Counter[int] = Counter()
         self.stopping: str | None = None
+        self.stuck: tuple[str, float] | None = None
         self.active = True
+        self._halted = False  # for a controller yet to be made
+        self._last: Step | None = None  # with commands, while they are in force
         rover = settings.rover
         steered, wheels = list(rover.steered_names), list(rover.wheel_names)
         # Commands go out in the order and with the signs of the file's joints, not of the rover's wheels.
@@ -106,8 +82,8 @@ class Loop:
         self._first = 0
         self._stepped: int | None = None
         self._measured: list[float] | None = None
-        self._moved: tuple[tuple[float, float, float], float] = (0.0, 0.0, 0.0), 0.0
-        self._seen: float | None = None
+        self._read = 0
+        self._moved = StartMotion()
         self._command: tuple[tuple[float, float, float], float] | None = None
         self._latest = -math.inf  # the latest stamp that the controller was given
         self._wanted = (0.0, 0.0, 0.0)
@@ -128,7 +104,7 @@ class Loop:
             if timeout is not None and now - stamp > timeout * SECOND:
                 age = f"{(now - stamp) / SECOND:.3g} s old"
                 self.faults.add("commands", WARN, f"a command must not be older than {timeout:g} s", age)
-        if self.stopping is not None or not self.active:
+        if self.stopping is not None or not self.active or self.halted:
             return
         self._wanted = twist
         self._give(twist, self._seconds(min(stamp, now)))
@@ -158,7 +134,7 @@ class Loop:
         readings = self._reader.read(names, positions, velocities, now)
         if readings is None:
             return None
-        self._measured = readings.steering or None
+        self._measured, self._read = readings.steering or None, now
         again = self._stepped is not None and now <= self._stepped  # as a simulation may have it
         if self._controller is not None and not again:
             step = self._step(now, stamp, send)
@@ -190,8 +166,7 @@ class Loop:
             return None
         if self._open_loop:
             if self._controller is None:
-                self._controller = self.settings.controller()
-                self._give_again()
+                self._start(self.settings.controller())
             return self._step(now, now)
         missing = self._reader.missing(now, self._timeout)
         if missing and now - self._first > self._timeout:
@@ -212,21 +187,23 @@ class Loop:
 
     def change(self, settings: Settings, now: int) -> None:
         """Other limits, options or noise, from the present motion on; the rover itself and its gyroscope stay
-        what they are."""
+        what they are. ValueError, and nothing is changed, if the rover cannot meet them."""
         self._move_on(now)
         if settings.rover != self.settings.rover:
             raise ValueError("the rover must stay what it is while it drives; start again with the other one")
         if settings.parameters.gyroscope != self.settings.parameters.gyroscope:
             rule = "the gyroscope must stay what it is while the rover drives; start again with the other one"
             raise ValueError(rule)
-        before = self.settings
-        self._take(settings)
-        old, new = before.parameters, settings.parameters
-        if (old.limits, old.control) != (new.limits, new.control) and self._controller is not None:
-            last = self._controller
+        old, new, last = self.settings.parameters, settings.parameters, self._controller
+        if last is not None and old.control != new.control:
+            if last.halted:
+                raise ValueError("control must stay what it is while the rover is halted; release it first")
             self._controller = settings.controller(steering=last.steering, twist=last.twist)
             self._latest = -math.inf
             self._give_again()
+        elif last is not None and old.limits != new.limits:
+            last.limits = new.limits
+        self._take(settings)
         self._odometer.change(settings)
 
     def activate(self, now: int, active: bool = True) -> None:
@@ -238,13 +215,46 @@ class Loop:
         """The rover moves like this; for one without joint states, before its first step."""
         self._move_on(now)
         if self._controller is None:
-            self._controller = self.settings.controller(twist=twist)
-            self._give_again()
+            self._start(self.settings.controller(twist=twist))
+
+    def halt(self, now: int) -> None:
+        """Stop at `halt_deceleration`, and take no commands until `release`."""
+        self._move_on(now)
+        self._halted = True
+        if self._controller is not None:
+            self._controller.halt()
+
+    def release(self, now: int) -> bool:
+        """End a halt: only a command newer than this drives the rover again. False while it still moves."""
+        now = self._move_on(now)
+        if self._controller is not None:
+            if not self._controller.release():
+                return False
+            self._stop(self._controller, self._seconds(now))
+        self._halted, self.stuck, self._command = False, None, None
+        return True
+
+    def end(self, now: int) -> Step | None:
+        """The last step: wheels at rest at once, steering held. None where no command is in force."""
+        now = self._move_on(now)
+        self._halted = self.halted
+        last, self._last, self._controller, self.active = self._last, None, None, False
+        if last is None or last.speeds is None:
+            return None
+        rest = [0.0] * len(last.speeds)
+        return Step(now, last.steering, rest, (0.0, 0.0, 0.0), int(Reason.HALTED), None, None)
+
+    @property
+    def halted(self) -> bool:
+        """Whether a halt, or a joint that did not follow, keeps the rover from taking commands."""
+        return self._halted if self._controller is None else self._controller.halted
 
     @property
     def stopped(self) -> bool:
-        """Whether nothing is in motion by the commands."""
-        return self._controller is None or self._controller.stopped
+        """Whether the commands that are in force move nothing."""
+        if self._controller is None:
+            return self._last is None or self._last.speeds is None or not any(self._last.speeds)
+        return self._controller.stopped
 
     @property
     def twist(self) -> tuple[float, float, float]:
@@ -281,6 +291,11 @@ class Loop:
         # Between two ticks, but for the jitter of the timer.
         self._period = round(0.9 * SECOND / options.update_rate)
         self._open_loop = options.open_loop
+        # Older readings say nothing of a joint that does not follow. Missing ones stop the rover, they do not
+        # halt it.
+        time = settings.controller_option("following_time")
+        never = settings.controller_option("following_error") is None
+        self._known = self._timeout if never else min(self._timeout, round(time * SECOND / 2.0))
 
     # Time
 
@@ -305,8 +320,9 @@ class Loop:
 
     def _start_over(self, now: int) -> None:
         self._origin = self._first = now
+        self._halted = self.halted
         self._stepped = self._command = self._controller = self._measured = None
-        self._moved, self._seen = ((0.0, 0.0, 0.0), 0.0), None
+        self._moved = StartMotion()
         self._latest = -math.inf
         self.stopping = None
         self._reader.forget()
@@ -329,36 +345,25 @@ class Loop:
             self.faults.add("commands", WARN, "commands must come in the order of their stamps")
 
     def _measure(self, state: OdometryState) -> None:
-        """The way since the first readings, in body axes, and the time it took; until commands go out."""
-        if self._controller is not None:
-            return
-        ways, span = self._moved
-        before, self._seen = self._seen, state.stamp
-        if before is None or state.stamp is None or state.health & Health.FIRST:
-            self._moved = (0.0, 0.0, 0.0), 0.0
-            return
-        step = state.stamp - before
-        vx, vy, omega = state.twist.tolist()
-        self._moved = (ways[0] + step * vx, ways[1] + step * vy, ways[2] + step * omega), span + step
+        if self._controller is None:
+            self._moved.measure(state)
+
+    def _start(self, controller: Controller) -> None:
+        self._controller = controller
+        if self._halted:
+            controller.halt()
+        self._give_again()
 
     def _begin(self) -> bool:
         """Make a controller from what is measured; whether there is one."""
-        moved, span = self._moved
-        if span < SETTLE:
-            return False  # two readings alone may have stamps that jitter
-        twist = [way / span for way in moved]
-        measured, new = self._measured, self.settings.controller
         try:
-            self._controller = new(steering=measured)
+            controller = self._moved.controller(self.settings, self._measured)
         except ValueError as error:
             self._say_impossible(error)
             return False
-        if any(twist):
-            moving = new(steering=measured, twist=twist)
-            errors = zip(moving.steering.tolist(), measured or (), strict=True)
-            if max((abs(a - b) for a, b in errors), default=0.0) <= CLOSE:
-                self._controller = moving
-        self._give_again()
+        if controller is None:
+            return False
+        self._start(controller)
         return True
 
     def _step(self, now: int, stamp: int | None, send: Send | None = None) -> Step:
@@ -370,7 +375,8 @@ class Loop:
             self._stop(controller, seconds)
         silent = not self.active and controller.stopped
         try:
-            output = controller.step(seconds, None if self.stopping else self._measured)
+            known = self.stopping is None and now - self._read <= self._known
+            output = controller.step(seconds, self._measured if known else None)
         except ValueError as error:
             # An angle that no joint can have: as good as none.
             self._say_impossible(error)
@@ -388,9 +394,13 @@ class Loop:
         self.reasons[reasons] += 1
         if reasons & STALE:
             self.faults.add("commands", WARN, "commands must keep coming", "none in time: the rover stops")
+        if reasons & STUCK and self.stuck is None:
+            self._say_stuck(output)
         vx, vy, omega = output.twist.tolist()
         state = self._odometer.odometry.command((vx, vy, omega), seconds) if self._open_loop else None
-        return Step(now, steering, speeds, (vx, vy, omega), reasons, stamp, state)
+        step = Step(now, steering, speeds, (vx, vy, omega), reasons, stamp, state)
+        self._last = step if not silent else None
+        return step
 
     def _stop(self, controller: Controller, seconds: float) -> None:
         """The rover is to stop, and only a newer command than this drives it again."""
@@ -401,6 +411,15 @@ class Loop:
     def _give_again(self) -> None:
         if self._command is not None:
             self._give(*self._command)
+
+    def _say_stuck(self, output: ControllerOutput) -> None:
+        rover, joint, errors = self.settings.rover, output.worst_joint, output.joint_errors
+        assert joint is not None
+        assert errors is not None
+        sign = -1.0 if joint in rover.reversed_joints else 1.0
+        error = sign * float(errors[rover.steered_names.index(rover.steering_joints[joint])])
+        self.stuck = joint, error
+        self.faults.add("joints", ERROR, f"joint {joint} must follow its command", f"{error:.3g} rad off it")
 
     def _say_impossible(self, error: ValueError) -> None:
         self.faults.add("joints", ERROR, "steering angles must be possible", str(error))

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from six_wheel.onboard.loop import Step
 from six_wheel.onboard.settings import Settings
+from six_wheel.onboard.steps import Step
 from six_wheel.records import RoverRecord
 from six_wheel.records.rover_record import Frames
 
@@ -47,7 +47,8 @@ class Recorder:
         self.record.tick(now)
 
     def change(self, what: Mapping[str, Any], now: int) -> None:
-        """What was set: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"active": ...}``, ..."""
+        """What was set: ``{"set": {...}}``, ``{"pose": ..., "covariance": ...}``, ``{"active": ...}``,
+        ``{"halt": True}``, ``{"release": True}``, ``{"end": True}``, ..."""
         self.record.change(now, what)
 
     def step(self, step: Step) -> None:

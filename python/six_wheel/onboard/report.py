@@ -51,6 +51,15 @@ def _motion(loop: Loop, name: str) -> Status:
         "stopping distance [m]": f"{loop.stopping_distance:.4g}",
     }
     said |= {f"limited by {each}": f"{share:.1%} of the steps" for each, share in shares.items()}
+    if loop.stuck is not None:
+        joint, error = loop.stuck
+        said |= {"stuck joint": joint, "error of the stuck joint [rad]": f"{error:.4g}"}
+        text = (
+            f"halted: joint {joint} does not follow, {error:.3g} rad off its command; ~/release tries again"
+        )
+        return ERROR, f"{name}: motion", text, said
+    if loop.halted:
+        return ERROR, f"{name}: motion", "halted; ~/release ends it", said
     if loop.stopping is not None:
         return ERROR, f"{name}: motion", f"stopped: {loop.stopping}", said
     if not loop.active:

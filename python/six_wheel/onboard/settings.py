@@ -1,5 +1,6 @@
 """Everything a loop is told: the parameter file as text, changes to it, and options beside it."""
 
+import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -102,6 +103,10 @@ class Settings:
     def controller(self, **start: Any) -> Controller:
         """A controller as the file says; `start` is where and how it begins."""
         return self.parameters.build_controller(**start)
+
+    def controller_option(self, name: str) -> Any:
+        """A keyword of the controller: as the file has it, or else its default."""
+        return self.parameters.control.get(name, inspect.signature(Controller).parameters[name].default)
 
     @property
     def listens(self) -> bool:

@@ -37,7 +37,7 @@ from six_wheel.parameters.controllers.frc import gather_modules
 from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
 from six_wheel.parameters.joints import JointList, wheels_of_joints
 from six_wheel.parameters.nodes import PARAMETERS, Section, closest, declares
-from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
+from six_wheel.parameters.schema import GROUPS, NONE_WORDS, Form, LimitKeys, Values, check_values
 from six_wheel.parameters.units import question_settings, question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
@@ -230,10 +230,13 @@ def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) 
     if rover is None or log.has_errors:
         raise log.failure()
     named: Values = {key: values[key] for key in ("odom_frame_id", "base_frame_id", *GROUPS) if key in values}
-    for key, word in (("align", "none"), ("timeout", "never")):
+    for key, word in NONE_WORDS.items():
         if named.get("control", {}).get(key) == word:
             named["control"] = named["control"] | {key: None}
-    named["limits"] = without_questions(lambda: Limits(**values.get("limits", {})))
+    try:
+        named["limits"] = without_questions(lambda: Limits(**values.get("limits", {})))
+    except ValueError as error:  # limits that do not fit each other
+        _refuse(found, error, log)
     controller = form.name if form in FOREIGN else None
     of_kind = form.kind if form.kind_of is None else form.kind_of(values)
     parameters = Parameters(
@@ -251,10 +254,15 @@ def _check_controller(section: Section, parameters: Parameters, log: _Log) -> No
     try:
         parameters.build_controller()
     except ValueError as error:
-        key = str(error).partition(" ")[0]
-        at = ("limits" if key in LimitKeys.model_fields else "control", key)
-        log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
-        raise log.failure() from None
+        _refuse(section, error, log)
+
+
+def _refuse(section: Section, error: ValueError, log: _Log) -> NoReturn:
+    """Limits or ways of a controller that fit neither each other nor the rover."""
+    key = str(error).partition(" ")[0]
+    at = ("limits" if key in LimitKeys.model_fields else "control", key)
+    log.error(section.line_of(at), at, f"{at[0]}.{error}", "change one of the two")
+    raise log.failure() from None
 
 
 def _text(path: Path, log: _Log) -> str:

@@ -21,6 +21,7 @@ from six_wheel.parameters.syntax import Path, Report, one_line, spell
 __all__ = [
     "GROUPS",
     "NESTED",
+    "NONE_WORDS",
     "Common",
     "Factor",
     "Finite",
@@ -86,6 +87,11 @@ Flag: TypeAlias = Annotated[bool, Strict()]
 Finite: TypeAlias = Annotated[Number, asks_core(Wheel, "x", **_WHEEL)]
 Length: TypeAlias = Annotated[Number, asks_core(Wheel, "radius", **_WHEEL)]
 Positive: TypeAlias = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
+Limit: TypeAlias = Annotated[float, Strict(), Field(gt=0)]
+OrNever: TypeAlias = Annotated[
+    Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
+    by_type(str, "<word>", "<number>"),
+]
 Name: TypeAlias = Annotated[str, Strict(), AfterValidator(_check_name)]
 Pair: TypeAlias = Annotated[list[Number], Field(min_length=2, max_length=2)]
 NumberOrPair: TypeAlias = Annotated[
@@ -115,38 +121,41 @@ def _any_of(schema: type[BaseModel]) -> str:
 
 
 class LimitKeys(BaseModel):
-    """The keys of `limits`: the keywords of `six_wheel.Limits`."""
+    """The keys of `limits`: the keywords of `six_wheel.Limits`; `.inf` is none."""
 
-    speed: Positive = optional("a speed in m/s")
-    yaw_rate: Positive = optional("a rate of turn in rad/s")
-    acceleration: Positive = optional("an acceleration in m/s^2")
-    deceleration: Positive = optional("an acceleration in m/s^2")
-    jerk: Positive = optional("a jerk in m/s^3")
-    angular_acceleration: Positive = optional("an angular acceleration in rad/s^2")
-    angular_deceleration: Positive = optional("an angular acceleration in rad/s^2")
-    angular_jerk: Positive = optional("an angular jerk in rad/s^3")
-    lateral_acceleration: Positive = optional("an acceleration in m/s^2")
-    wheel_speed: Positive = optional("a rate of turn in rad/s")
-    wheel_acceleration: Positive = optional("an angular acceleration in rad/s^2")
-    steering_limit: Positive = optional("an angle in radians")
-    steering_rate: Positive = optional("a rate of turn in rad/s")
-    steering_acceleration: Positive = optional("an angular acceleration in rad/s^2")
+    speed: Limit = optional("a speed in m/s")
+    yaw_rate: Limit = optional("a rate of turn in rad/s")
+    acceleration: Limit = optional("an acceleration in m/s^2")
+    deceleration: Limit = optional("an acceleration in m/s^2")
+    jerk: Limit = optional("a jerk in m/s^3")
+    angular_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    angular_deceleration: Limit = optional("an angular acceleration in rad/s^2")
+    angular_jerk: Limit = optional("an angular jerk in rad/s^3")
+    lateral_acceleration: Limit = optional("an acceleration in m/s^2")
+    wheel_speed: Limit = optional("a rate of turn in rad/s")
+    wheel_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    steering_limit: Limit = optional("an angle in radians")
+    steering_rate: Limit = optional("a rate of turn in rad/s")
+    steering_acceleration: Limit = optional("an angular acceleration in rad/s^2")
+    halt_deceleration: Limit = optional("an acceleration in m/s^2")
 
 
 class ControlKeys(BaseModel):
     """The keys of `control`: the keywords of `six_wheel.Controller`."""
 
-    timeout: Annotated[
-        Annotated[Literal["never"], Tag("<word>")] | Annotated[Positive, Tag("<number>")],
-        by_type(str, "<word>", "<number>"),
-    ] = optional("a time in s, or never")
+    timeout: OrNever = optional("a time in s, or never")
     period: Positive = optional("a time in s")
     max_step: Positive = optional("a time in s")
     mode: Literal["free", "crab", "front_only", "spin"] = optional("free, crab, front_only or spin")
     align: Literal["cosine", "hold", "none"] = optional("cosine, hold or none")
     align_tolerance: Positive = optional("an angle in radians")
     discretise: Flag = optional("true or false")
+    following_error: OrNever = optional("an angle in radians, or never")
+    following_time: Positive = optional("a time in s")
 
+
+NONE_WORDS = {"align": "none", "timeout": "never", "following_error": "never"}
+"""Words of `control` for a keyword that is None."""
 
 _AXLE: Values = {"rover": Rover.differential(1.0, 1.0)}
 

@@ -1,6 +1,5 @@
 """Parameter files that are read as the same rover again."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,8 +9,8 @@ from six_wheel.descriptions.joint_names import wheel_said_by
 from six_wheel.parameters import syntax
 from six_wheel.parameters.file import parse_parameters
 from six_wheel.parameters.nodes import PARAMETERS
-from six_wheel.parameters.schema import LimitKeys, Values
-from six_wheel.rebuild import joints_as_given
+from six_wheel.parameters.schema import NONE_WORDS, Values
+from six_wheel.rebuild import joints_as_given, limits_given
 
 __all__ = ["dump"]
 
@@ -48,14 +47,9 @@ def dump(
         If the keys of a parameter file cannot say what this rover is, such as a name with a line break.
     """
     others: Values = {"odom_frame_id": odom_frame_id, "base_frame_id": base_frame_id}
-    finite = {
-        key: getattr(limits, key)
-        for key in LimitKeys.model_fields
-        if math.isfinite(getattr(limits, key, math.inf))
-    }
-    words = {"align": "none", "timeout": "never"}
-    ways = {key: words[key] if value is None else value for key, value in (control or {}).items()}
-    others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
+    given = {} if limits is None else limits_given(limits)
+    ways = {key: NONE_WORDS[key] if value is None else value for key, value in (control or {}).items()}
+    others |= {key: value for key, value in (("limits", given), ("control", ways)) if value}
     for values in (_six_wheel_values(rover), _suspended_values(rover), _custom_values(rover)):
         text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.onboard import Loop, Options, Settings
+from six_wheel.onboard import Loop, Options, Settings, Step
 from six_wheel.onboard.recorder import Recorder
 from six_wheel.records import Record, RecordError, rover_record
 from six_wheel.records.frames import JointStates, angular_velocity
@@ -142,7 +142,7 @@ class _Again:
                 recorder.command(given, message.stamp, now)
         else:
             what = json.loads(record.parsed(message).data)
-            self._change(what, now)
+            step = self._change(what, now)
             if recorder is not None:
                 recorder.change(what, now)
         if step is not None:
@@ -151,7 +151,8 @@ class _Again:
                 recorder.step(step)
         return given
 
-    def _change(self, what: Mapping[str, Any], now: int) -> None:
+    def _change(self, what: Mapping[str, Any], now: int) -> Step | None:
+        """What was set; a step if it is the last one."""
         loop = self.loop
         if "set" in what:
             # What is asked for now goes before what was set then.
@@ -168,6 +169,13 @@ class _Again:
             loop.activate(now, what["active"])
         elif "begin" in what:
             loop.begin(now, what["begin"])
+        elif "halt" in what:
+            loop.halt(now)
+        elif "release" in what:
+            loop.release(now)
+        elif "end" in what:
+            return loop.end(now)
+        return None
 
     def close(self) -> None:
         if self._recorder is not None:

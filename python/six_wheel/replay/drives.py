@@ -60,7 +60,7 @@ def _engine(settings: Settings, told: dict[str, Any]) -> ControlledDrive | Drive
     rover, said = settings.rover, settings.parameters
     if told["rate"] is None:
         return Drive(rover, unit, told["keep"])
-    loop, rows = Loop(said.limits, told["rate"], said.control), told["block_rows"]
+    loop, rows = Loop(said.limits, told["rate"], said.control, told["halt"]), told["block_rows"]
     return ControlledDrive(rover, unit, loop, told["keep"], block_rows=rows)
 
 

@@ -2,7 +2,7 @@
 
 import gc
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from six_wheel.onboard import Loop, Option, Settings, Step
 from six_wheel.onboard.faults import ERROR, WARN
 from six_wheel.onboard.recorder import Recorder
 from six_wheel.onboard.report import Status, statuses
+from six_wheel.ros.halting import HaltInterface
 from six_wheel.ros.parameters import Declared
 
 __all__ = ["BaseNode", "nanoseconds"]
@@ -50,13 +51,14 @@ class BaseNode(LifecycleNode):
         self.loop = Loop(self.settings)
         self.recorder: Recorder | None = None
         self._things: list[Any] = []
-        self._topics: list[tuple[str, bool, str]] = []
+        self._topics: list[tuple[str, bool, str, str]] = []
         self.add_on_set_parameters_callback(self._set_parameters)
 
     # Lifecycle
 
     def on_configure(self, state: Any) -> Any:
         """Topics are there and odometry counts; nothing is commanded yet."""
+        halted = self.loop.halted
         self.loop = Loop(self.settings)
         if self.options["record"] and self.recorder is None:
             path = Path(self.options["record"])
@@ -65,7 +67,12 @@ class BaseNode(LifecycleNode):
                 return TransitionCallbackReturn.FAILURE
             self.recorder = Recorder(path, self.settings)
         self._activate(False)
+        if halted:
+            self.halt()
         self._make()
+        self.halting = HaltInterface(self)
+        self._things += [(self.destroy_service, each) for each in self.halting.services]
+        self._things += [(self.destroy_publisher, each) for each in self.halting.publishers]
         from diagnostic_msgs.msg import DiagnosticArray
 
         self._diagnostics = self.publisher(DiagnosticArray, "/diagnostics", DEPTH)
@@ -90,7 +97,8 @@ class BaseNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def on_cleanup(self, state: Any) -> Any:
-        """As before `on_configure`."""
+        """As before `on_configure`, the wheels commanded to rest."""
+        self.send_rest()
         for destroy, thing in self._things:
             destroy(thing)
         self._things.clear()
@@ -120,20 +128,52 @@ class BaseNode(LifecycleNode):
     def _activate(self, active: bool) -> None:
         now = self.now()
         self.loop.activate(now, active)
-        if self.recorder is not None:
-            self.recorder.change({"active": active}, now)
+        self._record_change({"active": active}, now)
 
-    def stop(self) -> bool:
-        """Stop within the limits; whether there is anything to stop."""
+    def stop(self) -> None:
+        """Stop within the limits, and take no more commands."""
         if self.loop.active:
             self._activate(False)
-        return not self.loop.stopped
+
+    def halt(self) -> None:
+        """Stop at `halt_deceleration`, and take no commands until `release`."""
+        now = self.now()
+        self.loop.halt(now)
+        self._record_change({"halt": True}, now)
+
+    def release(self) -> bool:
+        """End a halt; False while the rover still moves."""
+        now = self.now()
+        released = self.loop.release(now)
+        self._record_change({"release": True}, now)
+        return released
+
+    def send_rest(self) -> None:
+        """Command the wheels to rest in one step, as the last command of this loop, if it commands them."""
+        now = self.now()
+        step = self.loop.end(now)
+        if step is None:
+            return
+        try:
+            self._publish(step)
+            self._record_change({"end": True}, now)
+            if self.recorder is not None:
+                self.recorder.step(step)
+        except Exception as error:  # a topic that is gone, a record that is full: what follows goes on
+            self.failed(error)
 
     def end_record(self) -> None:
         """Close the record, if there is one."""
         if self.recorder is not None:
-            self.recorder.close()
-            self.recorder = None
+            recorder, self.recorder = self.recorder, None
+            try:
+                recorder.close()
+            except OSError as error:
+                self.failed(error)
+
+    def _record_change(self, what: Mapping[str, Any], now: int) -> None:
+        if self.recorder is not None:
+            self.recorder.change(what, now)
 
     # For the nodes
 
@@ -159,28 +199,39 @@ class BaseNode(LifecycleNode):
         return made
 
     def subscribe(
-        self, kind: type, topic: str, call: Any, qos: Any, *, alone: bool = False, raw: bool = False
+        self,
+        kind: type,
+        topic: str,
+        call: Any,
+        qos: Any,
+        *,
+        area: str = "joints",
+        alone: bool = False,
+        raw: bool = False,
     ) -> None:
-        """A subscription; `alone` if two that publish there are a mistake, `raw` for bytes."""
+        """A subscription: faults of its publishers are of an `area`; `alone` if two of them are a mistake;
+        `raw` for bytes."""
         options = QoSOverridingOptions.with_default_policies()
         made = self.create_subscription(kind, topic, call, qos, qos_overriding_options=options, raw=raw)
         self._things.append((self.destroy_subscription, made))
-        self._topics.append((made.topic_name, alone, _type_name(kind)))
+        self._topics.append((made.topic_name, alone, area, _type_name(kind)))
 
     def take_commands(self) -> None:
         """Subscribe to cmd_vel."""
         from geometry_msgs.msg import Twist, TwistStamped
 
         if self.options["use_stamped_vel"]:
-            self.subscribe(TwistStamped, "cmd_vel", self._on_stamped, QoSProfile(depth=DEPTH), alone=True)
+            kind, call = TwistStamped, self._on_stamped
         else:
-            self.subscribe(Twist, "cmd_vel", self._on_twist, QoSProfile(depth=DEPTH), alone=True)
+            kind, call = Twist, self._on_twist
+        self.subscribe(kind, "cmd_vel", call, QoSProfile(depth=DEPTH), area="commands", alone=True)
 
     def after(self, step: Step | None) -> None:
         """A step goes out, then into the record."""
         if step is None:
             return
         self._publish(step)
+        self.halting.publish()
         if self.recorder is not None:
             self.recorder.step(step)
 
@@ -234,10 +285,9 @@ class BaseNode(LifecycleNode):
     def _check_graph(self) -> None:
         """Who else is there that should not be."""
         faults = self.loop.faults
-        for topic, alone, kind in self._topics:
+        for topic, alone, area, kind in self._topics:
             infos = self.get_publishers_info_by_topic(topic)
             others = [info for info in infos if info.topic_type != kind]
-            area = "commands" if alone else "joints"
             for info in others:
                 got = f"{info.topic_type} from {_who(info)}" + (
                     " (the parameter use_stamped_vel)" if alone else ""
@@ -266,8 +316,7 @@ class BaseNode(LifecycleNode):
                 now = self.now()
                 self.loop.change(settings, now)
                 self.settings = settings
-                if self.recorder is not None:
-                    self.recorder.change({"set": changes}, now)
+                self._record_change({"set": changes}, now)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=" ".join(str(error).split()))
         return SetParametersResult(successful=True)

@@ -46,8 +46,7 @@ class FilterNode(BaseNode):
             self.loop.faults.add("odometry", ERROR, "odom must be a motion", " ".join(str(error).split()))
             return
         self._waits = False
-        if self.recorder is not None:
-            self.recorder.change({"begin": twist}, now)
+        self._record_change({"begin": twist}, now)
 
     def _on_timer(self) -> None:
         if not self._waits:

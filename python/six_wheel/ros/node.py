@@ -55,7 +55,8 @@ class RoverNode(BaseNode):
             self.get_logger().warning(
                 "the gyroscope is not used: without joint states odometry is the commands"
             )
-        self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, QoSProfile(depth=DEPTH))
+        pose = QoSProfile(depth=DEPTH)
+        self.subscribe(PoseWithCovarianceStamped, "set_pose", self._on_pose, pose, area="odometry")
         service = self.create_service(Trigger, "~/reset_odometry", self._on_reset)
         self._things.append((self.destroy_service, service))
 
@@ -85,6 +86,7 @@ class RoverNode(BaseNode):
         step = self.loop.joints(names, positions, velocities, stamp, now, self._interface.publish)
         if step is not None:
             self._tell(step)
+            self.halting.publish()
         if self.recorder is not None:
             self.recorder.joints(message, stamp, now)
             if step is not None:
@@ -100,8 +102,7 @@ class RoverNode(BaseNode):
     def _on_mount(self, up: list[float]) -> None:
         now = self.now()
         self.loop.mount(up, now)
-        if self.recorder is not None:
-            self.recorder.change({"up": up}, now)
+        self._record_change({"up": up}, now)
 
     def _publish(self, step: Step) -> None:
         if step.steering is not None and step.speeds is not None:
@@ -139,13 +140,11 @@ class RoverNode(BaseNode):
         except ValueError as error:
             self.loop.faults.add("odometry", ERROR, "set_pose must be a pose", " ".join(str(error).split()))
             return
-        if self.recorder is not None:
-            self.recorder.change({"pose": pose, "covariance": covariance}, now)
+        self._record_change({"pose": pose, "covariance": covariance}, now)
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         now = self.now()
         self.loop.reset(now)
-        if self.recorder is not None:
-            self.recorder.change({"reset": [0.0, 0.0, 0.0]}, now)
+        self._record_change({"reset": [0.0, 0.0, 0.0]}, now)
         response.success, response.message = True, "odometry starts over at the origin"
         return response

@@ -1,6 +1,7 @@
 """The parameters of the nodes: what the parameter file says, limits and options, declared with ranges.
 
-Names are those of the file and of ros2_controllers. A number that is not given is 0, as in their dumps.
+Names are those of the file and of ros2_controllers. A number that is not given is 0, as in their dumps,
+and has its default.
 """
 
 import math
@@ -11,11 +12,12 @@ from six_wheel._core import Noise
 from six_wheel.onboard import OPTIONS, Option, Settings
 from six_wheel.onboard.settings import NAMES, rover_keys
 from six_wheel.parameters.schema import GROUPS
+from six_wheel.rebuild import limits_given
 
 __all__ = ["FILTER", "NODE", "Declared"]
 
 LARGEST = 1e6
-NONE = 0.0  # of a limit
+NONE = 0.0  # of what is not given
 
 NODE = (
     Option("use_stamped_vel", True, "cmd_vel is geometry_msgs/TwistStamped; false: geometry_msgs/Twist"),
@@ -108,8 +110,8 @@ class Declared:
         said = settings.parameters
         timeout = said.control.get("timeout", 0.5)
         given = {"cmd_vel_timeout": NONE if timeout is None else timeout}
-        limits = {name: getattr(said.limits, name) for name in GROUPS["limits"].model_fields}
-        given |= {f"limits.{name}": value if math.isfinite(value) else NONE for name, value in limits.items()}
+        limits = dict.fromkeys(GROUPS["limits"].model_fields, NONE) | limits_given(said.limits)
+        given |= {f"limits.{name}": min(value, LARGEST) for name, value in limits.items()}
         noise = Noise(**said.noise)
         given |= {f"noise.{name}": getattr(noise, name) for name in GROUPS["noise"].model_fields}
         for name, value in given.items():
@@ -119,13 +121,26 @@ class Declared:
                 if key
                 else "age at which a command is too old, in s"
             )
-            none = "" if group == "noise" else "; 0: none"
+            none = {"noise": "", "limits": f"; 0: its default, {LARGEST:g}: none"}.get(group, "; 0: none")
             descriptor = self._descriptor(f"{what}{none}", read_only=False)
             _range(descriptor, 0.0, LARGEST)
             self.live.add(name)
             now = self._node.declare_parameter(name, float(value), descriptor).value
             if now != value:
                 changes |= _meant(name, now)
+        return changes | self._following(settings)
+
+    def _following(self, settings: Settings) -> dict[str, Any]:
+        """When a joint is one that does not follow: to be set when the node starts."""
+        changes: dict[str, Any] = {}
+        error, time = (settings.controller_option(f"following_{what}") for what in ("error", "time"))
+        for name, value, none in (("error", error or NONE, "; 0: never halt for it"), ("time", time, "")):
+            key = f"following_{name}"
+            descriptor = self._descriptor(f"{GROUPS['control'].model_fields[key].description}{none}", True)
+            _range(descriptor, 0.0, LARGEST)
+            now = self._node.declare_parameter(f"control.{key}", float(value), descriptor).value
+            if now != value:
+                changes[f"control.{key}"] = now or "never"
         return changes
 
     def _keys(self, settings: Settings) -> dict[str, Any]:
@@ -153,9 +168,9 @@ def _range(descriptor: Any, least: float, most: float) -> None:
 
 
 def _meant(name: str, value: Any) -> Mapping[str, Any]:
-    """A parameter of ROS as a key of the file; 0 takes a limit away."""
+    """A parameter of ROS as a key of the file; 0 takes a limit away, so that it has its default."""
     if name == "cmd_vel_timeout":
         return {"control.timeout": value or LARGEST}
     if name.startswith("limits."):
-        return {name: value or None}
+        return {name: math.inf if value >= LARGEST else value or None}
     return {name: value}

@@ -5,7 +5,7 @@ import gc
 import re
 import signal
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
 from typing import Any, Literal
 
@@ -14,12 +14,22 @@ from six_wheel.ros.loading import rclpy
 
 __all__ = ["run"]
 
-PATIENCE = 5.0  # [s] for a stop when the process is told to end
-TURN = 0.05  # [s] between looks at whether it is
+PATIENCE = 4.0  # [s] from the first signal on in which the rover stops within its limits; then it is halted
+LATEST = 4.5  # [s] from the first signal on at which the last command is sent, in motion or not
+SENDING = 0.05  # [s] for the middleware to send it
+TURN = 0.05  # [s] between looks at the signals
+# What a terminal, a launcher or a service manager sends, as far as the system has it.
+ENDING = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+]
 
 
 def run(kind: Literal["node", "filter"], settings: Settings, arguments: Sequence[str] = ()) -> int:
-    """Run a node until it is told to end.
+    """Run a node until a signal ends it, its last joint command zero.
+
+    After the first signal the rover stops within its limits, from the second one or `PATIENCE` on by a halt,
+    and `LATEST` after the first one its wheels are commanded to rest in one step. The process is meant to
+    end afterwards: later signals are ignored.
 
     Parameters
     ----------
@@ -47,13 +57,42 @@ def run(kind: Literal["node", "filter"], settings: Settings, arguments: Sequence
         ros.init(args=["six-wheel", *arguments], signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy has no class for it that all versions share
         raise ValueError(f"ROS arguments cannot be used: {' '.join(str(error).split())}") from None
+    before = {number: signal.getsignal(number) for number in ENDING}
     try:
-        return _spin(ros, kind, settings)
+        _spin(ros, kind, settings, _Signals())
+    except BaseException:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        raise
     finally:
         ros.try_shutdown()
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
+    return 0
 
 
-def _spin(ros: Any, kind: str, settings: Settings) -> int:
+class _Signals:
+    """The signals that came, from here on: `count`, and by the monotonic clock when the `first` did [s]."""
+
+    def __init__(self) -> None:
+        self.count, self.first = 0, 0.0
+        for number in ENDING:
+            # SIGHUP stays ignored under nohup. SIGINT, which a shell ignores in the background, is taken.
+            if number in (signal.SIGINT, signal.SIGTERM) or signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self._note)
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+        if self.count == 1:
+            self.first = time.monotonic()
+
+    @property
+    def since(self) -> float:
+        """Time since the first one [s]."""
+        return time.monotonic() - self.first if self.count else 0.0
+
+
+def _spin(ros: Any, kind: str, settings: Settings, signals: _Signals) -> None:
     name = node_name(settings.parameters.node, kind)
     try:
         if kind == "node":
@@ -69,26 +108,40 @@ def _spin(ros: Any, kind: str, settings: Settings) -> int:
     executor = _executor(ros)
     executor.add_node(node)
     try:
-        with _told_to_end() as told, _no_collecting():
+        with _no_collecting():
             if node.options["autostart"]:
                 _start(node)
-            while not told:
+            while not signals.count:
                 _turn(executor, node)
-            if node.stop():
-                end = time.monotonic() + PATIENCE
-                while not node.loop.stopped and time.monotonic() < end and len(told) < 2:
-                    _turn(executor, node)
+            _stop(executor, node, signals)
     finally:
+        node.send_rest()
+        time.sleep(SENDING)
         node.end_record()
         executor.shutdown()
         node.destroy_node()
-    return 0
+
+
+def _stop(executor: Any, node: Any, signals: _Signals) -> None:
+    """Bring the rover to rest: within its limits, by a halt, or not at all when it is too late for both."""
+    _serve(node, node.stop)
+    halted = False
+    while not node.loop.stopped and signals.since < LATEST:
+        if not halted and (signals.count > 1 or signals.since > PATIENCE):
+            halted = True
+            _serve(node, node.halt)
+        _turn(executor, node)
 
 
 def _turn(executor: Any, node: Any) -> None:
-    """Serve what has come; a rover in motion must not be left alone for somebody's request that fails."""
+    """Serve what has come."""
+    _serve(node, lambda: executor.spin_once(timeout_sec=TURN))
+
+
+def _serve(node: Any, call: Callable[[], object]) -> None:
+    """A rover in motion must not be left alone for a request that fails, or a record that is full."""
     try:
-        executor.spin_once(timeout_sec=TURN)
+        call()
     except Exception as error:  # of any callback, rclpy's own among them
         if not node.context.ok():
             raise
@@ -131,19 +184,3 @@ def _no_collecting() -> Iterator[None]:
     finally:
         gc.enable()
         gc.unfreeze()
-
-
-@contextlib.contextmanager
-def _told_to_end() -> Iterator[list[int]]:
-    """The signals that came meanwhile."""
-    told: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        told.append(number)
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield told
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -103,13 +103,29 @@ def drive(
     begin, end = course.stamps[0], course.stamps[-1]
     count = max(math.ceil((end - begin) / step), 1)
     stamps = np.linspace(begin, end, count + 1)
-    dt = stamps[1] - stamps[0]
     # Between two twists that a rover can make there may be some that it cannot.
     steering = _along(rover, rover.project(course.at(stamps), keep="nearest"))[0]
     middle = (steering[1:] + steering[:-1]) / 2.0
-    rates = np.diff(steering, axis=0) / dt
     wanted = rover.project(course.at((stamps[1:] + stamps[:-1]) / 2.0), keep="nearest")
     speeds = _along(rover, wanted, middle)[1]
+    return follow_joints(rover, stamps, steering, speeds, noise, slips, start, random)
+
+
+def follow_joints(
+    rover: Rover,
+    stamps: Floats,
+    steering: Floats,
+    speeds: Floats,
+    noise: Noise,
+    slips: Sequence[Slip],
+    start: Floats,
+    random: np.random.Generator,
+) -> Motion:
+    """The motion under steering angles (n, steered) at evenly spaced `stamps` (n,) and wheel speeds
+    (n - 1, wheels) between them; where they contradict each other, the sliding is least."""
+    dt = stamps[1] - stamps[0]
+    middle = (steering[1:] + steering[:-1]) / 2.0
+    rates = np.diff(steering, axis=0) / dt
     twists = rover.forward(middle, speeds, steering_rates=rates)
     twists = twists + _sliding(rover, middle, speeds, rates, twists, noise, dt, random)
     turning = speeds.copy()

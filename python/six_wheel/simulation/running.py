@@ -3,7 +3,7 @@
 from __future__ import annotations  # so that help shows the names of types, not what they stand for
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain, check_kind
+from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.errors import ArgumentTypeError
 from six_wheel.logs.recordings import Log, Truth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.motion import Motion, Slip, drive, generator
 from six_wheel.simulation.readings import Encoders, read, sample_times
+from six_wheel.simulation.sticking import Controlled, Stick, drive_stuck
 
 Floats = NDArray[np.float64]
 
@@ -39,9 +40,12 @@ class Simulation(Log):
     ----------
     motion : Motion
         What truly happened, eight times as fine as the samples.
+    controlled : Controlled or None
+        What the controller did, of a drive with a joint that sticks.
     """
 
     motion: Motion | None = None
+    controlled: Controlled | None = None
 
 
 def simulate(
@@ -53,6 +57,9 @@ def simulate(
     encoder: Encoders | None = None,
     steering_encoder: Encoders | None = None,
     slip: Slip | Sequence[Slip] = (),
+    stick: Stick | None = None,
+    limits: Limits | None = None,
+    control: Mapping[str, Any] | None = None,
     gyroscope: Gyroscope | None = None,
     rate: float = 50.0,
     jitter: float = 0.0,
@@ -84,6 +91,13 @@ def simulate(
         read radians.
     slip : Slip or sequence of Slip
         Stretches in which wheels spin or the body drifts.
+    stick : Stick, optional
+        A steering joint that sticks. The rover is then driven through a `Controller` that measures its
+        joints, on a plane.
+    limits : Limits, optional
+        Of that controller.
+    control : mapping of str to object, optional
+        Other keywords of it.
     gyroscope : Gyroscope, optional
         Its bias starts at random within its deviation, and wanders.
     rate : float, default 50.0
@@ -139,8 +153,8 @@ def simulate(
         check_kind("ground", ground)
         if ground is None:
             raise ValueError("ground must be given for a suspension, got None; or simulate rover.planar(...)")
-        if jitter or dropped or any(truth_noise):
-            raise ValueError("jitter, dropped and truth_noise must be left out on ground")
+        if jitter or dropped or any(truth_noise) or stick is not None:
+            raise ValueError("jitter, dropped, truth_noise and stick must be left out on ground")
         from six_wheel.simulation.ground import simulate_on_ground
 
         return simulate_on_ground(
@@ -165,7 +179,16 @@ def simulate(
     noise = Noise(0.0, 0.0) if noise is None else noise
     random = generator(seed)
     course = read_course(path, rover, speed)
-    motion = drive(rover, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
+    step, first = 1.0 / (FINER * rate), course.begin(start)
+    controlled = None
+    if stick is None:
+        motion = drive(rover, course, noise, slips, step, first, random)
+    else:
+        check_kind("limits", limits)
+        motion, controlled = drive_stuck(
+            rover, course, stick, limits or Limits(), control or {},
+            noise=noise, slips=slips, step=step, start=first, random=random,
+        )  # fmt: skip
     stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
     if dropped:
         kept = random.random(len(stamps)) >= dropped
@@ -190,6 +213,7 @@ def simulate(
         yaw_rate=sampled.yaw_rate,
         options=options,
         motion=motion,
+        controlled=controlled,
     )
 
 

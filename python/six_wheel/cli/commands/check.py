@@ -196,6 +196,7 @@ def abilities(chosen: Chosen) -> list[tuple[str, object]]:
             ("node", parameters.node),
             ("frames", f"{parameters.odom_frame_id} to {parameters.base_frame_id}"),
             ("limits", limits or None),
+            *filled_in(rover, parameters.limits),
             ("noise", _given(parameters.noise) or _guessed()),
             *((group, _given(getattr(parameters, group))) for group in GROUPS),
         ]
@@ -220,7 +221,7 @@ def _described(robot: "Robot") -> list[tuple[str, object]]:
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     """What a rover can do within limits, as rows for `grid`; nothing without any."""
-    from six_wheel.drive.abilities import bound, stop_from, time_to_full_lock
+    from six_wheel.drive.abilities import bound, halt_from, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
     if limits == type(limits)():
@@ -236,7 +237,31 @@ def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     stop = None if ahead is None else stop_from(rover, limits, ahead.twist)
     if stop is not None:
         rows.append(("stopping distance", f"{stop.distance:.4g} m in {stop.time:.3g} s from top speed"))
+    halt = None if ahead is None else halt_from(rover, limits, ahead.twist)
+    if halt is not None:
+        rows.append(("halt distance", f"{halt.distance:.4g} m in {halt.time:.3g} s from top speed"))
     return rows
+
+
+SOURCES = {
+    "acceleration": "friction of 1",
+    "deceleration": "as acceleration",
+    "angular_acceleration": "acceleration at the farthest wheel",
+    "angular_deceleration": "as the acceleration",
+    "angular_jerk": "jerk at the farthest wheel",
+    "steering_rate": "1.2 rad in a step of 0.1 s",
+    "halt_deceleration": "as deceleration",
+}
+"""What the default of a limit comes from."""
+
+
+def filled_in(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
+    """The limits that are defaults, as a row for `grid`."""
+    from six_wheel.drive.abilities import defaults
+
+    found = defaults(rover, limits)
+    listed = ", ".join(f"{name} {value:.4g} ({SOURCES[name]})" for name, value in found.items())
+    return [("limits by default", listed or None)]
 
 
 def _words(bound: "Bound") -> str:

@@ -61,6 +61,13 @@ def drive(
             "over time: .png, .svg or .pdf."
         ),
     ] = None,
+    halt: Annotated[
+        float | None,
+        typer.Option(
+            metavar="T",
+            help="Halt the rover so many seconds after the first command, at halt_deceleration, for good.",
+        ),
+    ] = None,
     keep: Annotated[
         str | None,
         typer.Option(
@@ -76,8 +83,10 @@ def drive(
 ) -> None:
     if direct and rate is not None:
         raise ValueError(f"--rate must be left out with --direct, which has no loop, got {rate:g}")
+    if direct and halt is not None:
+        raise ValueError(f"--halt must be left out with --direct, which has no controller, got {halt:g}")
     chosen = choose(rover, Reading(node, as_, wheel_radius))
-    loop = None if direct else _loop(chosen, rate)
+    loop = None if direct else _loop(chosen, rate, halt)
     # After the file of the rover is known to be good: Arrow takes its time.
     from six_wheel.drive.running import drive as drive_table
     from six_wheel.report.pages import reporting
@@ -107,24 +116,24 @@ def drive(
         )
     for warning in summary.warnings:
         print(f"{PROGRAM}: warning: {warning}", file=sys.stderr)
-    rows = [*_summary(summary, chosen.limits), ("results", output), ("picture", plot)]
+    rows = [*_summary(summary, chosen.limits, halt), ("results", output), ("picture", plot)]
     new_console().print(grid(rows))
 
 
-def _loop(chosen: Chosen, rate: float | None) -> "Loop | None":
+def _loop(chosen: Chosen, rate: float | None, halt: float | None) -> "Loop | None":
     """The controller to drive through, if there is anything for it to keep or it is asked for."""
     from six_wheel._core import Limits
 
     limits = chosen.limits
     control = chosen.parameters.control if chosen.parameters else {}
-    if rate is None and limits == Limits() and not control:
+    if rate is None and halt is None and limits == Limits() and not control:
         return None
     from six_wheel.drive.controlled import Loop
 
-    return Loop(limits, rate, control)
+    return Loop(limits, rate, control, halt)
 
 
-def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
+def _summary(summary: "Summary", limits: "Limits", halt: float | None = None) -> list[tuple[str, object]]:
     """What a drive came to, as rows for `grid`."""
 
     def at(peak: "Peak", value: str, limit: float = math.inf) -> str | None:
@@ -156,6 +165,7 @@ def _summary(summary: "Summary", limits: "Limits") -> list[tuple[str, object]]:
     shares = [f"{name} {share:.1%}" for name, share in reasons]
     return [
         ("driven", through or "directly, without limits"),
+        ("halted", None if halt is None else f"at {halt:g} s, at {limits.halt_deceleration:g} m/s^2"),
         ("rows", f"{summary.rows:,}"),
         ("duration", f"{summary.duration:.6g} s"),
         ("path length", f"{summary.path_length:.6g} m"),

@@ -22,6 +22,8 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
+    from six_wheel.simulation.running import Simulation
+    from six_wheel.simulation.sticking import Controlled, Stick
 
 
 def simulate(
@@ -57,6 +59,14 @@ def simulate(
     speed: Annotated[float, typer.Option(metavar="V", help="Along a path [m/s].")] = 0.5,
     rate: Annotated[float, typer.Option(metavar="HZ", help="Samples per second.")] = 10.0,
     seed: Annotated[int, typer.Option(help="Of all that is random.")] = 0,
+    stick: Annotated[
+        str | None,
+        typer.Option(
+            metavar="JOINT@T",
+            help="A steering joint that sticks so many seconds after the first command: the rover is driven "
+            "through the controller, with the limits of the parameter file.",
+        ),
+    ] = None,
     plot: Annotated[
         Path | None,
         typer.Option(help="Picture of the drive, over a map in three dimensions: .png, .svg or .pdf."),
@@ -71,6 +81,8 @@ def simulate(
 ) -> None:
     if ground is None and speeds is not None:
         raise ValueError(f"--speeds must come with --ground: level ground is all there is, got {speeds}")
+    if ground is not None and stick is not None:
+        raise ValueError(f"--stick must be left out with --ground, got {stick}")
     reading = Reading(node, as_, wheel_radius)
     chosen = choose(rover, reading) if ground is None else None
     suspended = choose_suspension(rover, reading) if ground is not None else None
@@ -87,7 +99,7 @@ def simulate(
             table_format(output, ENDINGS)
     way = _way(commands, None if start is None else _start(start), speed)
     if chosen is not None:
-        rows = _on_a_plane(chosen, way, rate, seed, output, plot)
+        rows = _on_a_plane(chosen, way, rate, seed, stick, output, plot)
     else:
         assert suspended is not None
         assert ground is not None
@@ -130,6 +142,7 @@ def _on_a_plane(
     way: Way,
     rate: float,
     seed: int,
+    stick: str | None,
     output: Path | None,
     plot: Path | None,
 ) -> list[tuple[str, object]]:
@@ -164,17 +177,16 @@ def _on_a_plane(
         start=way.start,
         speed=way.speed,
         seed=seed,
+        stick=None if stick is None else _stick(stick),
+        limits=chosen.limits,
+        control=said.control if said is not None else None,
         **encoders,
     )
     assert done.truth is not None
-    assert done.motion is not None
     if output is not None:
         write_log(done, chosen.rover, output)
     if plot is not None:
-        from six_wheel.plot import path_figure, save
-
-        there = done.motion.at(done.stamps)
-        save(path_figure(chosen.rover, there.poses, there.steering, title=chosen.name), plot)
+        _draw(chosen, done, plot)
     poses = done.truth.poses
     x, y, yaw = poses[-1]
     return [
@@ -183,7 +195,52 @@ def _on_a_plane(
         ("distance", f"{path_distance(poses)[-1]:.4g} m"),
         ("ends at", f"{x:.4g} m, {y:.4g} m, {np.degrees(yaw):.4g} deg"),
         ("noise", f"{noise}, seed {seed}" if noise else "none: the parameter file has no noise"),
+        *_stuck(done.controlled),
     ]
+
+
+def _draw(chosen: Chosen, done: "Simulation", plot: Path) -> None:
+    """The path; and what the controller did, where there was one."""
+    from six_wheel.drive.course import Course
+    from six_wheel.plot import path_figure, save
+    from six_wheel.plot.drive import drive_figure
+
+    assert done.motion is not None
+    there, ran = done.motion.at(done.stamps), done.controlled
+    path = (there.poses, there.steering)
+    if ran is None:
+        save(path_figure(chosen.rover, *path, title=chosen.name), plot)
+        return
+    panels = Course(ran.values.shape[1])
+    panels.add(ran.times, ran.values, ran.reasons)
+    figure = drive_figure(
+        chosen.rover, panels, *path, limits=ran.limits, shares=ran.shares, title=chosen.name
+    )
+    save(figure, plot)
+
+
+def _stuck(ran: "Controlled | None") -> list[tuple[str, object]]:
+    """What the controller made of a joint that sticks, as rows for `grid`."""
+    if ran is None:
+        return []
+    found: object = "no joint"
+    if ran.found is not None:
+        found = f"{ran.joint} at {ran.found:.4g} s, {ran.error:.3g} rad off its command: halted"
+    reasons = sorted(ran.shares.items(), key=lambda item: -item[1])
+    return [
+        ("found stuck", found),
+        ("limited by", ", ".join(f"{name} {share:.1%}" for name, share in reasons) or "nothing"),
+    ]
+
+
+def _stick(text: str) -> "Stick":
+    from six_wheel.simulation.sticking import Stick
+
+    joint, _, start = text.rpartition("@")
+    try:
+        return Stick(joint, float(start))
+    except ValueError:
+        raise ValueError(f'--stick must be JOINT@T with T in seconds, got "{text}"') from None
 
 
 def _over_ground(

@@ -1,0 +1,139 @@
+"""A drive through a controller that measures its joints, one of which sticks."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Controller, Limits, Noise, Rover
+from six_wheel.controller import Reason
+from six_wheel.simulation.course import Course
+from six_wheel.simulation.motion import Floats, Motion, Slip, follow_joints
+
+__all__ = ["Controlled", "Stick", "drive_stuck"]
+
+PERIOD = 0.02  # [s] of a controller whose period is not given
+
+
+@dataclass(frozen=True, slots=True)
+class Stick:
+    """A steering joint that stays where it is from a time on.
+
+    Parameters
+    ----------
+    joint : str
+        Name of the joint, or of its wheel.
+    start : float
+        Time since the first command [s].
+    """
+
+    joint: str
+    start: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.start) and self.start >= 0.0):
+            raise ValueError(f"start must be finite and not negative, got {self.start}")
+
+    def column(self, rover: Rover) -> int:
+        """Its place among the steered wheels.
+
+        Raises
+        ------
+        ValueError
+            If the rover has no such joint.
+        """
+        wheel = rover.steering_joints.get(self.joint, self.joint)
+        if wheel not in rover.steered_names:
+            known = ", ".join(rover.steering_joints) or "none"
+            raise ValueError(f"stick must name a steering joint, {known}, got {self.joint!r}")
+        return list(rover.steered_names).index(wheel)
+
+
+@dataclass(frozen=True, eq=False)
+class Controlled:
+    """What a controller did.
+
+    Attributes
+    ----------
+    limits : Limits
+        Those it kept.
+    times : ndarray, shape (n,)
+        Of its steps, since the first command [s].
+    values : ndarray, shape (n, 6 + 2 steered + wheels)
+        Commanded and limited twists, commanded steering angles, their rates and wheel speeds.
+    reasons : ndarray, shape (n,)
+        Bits of `Reason`.
+    joint : str or None
+        The joint that it found stuck.
+    found : float or None
+        When, since the first command [s].
+    error : float or None
+        Reading less command of that joint then [rad].
+    """
+
+    limits: Limits
+    times: Floats
+    values: Floats
+    reasons: NDArray[np.uint32]
+    joint: str | None = None
+    found: float | None = None
+    error: float | None = None
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the steps, 0 to 1, of every reason there was."""
+        counts = {str(each.name): np.count_nonzero(self.reasons & each.value) for each in Reason}
+        return {name: count / len(self.reasons) for name, count in counts.items() if count}
+
+
+def drive_stuck(
+    rover: Rover,
+    course: Course,
+    stick: Stick,
+    limits: Limits,
+    control: Mapping[str, Any],
+    *,
+    noise: Noise,
+    slips: Sequence[Slip],
+    step: float,
+    start: Floats,
+    random: np.random.Generator,
+) -> tuple[Motion, Controlled]:
+    """How a rover moves whose controller is given the twist of the course in every step, and the angles of
+    the joints, one of which sticks.
+
+    Parameters: as `motion.drive`; `step` is at most the period of the controller.
+    """
+    stuck = stick.column(rover)
+    begin, end = course.stamps[0], course.stamps[-1]
+    period = min(step, float(control.get("period", PERIOD)))
+    stamps = np.linspace(begin, end, max(math.ceil((end - begin) / period), 1) + 1)
+    controller = Controller(rover, limits, **{**control, "period": stamps[1] - stamps[0]})
+    wanted = course.at(stamps)
+    angles, actual = (np.zeros((len(stamps), len(rover.steered_names))) for _ in range(2))
+    rates, speeds = np.zeros_like(angles), np.zeros((len(stamps), len(rover.wheels)))
+    twists, reasons = np.zeros((len(stamps), 3)), np.zeros(len(stamps), np.uint32)
+    measured = angles[0]
+    found: dict[str, Any] = {}
+    for row, now in enumerate((stamps - begin).tolist()):
+        controller.command(tuple(wanted[row].tolist()), now)
+        output = controller.step(now, measured)
+        angles[row], rates[row], speeds[row] = output.steering, output.steering_rates, output.speeds
+        twists[row], reasons[row] = output.twist, int(output.reasons)
+        actual[row] = angles[row]
+        if now >= stick.start and row:
+            actual[row, stuck] = actual[row - 1, stuck]
+        measured = actual[row] + noise.steering * random.standard_normal(len(actual[row]))
+        if not found and output.reasons & Reason.JOINT_STUCK:
+            assert output.worst_joint is not None
+            assert output.joint_errors is not None
+            wheel = rover.steering_joints[output.worst_joint]
+            error = float(output.joint_errors[list(rover.steered_names).index(wheel)])
+            found = {"joint": output.worst_joint, "found": now, "error": error}
+    turning = (speeds[1:] + speeds[:-1]) / 2.0
+    motion = follow_joints(rover, stamps, actual, turning, noise, slips, start, random)
+    values = np.hstack([wanted, twists, angles, rates, speeds])
+    return motion, Controlled(limits, stamps - begin, values, reasons, **found)
