@@ -10,6 +10,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.controller import Reason
+from tests.limits import only
 from tests.neighbours.vehicles import CAR, CART, MARS, MECANUM, SWERVE, drive
 
 
@@ -29,7 +30,7 @@ def test_a_command_of_nan_drove_backwards_at_full_speed(bad, place):
 
 def test_a_command_of_nan_turned_the_steering_uncontrollably():
     """4am-robotics/cob_driver#171"""
-    controller = sw.Controller(SWERVE)
+    controller = sw.Controller(SWERVE, only())
     last = drive(controller, (0.3, 0.1, 0.0), 0.5)[-1]
     controller.command((math.nan, math.nan, math.nan), 0.5)
     np.testing.assert_array_equal(controller.step(0.5).steering, last.steering)
@@ -74,7 +75,7 @@ def test_the_steering_angle_depended_on_the_speed(speed):
 
 def test_after_a_timeout_no_command_was_taken_any_more():
     """ros-controls/ros2_controllers#1683"""
-    controller = sw.Controller(MECANUM, timeout=0.2)
+    controller = sw.Controller(MECANUM, only(), timeout=0.2)
     drive(controller, (0.3, 0.1, 0.0), 0.5)
     for k in range(50):
         stopped = controller.step(0.5 + k / 50.0)
@@ -86,7 +87,7 @@ def test_after_a_timeout_no_command_was_taken_any_more():
 
 def test_the_planner_died_and_the_robot_drove_on():
     """PR2/pr2_mechanism#25, AutonomyLab/bebop_autonomy#12: a time-out holds without being asked for."""
-    controller = sw.Controller(CART)
+    controller = sw.Controller(CART, only())
     controller.command((0.5, 0.0, 0.0), 0.0)
     outs = [controller.step(k / 50.0) for k in range(100)]
     np.testing.assert_array_equal(outs[-1].speeds, 0.0)
@@ -95,7 +96,7 @@ def test_the_planner_died_and_the_robot_drove_on():
 
 def test_a_time_out_that_was_switched_off_stopped_every_command():
     """ros-controls/ros2_controllers#2503"""
-    controller = sw.Controller(CART, timeout=None)
+    controller = sw.Controller(CART, only(), timeout=None)
     controller.command((0.5, 0.0, 0.0), 0.0)
     outs = [controller.step(k / 50.0) for k in range(5000)]
     np.testing.assert_allclose([outs[0].twist, outs[-1].twist], [(0.5, 0.0, 0.0)] * 2)
@@ -116,14 +117,14 @@ def test_a_step_back_in_time_drove_backwards(now):
 
 def test_a_command_that_came_late_was_taken_for_a_new_one():
     """PR2/pr2_controllers#320: what is old when it comes is old."""
-    controller = sw.Controller(CART, timeout=0.5)
+    controller = sw.Controller(CART, only(), timeout=0.5)
     assert controller.command((0.5, 0.0, 0.0), 10.0)
     controller.step(10.0)
     assert not controller.command((0.9, 0.0, 0.0), 9.8)
     out = controller.step(10.02)
     assert out.reasons & Reason.OUT_OF_ORDER
     np.testing.assert_allclose(out.twist, (0.5, 0.0, 0.0))
-    late = sw.Controller(CART, timeout=0.5)
+    late = sw.Controller(CART, only(), timeout=0.5)
     late.command((0.5, 0.0, 0.0), 9.0)
     out = late.step(10.0)
     assert out.reasons & Reason.STALE
@@ -133,7 +134,7 @@ def test_a_command_that_came_late_was_taken_for_a_new_one():
 @pytest.mark.parametrize("size", [0.0, 5e-324, 1e-300, 2.5e-7])
 def test_angles_were_infinite_at_rest(size):
     """pvandervelde/zinger_swerve_controller#1"""
-    controller = sw.Controller(SWERVE)
+    controller = sw.Controller(SWERVE, only())
     drive(controller, (0.3, 0.1, 0.2), 0.5)
     for out in drive(controller, (size, 0.0, -size), 1.0, start=0.5):
         assert np.isfinite([*out.steering, *out.speeds]).all()

@@ -18,6 +18,7 @@ import six_wheel as sw
 from six_wheel import _core, reference
 from six_wheel.controller import Reason
 from six_wheel.reference import controller as slow
+from tests.limits import only
 from tests.strategies import any_twists, six_wheel_rovers
 
 ROVER = sw.Rover.six_wheel(
@@ -105,7 +106,7 @@ def test_every_output_is_what_the_inverse_says(rover, twist):
 
 @given(six_wheel_rovers(st.floats(0.3, 2.0)), any_twists())
 def test_the_goal_is_that_of_the_slow_way(rover, twist):
-    limits = sw.Limits(speed=0.6, yaw_rate=0.5, lateral_acceleration=0.2, wheel_speed=4.0)
+    limits = only(speed=0.6, yaw_rate=0.5, lateral_acceleration=0.2, wheel_speed=4.0)
     controller = sw.Controller(rover, limits)
     controller.command(twist, 0.0)
     out = controller.step(0.0)
@@ -209,7 +210,7 @@ def test_a_stale_command_stops_the_rover_and_a_new_one_goes_on_without_a_jump():
     "bad", [(math.nan, 0, 0), (0.1, math.inf, 0), (0, 0, -math.inf), (1e308, 1e308, 1e308)]
 )
 def test_a_command_that_is_not_finite_is_ignored_and_the_last_one_ages(bad):
-    controller = sw.Controller(ROVER, timeout=0.5)
+    controller = sw.Controller(ROVER, only(), timeout=0.5)
     controller.command((0.2, 0, 0), 0.0)
     assert not controller.step(0.0).reasons
     assert controller.command(bad, 0.1) is False
@@ -224,7 +225,7 @@ def test_a_command_that_is_not_finite_is_ignored_and_the_last_one_ages(bad):
 
 
 def test_old_and_early_stamps():
-    controller = sw.Controller(ROVER, timeout=0.5)
+    controller = sw.Controller(ROVER, only(), timeout=0.5)
     controller.command((0.2, 0, 0), 1.0)
     assert controller.command((0.4, 0, 0), 0.9) is False
     out = controller.step(1.0)
@@ -307,7 +308,7 @@ def test_it_starts_from_the_measured_angles():
 
 
 @pytest.mark.parametrize("twist", [(0.5, 0.3, 0.8), (0.2, -0.6, -1.0)])
-@pytest.mark.parametrize("limits", [sw.Limits(), sw.Limits(speed=0.4), sw.Limits(wheel_speed=3.0)])
+@pytest.mark.parametrize("limits", [only(), only(speed=0.4), only(wheel_speed=3.0)])
 def test_discretised_commands_do_not_skew(twist, limits):
     swerve = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
     period = 0.05
@@ -322,14 +323,14 @@ def test_discretised_commands_do_not_skew(twist, limits):
     assert np.hypot(*out.twist[:2]) <= limits.speed * ALL
     assert np.max(np.abs(out.speeds)) <= limits.wheel_speed * ALL
     # A rover that cannot follow is left alone.
-    controller = sw.Controller(ROVER, period=period, discretise=True)
+    controller = sw.Controller(ROVER, only(), period=period, discretise=True)
     controller.command((0.5, 0, 0.2), 0.0)
     np.testing.assert_array_equal(controller.step(0.0).twist, (0.5, 0, 0.2))
 
 
 def test_modes_by_command():
     swerve = sw.Rover.swerve([(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)], 0.1)
-    controller = sw.Controller(swerve)
+    controller = sw.Controller(swerve, only())
     for k, (mode, expected) in enumerate(
         [("crab", (0.5, 0.2, 0)), ("spin", (0, 0, 0.3)), ("free", (0.5, 0.2, 0.3)), (None, (0.5, 0.2, 0.3))]
     ):
@@ -339,7 +340,7 @@ def test_modes_by_command():
         controller.command((0, 0, 0), 1.0, mode="sideways")
     with pytest.raises(ValueError, match="^mode must be that of the controller"):
         controller.command((0, 0, 0), 1.0, mode="front_only")
-    front = sw.Controller(ROVER, mode="front_only")
+    front = sw.Controller(ROVER, only(), mode="front_only")
     front.command((0.5, 0, 0.1), 0.0)
     out = front.step(0.0)
     assert out.steering[0] > 0
@@ -372,7 +373,7 @@ def test_options_that_make_no_sense(keywords, message):
 
 
 def test_a_narrower_steering_limit_counts():
-    controller = sw.Controller(ROVER, sw.Limits(steering_limit=0.3))
+    controller = sw.Controller(ROVER, only(steering_limit=0.3))
     controller.command((0.5, 0, 0.6), 0.0)
     out = controller.step(0.0)
     assert out.reasons & Reason.STEERING_LIMIT

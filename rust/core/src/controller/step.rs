@@ -70,6 +70,8 @@ impl Controller {
             Some(since) => (since, 0),
         };
         self.clock = Some(now);
+        // A stamp ahead of the clock counts as now.
+        self.newest = self.newest.map(|newest| newest.min(now));
         self.step_before = self.last_step;
         self.last_step = dt;
         (dt, reasons)
