@@ -112,7 +112,7 @@ impl Controller {
             if fits && ahead.best.is_none_or(|(most, _)| promise > most) {
                 ahead.best = Some((promise, envelope));
             }
-            if promise < last || (fits && envelope.turn[0].value.is_infinite()) {
+            if promise < last || (fits && (envelope.turn[0].value.is_infinite() || promise >= useful)) {
                 break;
             }
             last = promise;
