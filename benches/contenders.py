@@ -13,7 +13,7 @@ from peers.plain import Plain
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.benchmark import FEW_ROWS, Job, Timing
+from six_wheel.cli.benchmark import FEW_ROWS, Job, Timing
 
 RADIUS, STEP = 0.15, 0.01
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=RADIUS)

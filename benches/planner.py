@@ -3,7 +3,7 @@
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.benchmark import Grid, Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Grid, Job, Timing, nanoseconds, round_robin
 
 SIZES = ((2000, 56), (4096, 64))
 

@@ -17,10 +17,10 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel.calibration import Calibration
-from six_wheel.evaluation import absolute_error
+from six_wheel.kinematics.poses import Floats, between
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.log_odometry.evaluation import absolute_error
 from six_wheel.logs import Log, optiodom
-from six_wheel.poses import Floats, between
-from six_wheel.rebuild import with_wheels
 
 TRUTH = np.array([1e-3, 1e-3, 1e-3])  # what motion capture errs by [m, m, rad]
 BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %

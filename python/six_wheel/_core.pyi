@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import TypeVar, disjoint_base
 
-from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
-from six_wheel.controller import Reason
-from six_wheel.four_axle import (
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.four_axle import (
     FourAxleMobility,
     FourAxleMotion,
     FourAxleSimulation,
@@ -16,12 +15,12 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
+from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
+from six_wheel.kinematics.odometry.tracks import Health, Track
+from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
+from six_wheel.kinematics.rollout_cost import RolloutCost
+from six_wheel.kinematics.statuses import BoundStatus, FeasibleReason, SettleStatus, StandLimits
 from six_wheel.logs import Log
-from six_wheel.odometry.space import Track3
-from six_wheel.odometry.tracks import Health, Track
-from six_wheel.profiles import Peaks, Phase, State, TransitionState
-from six_wheel.rollouts import RolloutCost
-from six_wheel.standing import SettleStatus
 
 __all__ = [
     "BodySlip",

@@ -12,7 +12,7 @@ pytest.importorskip("scipy")
 import six_wheel as sw
 from six_wheel.calibration import Candidate, calibrate
 from six_wheel.calibration.cross_validation import choose
-from six_wheel.calibration.mistakes.readings import unsettled
+from six_wheel.calibration.log_checks.units import unsettled
 from tests.calibration.drives import drive
 
 PAIR = sw.Rover.differential(0.2, 0.042)

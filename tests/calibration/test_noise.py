@@ -165,7 +165,7 @@ def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
 def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
     """As the result says it, and new drives end within it."""
     from six_wheel.calibration import calibrate_files
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
     from six_wheel.simulation import write_log
 
     paths = [tmp_path / f"{seed}.csv" for seed in range(5)]
@@ -230,7 +230,7 @@ def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
 def test_factors_and_the_origin_are_written_as_they_are_read(tmp_path):
     """Of a rover about another origin, with gains: the file means the same errors as the result."""
     from six_wheel.calibration.files import calibrate_files
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
     from six_wheel.simulation import write_log
 
     rover = sw.Rover.tricycle(0.5, 0.3, 0.1)

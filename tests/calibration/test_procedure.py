@@ -8,9 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel import evaluation
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.log_odometry import evaluation
 from six_wheel.logs import Log, Truth, optiodom
-from six_wheel.rebuild import with_wheels
 from tests.calibration.drives import drive
 from tests.optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 
@@ -19,7 +19,7 @@ pytest.importorskip("scipy", reason="SciPy is not installed")
 from six_wheel.calibration import calibrate, parameter_names
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _drive_model
-from six_wheel.odometry import dimensions as _parameters
+from six_wheel.kinematics.odometry import dimensions as _parameters
 
 SOAK = int(os.environ.get("SOAK", "0"))
 TRIANGLE = np.array([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)])

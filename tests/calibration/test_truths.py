@@ -11,8 +11,8 @@ import six_wheel as sw
 from six_wheel.calibration import calibrate
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _model
+from six_wheel.kinematics.odometry import dimensions as _parameters
 from six_wheel.logs import Log, Truth
-from six_wheel.odometry import dimensions as _parameters
 from tests.calibration.drives import drive
 
 PAIR = sw.Rover.differential(0.2, 0.042)
@@ -158,7 +158,7 @@ def test_what_a_truth_refuses():
 
 
 def _inverse(poses):
-    from six_wheel.poses import inverse
+    from six_wheel.kinematics.poses import inverse
 
     return inverse(poses)
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import six_wheel as sw
-from six_wheel import benchmark
-from six_wheel.benchmark import Grid, Job, Timing, machine, nanoseconds, round_robin
+from six_wheel.cli import benchmark
+from six_wheel.cli.benchmark import Grid, Job, Timing, machine, nanoseconds, round_robin
 
 BENCHES = Path(__file__).parents[2] / "benches"
 

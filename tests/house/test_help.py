@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import pytest
 
 import six_wheel as sw
-from six_wheel import evaluation, odometry, profiles, reference
+from six_wheel import profiles, reference
+from six_wheel.kinematics import odometry
+from six_wheel.log_odometry import evaluation
 
 PACKAGES = (sw, evaluation, odometry, profiles, reference)
 

@@ -15,7 +15,7 @@ import pytest
 pytest.importorskip("pyarrow")
 
 import six_wheel as sw
-from six_wheel.reckoning import FleetLog, Settings, reckon, reckon_all
+from six_wheel.log_odometry import FleetLog, Settings, reckon, reckon_all
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 

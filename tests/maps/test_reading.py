@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.terrain import TerrainFileError
+from six_wheel.maps import TerrainFileError
 
 # Of rasterio, about a sign of the library it makes transforms with.
 pytestmark = pytest.mark.filterwarnings("ignore:Use `@` matmul:PendingDeprecationWarning")
@@ -178,7 +178,7 @@ def write_bag(path: Path, cells: Any, start: tuple[int, int], label: str, yaw: f
     highlevel = pytest.importorskip("rosbags.rosbag2", reason="needs rosbags")
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    from six_wheel.terrain.bags import DEFINITIONS, GRID_MAP
+    from six_wheel.maps.bags import DEFINITIONS, GRID_MAP
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, definition in DEFINITIONS.items():

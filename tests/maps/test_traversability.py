@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.cluster import ClusterError
-from six_wheel.traverse import maps, traverse
+from six_wheel.maps import traversability, traverse
+from six_wheel.parallel import ClusterError
 
 rasterio = pytest.importorskip("rasterio", reason="needs rasterio")
 affine = pytest.importorskip("affine", reason="needs rasterio")
@@ -23,7 +23,7 @@ HEADINGS = 2
 
 @pytest.fixture(autouse=True)
 def small_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(maps, "SIDE", 16)
+    monkeypatch.setattr(traversability, "SIDE", 16)
 
 
 @pytest.fixture
@@ -133,7 +133,7 @@ def test_a_full_disk_is_one_line_and_nothing_half_written(
     assert not chart.with_name("safe.tif").exists()
     usage = type("Usage", (), {"free": 10})
     with monkeypatch.context() as patch:
-        patch.setattr(maps.shutil, "disk_usage", lambda path: usage)
+        patch.setattr(traversability.shutil, "disk_usage", lambda path: usage)
         with pytest.raises(OSError, match=r"safe\.tif needs 25344 bytes, the disk has 10"):
             run(chart)
     assert not chart.with_name("safe.tif").exists()
@@ -141,7 +141,7 @@ def test_a_full_disk_is_one_line_and_nothing_half_written(
 
 
 def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("six_wheel.cluster.remote.ANSWER", 0.5)
+    monkeypatch.setattr("six_wheel.parallel.remote.ANSWER", 0.5)
     before = sorted(chart.parent.iterdir())
     with pytest.raises(ValueError, match="headings must be at least 1, got 0"):
         run(chart, headings=0)

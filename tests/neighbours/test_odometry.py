@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.odometry import Health
+from six_wheel.kinematics.odometry import Health
 from tests.neighbours.vehicles import CART, MARS
 
 

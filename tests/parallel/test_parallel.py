@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from six_wheel import cluster
-from six_wheel.cluster import Failure, Journal, JournalError, collect, spread
-from tests.cluster import cluster_jobs as jobs
+from six_wheel import parallel
+from six_wheel.parallel import Failure, Journal, JournalError, collect, spread
+from tests.parallel import parallel_jobs as jobs
 
 ITEMS = list(range(12))
 
@@ -201,11 +201,13 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path: Path, monkeypatch: py
 
 def test_a_cluster_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed", reason="needs Dask")
-    monkeypatch.setattr("six_wheel.cluster.remote.ANSWER", 0.5)
-    with pytest.raises(cluster.ClusterError, match=r"cluster tcp://127\.0\.0\.1:9 does not answer") as caught:
+    monkeypatch.setattr("six_wheel.parallel.remote.ANSWER", 0.5)
+    with pytest.raises(
+        parallel.ClusterError, match=r"cluster tcp://127\.0\.0\.1:9 does not answer"
+    ) as caught:
         collect(jobs.careful, [1], cluster="tcp://127.0.0.1:9")
     assert "\n" not in str(caught.value)
-    with pytest.raises(cluster.ClusterError, match="cluster nonsense://x does not answer"):
+    with pytest.raises(parallel.ClusterError, match="cluster nonsense://x does not answer"):
         collect(jobs.careful, [1], cluster="nonsense://x")
 
 
@@ -260,7 +262,7 @@ def test_a_cluster_that_goes_away_is_one_line(tmp_path: Path) -> None:
         outcomes = spread(jobs.lasting, [0.05] * 500, cluster=where, journal=journal)
         assert next(outcomes).failure is None
         scheduler.kill()
-        with pytest.raises(cluster.ClusterError, match="the cluster went away") as caught:
+        with pytest.raises(parallel.ClusterError, match="the cluster went away") as caught:
             list(outcomes)
         assert "\n" not in str(caught.value)
         assert 1 <= len(Journal(tmp_path / "journal", {}).done) < 500

@@ -14,8 +14,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, FancyBboxPatch
 
-from six_wheel import plot
-from six_wheel.plot.drawing import AXLE, FORBIDDEN, new_figure
+from six_wheel import plotting as plot
+from six_wheel.plotting.drawing import AXLE, FORBIDDEN, new_figure
 
 # The six-wheel rover of design/models.md, section 2.
 ROVER = Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
@@ -261,12 +261,12 @@ def test_unknown_ending_is_an_error(tmp_path):
 
 
 def test_neither_pyplot_nor_a_window_is_touched():
-    code = "import six_wheel.plot, sys; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import six_wheel.plotting, sys; sys.exit('matplotlib.pyplot' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_missing_matplotlib_is_named_with_the_install_line():
-    code = "import sys; sys.modules['matplotlib'] = None; import six_wheel.plot"
+    code = "import sys; sys.modules['matplotlib'] = None; import six_wheel.plotting"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert 'ImportError: pictures need matplotlib: pip install "six-wheel[plot]"' in done.stderr
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.plot import side_figure
+from six_wheel.plotting import side_figure
 
 ROVERS = ("perseverance", "curiosity", "rocky7", "open_source_rover")
 

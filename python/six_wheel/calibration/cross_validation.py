@@ -9,13 +9,13 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.estimates import RunErrors
 from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
-from six_wheel.calibration.values import RunErrors
-from six_wheel.cluster import Journal, collect
+from six_wheel.kinematics.odometry.dimensions import Catalogue
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import Log
-from six_wheel.odometry.dimensions import Catalogue
-from six_wheel.poses import Floats
+from six_wheel.parallel import Journal, collect
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
 WORTH = 0.05

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.model import Model
-from six_wheel.evaluation.paths import absolute_error
+from six_wheel.kinematics.poses import Floats, interpolate
+from six_wheel.log_odometry.evaluation.paths import absolute_error
 from six_wheel.logs.recordings import Truth
-from six_wheel.poses import Floats, interpolate
 
 __all__ = ["Estimate", "RunErrors", "Windows", "path", "timed_path"]
 

@@ -24,23 +24,23 @@ from six_wheel.calibration import fitting, noise
 from six_wheel.calibration.cross_validation import PIECES, CrossValidation, cross_validate, pieces
 from six_wheel.calibration.cross_validation import candidates as all_candidates
 from six_wheel.calibration.drives import Drive, default_lengths, encoders, heard, moving, prepare
+from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.fitting import Loss, Problem
 from six_wheel.calibration.gyroscope import noise as gyroscope
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
-from six_wheel.calibration.mistakes import readings, slips
+from six_wheel.calibration.log_checks import slip, units
 from six_wheel.calibration.model import Model, with_mounts
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import describe, told
 from six_wheel.calibration.result import Calibration
-from six_wheel.calibration.values import Estimate, RunErrors, Windows
-from six_wheel.cluster import Journal
-from six_wheel.errors import ArgumentTypeError
-from six_wheel.evaluation.slip import Stretch
-from six_wheel.logs.opening import as_logs
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.odometry.dimensions import Catalogue
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.evaluation.slip import Stretch
+from six_wheel.logs.detect_reader import as_logs
 from six_wheel.logs.recordings import Log, Reference, as_truth
-from six_wheel.odometry.dimensions import Catalogue
-from six_wheel.odometry.tracks import Track
-from six_wheel.poses import Floats
+from six_wheel.parallel import Journal
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
 
@@ -119,7 +119,7 @@ def calibrate(
         A Dask cluster, or its address, that tries the sets of parameters; the result is the same to the bit.
     workers : int or None, default 1
         Processes of this machine that do so without a cluster, None for one per core.
-    journal : six_wheel.cluster.Journal, optional
+    journal : six_wheel.parallel.Journal, optional
         Keeps what each set of parameters is worth: a calibration of the same logs that was stopped goes on
         there.
 
@@ -167,23 +167,23 @@ def calibrate(
     def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
         if not slides:
             return [one(part)]
-        return [drive for _, drive in slips.clean(part, slides, one, part.name)]
+        return [drive for _, drive in slip.clean(part, slides, one, part.name)]
 
     drives = [one(log, number) for number, log in enumerate(records)]
     sets = all_candidates(catalogue) if asked is None else [asked]
-    whole, slipped = records, list[slips.Slip]()
+    whole, slipped = records, list[slip.Slip]()
     if loss == "auto":
         first = Problem(
             with_mounts(rover, catalogue.find(sets[0]), drives), drives, "cauchy", lengths, margin
         )
-        slipped = slips.slipped(first, records, PIECES)
+        slipped = slip.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
         cut: list[tuple[Log, Drive]] = []
         for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
             slides = _slides(slipped, number)
             again = partial(one, number=number)
-            cut += slips.clean(log, slides, again, drive.session) if slides else [(log, drive)]
+            cut += slip.clean(log, slides, again, drive.session) if slides else [(log, drive)]
         if not cut:
             raise ValueError(f"logs must hold a stretch without slip: {'; '.join(map(str, slipped))}")
         records, drives = [piece for piece, _ in cut], [drive for _, drive in cut]
@@ -241,9 +241,9 @@ def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
     return replace(result, measured_noise=noises, gyroscope=measured)
 
 
-def _slides(slipped: Sequence[slips.Slip], number: int) -> list[Stretch]:
+def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
     """Those of one log."""
-    return [stretch for slip in slipped if slip.number == number for stretch in slip.stretches]
+    return [stretch for one in slipped if one.number == number for stretch in one.stretches]
 
 
 def _fit(
@@ -260,11 +260,11 @@ def _fit(
     problem = Problem(model, drives, loss, lengths, margin)
     solution = fitting.solve(problem)
     covariance, degrees, basis = fitting.covariance(problem, solution)
-    mistaken_for = readings.mistaken(problem, solution)
+    mistaken_for = units.mistaken(problem, solution)
     hints = [
         *mistaken_for,
-        *readings.at_bounds(problem, solution),
-        *readings.unsettled(solution, bool(mistaken_for)),
+        *units.at_bounds(problem, solution),
+        *units.unsettled(solution, bool(mistaken_for)),
         *told(drives),
     ]
     observability = describe(model, solution, drives, hints)
@@ -298,7 +298,7 @@ def _fit(
         model.value(solution.values, "time_offset", 0.0),
         asked,
         loss,
-        solution.converged and not readings.at_bounds(problem, solution),
+        solution.converged and not units.at_bounds(problem, solution),
         _noise(problem, solution, records, confidence),
     )
 

@@ -2,9 +2,9 @@
 
 import math
 
-from six_wheel.controller import Reason
-from six_wheel.onboard.faults import AREAS, ERROR, OK, STALE
-from six_wheel.onboard.loop import Loop
+from six_wheel.control_loop.faults import AREAS, ERROR, OK, STALE
+from six_wheel.control_loop.loop import Loop
+from six_wheel.kinematics.controller import Reason
 
 __all__ = ["Status", "statuses"]
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from six_wheel.control_loop.joints import Readings
 from six_wheel.logs.gyroscope.rates import Passing, upward
-from six_wheel.onboard.joints import Readings
 
 __all__ = ["Row", "Rows"]
 

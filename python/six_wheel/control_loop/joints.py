@@ -11,7 +11,7 @@ from functools import partial
 from typing import NamedTuple
 
 from six_wheel._core import Rover
-from six_wheel.onboard.faults import ERROR, WARN, Faults
+from six_wheel.control_loop.faults import ERROR, WARN, Faults
 
 __all__ = ["JointReader", "Readings"]
 

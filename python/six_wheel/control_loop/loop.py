@@ -17,13 +17,13 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeAlias
 
 from six_wheel._core import Controller, OdometryState
-from six_wheel.controller import Reason
-from six_wheel.odometry.tracks import Health
-from six_wheel.onboard.faults import ERROR, WARN, Faults
-from six_wheel.onboard.joints import JointReader, Numbers
-from six_wheel.onboard.odometer import Odometer
-from six_wheel.onboard.settings import Settings
-from six_wheel.rebuild import joints_as_given
+from six_wheel.control_loop.faults import ERROR, WARN, Faults
+from six_wheel.control_loop.joints import JointReader, Numbers
+from six_wheel.control_loop.loop_odometry import Odometer
+from six_wheel.control_loop.settings import Settings
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.odometry.tracks import Health
+from six_wheel.kinematics.rover_edit import joints_as_given
 
 __all__ = ["Loop", "Send", "Step"]
 

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 
 from six_wheel._core import OdometryState
-from six_wheel.odometry.tracks import Health
-from six_wheel.onboard.faults import ERROR, WARN, Faults
-from six_wheel.onboard.joints import Numbers, Readings
-from six_wheel.onboard.settings import Settings
-from six_wheel.onboard.turning import SECOND, Row, Rows
+from six_wheel.control_loop.faults import ERROR, WARN, Faults
+from six_wheel.control_loop.gyroscope_sync import SECOND, Row, Rows
+from six_wheel.control_loop.joints import Numbers, Readings
+from six_wheel.control_loop.settings import Settings
+from six_wheel.kinematics.odometry.tracks import Health
 
 __all__ = ["Counted", "Odometer"]
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from six_wheel.onboard.loop import Step
-from six_wheel.onboard.settings import Settings
-from six_wheel.records import RoverRecord
-from six_wheel.records.rover_record import Frames
+from six_wheel.control_loop.loop import Step
+from six_wheel.control_loop.settings import Settings
+from six_wheel.logs.mcap import RoverRecord
+from six_wheel.logs.mcap.rover_record import Frames
 
 __all__ = ["Recorder"]
 

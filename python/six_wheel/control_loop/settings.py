@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Controller, Encoder, Noise, Odometry, Rover
-from six_wheel.logs.opening import corrections, encoders_of
-from six_wheel.odometry.gyroscope import changed, with_readings_apart
-from six_wheel.onboard.options import OPTIONS, Options
-from six_wheel.parameters import syntax
-from six_wheel.parameters.file import Parameters, parse_parameters
-from six_wheel.parameters.forms import section_of
-from six_wheel.parameters.nodes import PARAMETERS
-from six_wheel.parameters.schema import GROUPS
-from six_wheel.parameters.writing import dump
+from six_wheel.control_loop.options import OPTIONS, Options
+from six_wheel.kinematics.odometry.gyroscope_errors import changed, with_readings_apart
+from six_wheel.logs.detect_reader import corrections, encoders_of
+from six_wheel.robot_description.parameters import ros_yaml
+from six_wheel.robot_description.parameters.detect_format import section_of
+from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
+from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
+from six_wheel.robot_description.parameters.schema import GROUPS
+from six_wheel.robot_description.parameters.writing import dump
 
-__all__ = ["NAMES", "Settings", "read_value", "rover_keys", "text_of", "with_changes"]
+__all__ = ["NAMES", "Settings", "read_value", "rover_keys", "with_changes"]
 
 NAMES = frozenset(option.name for option in OPTIONS)
 
@@ -170,7 +170,7 @@ def with_changes(text: str, node: str | None, changes: Mapping[str, Any]) -> str
             data = _with(data, key, value)
     data = {key: value for key, value in data.items() if value != {}}
     name = found.node
-    return syntax.write(data if name is None else {name: {PARAMETERS: data}})
+    return ros_yaml.write(data if name is None else {name: {PARAMETERS: data}})
 
 
 def _with(data: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
@@ -202,13 +202,13 @@ def rover_keys(settings: Settings) -> dict[str, Any]:
 
 def read_value(text: str) -> Any:
     """A value as a parameter file would have it."""
-    tree = syntax.parse(f"value: {text}", lambda *_: None)
+    tree = ros_yaml.parse(f"value: {text}", lambda *_: None)
     return tree.data["value"]
 
 
 def _section(text: str, node: str | None) -> Any:
     """The parameters of the node; the text is known to have them."""
-    found = section_of(syntax.parse(text, lambda *_: None), node, lambda *_: None)
+    found = section_of(ros_yaml.parse(text, lambda *_: None), node, lambda *_: None)
     if found is None:
         raise ValueError(f"the parameter file must have the node, got {node}")
     return found
@@ -220,11 +220,3 @@ def own_text(said: Parameters) -> str:
     text = dump(said.rover, limits=said.limits, control=said.control, **frames)
     groups = ("noise", "encoders", "steering_encoders", "odometry", "gyroscope", "truth", "calibration")
     return with_changes(text, None, {key: dict(getattr(said, key)) for key in groups if getattr(said, key)})
-
-
-def text_of(rover: Rover, **others: Any) -> str:
-    """A parameter file of a rover, for its records, `others` as for `dump`; empty if no file can say it."""
-    try:
-        return dump(rover, **others)
-    except ValueError:
-        return ""

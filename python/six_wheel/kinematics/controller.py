@@ -1,6 +1,6 @@
 """Why a step of a `Controller` is not simply what was asked for."""
 
-from six_wheel.flags import NamedFlag
+from six_wheel.kinematics.flags import NamedFlag
 
 __all__ = ["Reason"]
 

@@ -1,4 +1,4 @@
-"""What the bounds of a pose are worth, and what may be driven on."""
+"""Names of the codes of the core: how a rover settled, its bounds, and whether it may stand somewhere."""
 
 import math
 from enum import StrEnum
@@ -7,7 +7,35 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoundStatus", "FeasibleReason", "StandLimits", "reasons", "statuses"]
+__all__ = ["BoundStatus", "FeasibleReason", "SettleStatus", "StandLimits"]
+
+
+class SettleStatus(StrEnum):
+    """Whether a rover stands at a pose, and if not, why. Prints, and compares with text, by its name."""
+
+    settled = "settled"
+    """Every wheel touches that can."""
+    at_stop = "at_stop"
+    """A joint is at its stop, and a wheel hangs in the air for it."""
+    off_map = "off_map"
+    """The rim of a wheel leaves the map."""
+    unknown_cells = "unknown_cells"
+    """The rim of a wheel lies over ground that is not known."""
+    not_converged = "not_converged"
+    """No way to stand was found: `Stand.reason` says more."""
+
+    def __repr__(self) -> str:
+        return self.value
+
+
+_SETTLED = np.empty(len(SettleStatus), dtype=object)
+_SETTLED[:] = list(SettleStatus)
+
+
+def settle_statuses(codes: int | NDArray[np.int64]) -> SettleStatus | NDArray[Any]:
+    """The status of a code of the core, or an array of them."""
+    found: SettleStatus | NDArray[Any] = _SETTLED[codes]
+    return found
 
 
 class BoundStatus(StrEnum):
@@ -30,13 +58,13 @@ class BoundStatus(StrEnum):
         return self.value
 
 
-_ALL = np.empty(len(BoundStatus), dtype=object)
-_ALL[:] = list(BoundStatus)
+_BOUNDS = np.empty(len(BoundStatus), dtype=object)
+_BOUNDS[:] = list(BoundStatus)
 
 
-def statuses(codes: int | NDArray[np.uint8]) -> BoundStatus | NDArray[Any]:
+def bound_statuses(codes: int | NDArray[np.uint8]) -> BoundStatus | NDArray[Any]:
     """The status of a code of the core, or an array of them."""
-    found: BoundStatus | NDArray[Any] = _ALL[codes]
+    found: BoundStatus | NDArray[Any] = _BOUNDS[codes]
     return found
 
 
@@ -74,7 +102,7 @@ _REASONS = np.empty(len(FeasibleReason), dtype=object)
 _REASONS[:] = list(FeasibleReason)
 
 
-def reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
+def feasible_reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
     """The reason of a code of the core, or an array of them."""
     found: FeasibleReason | NDArray[Any] = _REASONS[codes]
     return found

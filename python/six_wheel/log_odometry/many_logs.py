@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover, __version__
-from six_wheel.cluster import Failure, Journal, spread
+from six_wheel.log_odometry.run_log import Settings, reckon
 from six_wheel.logs.columns import TableError
-from six_wheel.logs.opening import LogOptions, logs_in
+from six_wheel.logs.detect_reader import LogOptions, logs_in
 from six_wheel.logs.tables import table_format
 from six_wheel.logs.writing import remove_leftovers
-from six_wheel.reckoning.running import Settings, reckon
+from six_wheel.parallel import Failure, Journal, spread
 
 __all__ = ["FleetLog", "reckon_all"]
 

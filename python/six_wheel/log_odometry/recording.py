@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Self
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.tracks import Health, Track
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.joints import JointRows
-from six_wheel.odometry.tracks import Health, Track
-from six_wheel.poses import Floats
-from six_wheel.records import RoverRecord
+from six_wheel.logs.mcap import RoverRecord
 
 __all__ = ["TrackRecord"]
 

@@ -14,22 +14,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Rover
-from six_wheel.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
-from six_wheel.evaluation.slip import Stretch, lost_stretches, reach
+from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
+from six_wheel.kinematics.odometry.thinning import Trace
+from six_wheel.kinematics.odometry.tracks import ROUNDING, Health, SlipReport, Track
+from six_wheel.kinematics.poses import Floats, joined
+from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
+from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, reach
+from six_wheel.log_odometry.recording import TrackRecord
+from six_wheel.log_odometry.slip import SlipSum
 from six_wheel.logs.columns import TableError
+from six_wheel.logs.detect_reader import AnyLog, LogOptions, corrections, open_log
+from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joints import JointRows
-from six_wheel.logs.opening import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.recordings import Truth
 from six_wheel.logs.tables import FORMATS, table_format
-from six_wheel.logs.truths import read_truth
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.odometry.gyroscope import with_readings_apart
-from six_wheel.odometry.trace import Trace
-from six_wheel.odometry.tracks import ROUNDING, Health, SlipReport, Track
-from six_wheel.onboard.settings import text_of
-from six_wheel.poses import Floats, joined
-from six_wheel.reckoning.recording import TrackRecord
-from six_wheel.reckoning.slip import SlipSum
+from six_wheel.robot_description.parameters.writing import text_of
 
 __all__ = ["FIRST_ROWS", "ROUNDING", "Reckoned", "Settings", "reckon"]
 

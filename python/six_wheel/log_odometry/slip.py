@@ -6,8 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip, can_contradict
-from six_wheel.poses import Floats
+from six_wheel.kinematics.odometry.tracks import (
+    Health,
+    SlipReport,
+    SlipWindow,
+    Track,
+    WheelSlip,
+    can_contradict,
+)
+from six_wheel.kinematics.poses import Floats
 
 GAP = 0.5  # [s], below which two stretches of slip are one
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from six_wheel.evaluation.paths import at_same_times, evaluate, path_distance
-from six_wheel.evaluation.slip import slip_against
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.log_odometry.evaluation.paths import at_same_times, evaluate, path_distance
+from six_wheel.log_odometry.evaluation.slip import slip_against
+from six_wheel.log_odometry.run_log import Reckoned
 from six_wheel.logs.recordings import Reference
-from six_wheel.odometry.tracks import Track
-from six_wheel.reckoning.running import Reckoned
 
 __all__ = ["of_track"]
 

@@ -14,17 +14,17 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 
 from six_wheel._core import Encoder, Rover
+from six_wheel.kinematics.odometry.tabular_input import is_table, table
+from six_wheel.kinematics.poses import Floats, inverse, joined
 from six_wheel.logs import optiodom
-from six_wheel.logs.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS
 from six_wheel.logs.columns import TableError
+from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_columns import Reading
 from six_wheel.logs.joints import JointLog, JointRows
 from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS
-from six_wheel.logs.tolerant import Findings
-from six_wheel.logs.truths import read_truth
-from six_wheel.odometry.tables import is_table, table
-from six_wheel.poses import Floats, inverse, joined
 
 __all__ = [
     "READERS",
@@ -410,6 +410,6 @@ class WholeLog:
 
 
 def example_run() -> Path:
-    """The run that comes with this package; see data/README.md."""
-    (run,) = optiodom.runs(Path(str(resources.files("six_wheel") / "data" / "optiodom")))
+    """The run that comes with this package; see logs/data/README.md."""
+    (run,) = optiodom.runs(Path(str(resources.files("six_wheel.logs") / "data" / "optiodom")))
     return run

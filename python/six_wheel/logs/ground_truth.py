@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.logs.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS
 from six_wheel.logs.columns import TIME, Column, TableError, find_columns
 from six_wheel.logs.joint_columns import position_columns, truth_columns
-from six_wheel.logs.tolerant import Findings, Sieve, Source, TolerantTable, seconds_since
+from six_wheel.logs.skip_bad_rows import Findings, Sieve, Source, TolerantTable, seconds_since
 
 __all__ = ["TRUTH", "has_headings", "poses_of", "read_truth"]
 
@@ -60,7 +60,7 @@ def read_truth(
     stated = True
     source: Source
     if path.is_dir() or path.suffix.lower() in BAGS:
-        from six_wheel.logs.bags import TruthBag
+        from six_wheel.logs.bags.truth_bag import TruthBag
 
         source = TruthBag(path, topic)
     else:

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.logs.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS
 from six_wheel.logs.columns import Column, TableError
+from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
-from six_wheel.logs.gyroscope.sources import RateBag, rate_table, readings_of
+from six_wheel.logs.gyroscope.sources import rate_table, readings_of
 from six_wheel.logs.joint_columns import Reading, joint_columns
 from six_wheel.logs.recordings import Log, Truth
-from six_wheel.logs.tolerant import (
+from six_wheel.logs.skip_bad_rows import (
     Batch,
     Finding,
     Findings,
@@ -31,7 +32,6 @@ from six_wheel.logs.tolerant import (
     seconds_since,
     whole_second,
 )
-from six_wheel.logs.truths import TRUTH, poses_of, read_truth
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
@@ -141,7 +141,8 @@ class JointLog:
         self._in_rows = False
         bagged = self.path.is_dir() or self.path.suffix.lower() in BAGS
         if bagged:
-            from six_wheel.logs.bags import JointBag
+            from six_wheel.logs.bags.imu_bag import RateBag
+            from six_wheel.logs.bags.joint_bag import JointBag
 
             bag = JointBag(self.path, rover, reading, topics)
             self._source, self.reading, self._names = bag, bag.reading, bag.names
@@ -211,7 +212,8 @@ class JointLog:
 
     def _rates_of_bag(self, frame: str) -> Source | None:
         """The gyroscope of a bag, if there is one; what is not known of it is said."""
-        from six_wheel.logs.bags import OWN_FRAMES, Bag
+        from six_wheel.logs.bags.imu_bag import RateBag
+        from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
 
         keys, bag = self._gyroscope, Bag(self.path)
         try:

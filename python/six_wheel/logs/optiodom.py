@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.rover_edit import with_wheels
 from six_wheel.logs.recordings import Log
-from six_wheel.poses import Floats
-from six_wheel.rebuild import with_wheels
 
 __all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
 
@@ -147,7 +147,7 @@ def runs(folder: str | Path) -> list[Path]:
 
 def example() -> tuple[Rover, Log]:
     """The nominal robot and the run that come with this package: a tricycle driven freely."""
-    folder = resources.files("six_wheel") / "data" / "optiodom"
+    folder = resources.files("six_wheel.logs") / "data" / "optiodom"
     with resources.as_file(folder) as real:
         (path,) = runs(real)
         return read_rover(path), read(path)

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.errors import ArgumentTypeError
-from six_wheel.poses import Floats, as_poses, interpolate
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
-    from six_wheel.odometry.tracks import Track
+    from six_wheel.kinematics.odometry.tracks import Track
 
 __all__ = ["Log", "Truth", "as_truth"]
 

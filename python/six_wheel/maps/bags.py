@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.terrain.files import Grid, TerrainFileError
+from six_wheel.maps.files import Grid, TerrainFileError
 
 __all__ = ["read"]
 

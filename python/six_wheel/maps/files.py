@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.errors import FileError
+from six_wheel.kinematics.errors import FileError
 
 __all__ = ["Grid", "TerrainFileError", "Window", "cut"]
 

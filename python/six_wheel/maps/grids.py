@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.terrain.files import Grid, TerrainFileError
+from six_wheel.maps.files import Grid, TerrainFileError
 
 __all__ = ["read"]
 

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.terrain.files import Grid, TerrainFileError, Window
+from six_wheel.maps.files import Grid, TerrainFileError, Window
 
 __all__ = ["Raster", "rasterio"]
 

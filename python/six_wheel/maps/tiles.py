@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Terrain
-from six_wheel.bounding import FeasibleReason, StandLimits
+from six_wheel.kinematics.statuses import FeasibleReason, StandLimits
 
 __all__ = ["REASONS", "Tile", "judge", "reach"]
 

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
-from six_wheel.bounding import StandLimits
-from six_wheel.cluster import Failure, Journal, spread
-from six_wheel.terrain.rasters import Raster, rasterio
-from six_wheel.traverse.tiles import REASONS, Tile, judge, reach
+from six_wheel.kinematics.statuses import StandLimits
+from six_wheel.maps.rasters import Raster, rasterio
+from six_wheel.maps.tiles import REASONS, Tile, judge, reach
+from six_wheel.parallel import Failure, Journal, spread
 
 __all__ = ["Layers", "Traversed", "traverse"]
 

@@ -9,9 +9,9 @@ Values are those of ``function(item)`` wherever it ran, to the last bit.
 the folder of finished items, `outcomes` what comes back.
 """
 
-from six_wheel.cluster.journal import Journal, JournalError
-from six_wheel.cluster.outcomes import Failure, Outcome, Outcomes
-from six_wheel.cluster.remote import ClusterError
-from six_wheel.cluster.spreading import collect, spread
+from six_wheel.parallel.journal import Journal, JournalError
+from six_wheel.parallel.outcomes import Failure, Outcome, Outcomes
+from six_wheel.parallel.remote import ClusterError
+from six_wheel.parallel.spreading import collect, spread
 
 __all__ = ["ClusterError", "Failure", "Journal", "JournalError", "Outcome", "Outcomes", "collect", "spread"]

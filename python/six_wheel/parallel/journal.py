@@ -15,7 +15,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from six_wheel.errors import FileError
+from six_wheel.kinematics.errors import FileError
 
 __all__ = ["Journal", "JournalError"]
 

@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, NamedTuple
 
-from six_wheel.cluster.outcomes import Failure, Outcome, failed
+from six_wheel.parallel.outcomes import Failure, Outcome, failed
 
 __all__ = ["cores", "here", "processes"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 from six_wheel._core import __version__
-from six_wheel.cluster.outcomes import Failure, Outcome, failed
+from six_wheel.parallel.outcomes import Failure, Outcome, failed
 
 __all__ = ["ClusterError", "client_of", "on_cluster"]
 

@@ -4,10 +4,10 @@ import contextlib
 from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
-from six_wheel.cluster.journal import Journal
-from six_wheel.cluster.local import cores, here, processes
-from six_wheel.cluster.outcomes import Failure, Outcome, Outcomes
-from six_wheel.cluster.remote import client_of, on_cluster
+from six_wheel.parallel.journal import Journal
+from six_wheel.parallel.local import cores, here, processes
+from six_wheel.parallel.outcomes import Failure, Outcome, Outcomes
+from six_wheel.parallel.remote import client_of, on_cluster
 
 __all__ = ["collect", "spread"]
 

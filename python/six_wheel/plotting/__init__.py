@@ -17,26 +17,26 @@ try:
 except ImportError as missing:
     raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from six_wheel.plot.drawing import draw_rover
-    from six_wheel.plot.drive import drive_figure, engine_figure
-    from six_wheel.plot.four_axle import four_axle_figure
-    from six_wheel.plot.ground.run import film_figure, ground_figure, speeds_figure
-    from six_wheel.plot.ground.safety import traverse_figure
-    from six_wheel.plot.ground.side import side_figure
-    from six_wheel.plot.limits import limits_figure
-    from six_wheel.plot.path import draw_path, path_figure
-    from six_wheel.plot.planning import draw_costmap, plan_figure
-    from six_wheel.plot.reckoning import reckoning_figure
-    from six_wheel.plot.replay import replay_figure
-    from six_wheel.plot.results import figure
-    from six_wheel.plot.saving import picture_path, save
-    from six_wheel.plot.tracks import residual_figure, track_figure
-    from six_wheel.plot.twist import show_figure
+    from six_wheel.plotting.drawing import draw_rover
+    from six_wheel.plotting.drive import drive_figure, engine_figure
+    from six_wheel.plotting.four_axle import four_axle_figure
+    from six_wheel.plotting.ground.run import film_figure, ground_figure, speeds_figure
+    from six_wheel.plotting.ground.safety import traverse_figure
+    from six_wheel.plotting.ground.side import side_figure
+    from six_wheel.plotting.limits import limits_figure
+    from six_wheel.plotting.log_odometry import reckoning_figure
+    from six_wheel.plotting.path import draw_path, path_figure
+    from six_wheel.plotting.planning import draw_costmap, plan_figure
+    from six_wheel.plotting.replay import replay_figure
+    from six_wheel.plotting.results import figure
+    from six_wheel.plotting.saving import picture_path, save
+    from six_wheel.plotting.tracks import residual_figure, track_figure
+    from six_wheel.plotting.twist import show_figure
 
 __all__ = [
     "draw_costmap",
@@ -75,7 +75,7 @@ __getattr__, __dir__ = attach(
         "limits": ("limits_figure",),
         "path": ("draw_path", "path_figure"),
         "planning": ("draw_costmap", "plan_figure"),
-        "reckoning": ("reckoning_figure",),
+        "log_odometry": ("reckoning_figure",),
         "replay": ("replay_figure",),
         "results": ("figure",),
         "saving": ("picture_path", "save"),
@@ -89,10 +89,11 @@ class _Pictures(ModuleType):
     """This package, which can be called: ``six_wheel.plot(track)`` is ``six_wheel.plot.figure(track)``."""
 
     def __call__(self, result: Any, **options: Any) -> "Figure":
-        from six_wheel.plot.results import figure
+        from six_wheel.plotting.results import figure
 
         return figure(result, **options)
 
 
+plot = sys.modules[__name__]  # `six_wheel.plot`
 _Pictures.__call__.__qualname__ = "plot"  # as messages about its arguments call it
 sys.modules[__name__].__class__ = _Pictures

@@ -14,12 +14,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Limits, Rover
-from six_wheel.controller import Reason
-from six_wheel.drive.controlled import ControlledDrive
-from six_wheel.drive.course import Course
-from six_wheel.drive.direct import Drive
-from six_wheel.plot.drawing import AXLE, FAINT, INK, MOTION, RECORDED, SOFT, Floats, new_figure, tidy
-from six_wheel.plot.path import draw_path, path_figure
+from six_wheel.kinematics.controller import Reason
+from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, RECORDED, SOFT, Floats, new_figure, tidy
+from six_wheel.plotting.path import draw_path, path_figure
+from six_wheel.simulation.drive.closed_loop import ControlledDrive
+from six_wheel.simulation.drive.feedforward import Drive
+from six_wheel.simulation.drive.min_max_thinning import Course
 
 WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
 ASKED, DONE = RECORDED, INK

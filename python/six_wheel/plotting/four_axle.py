@@ -8,8 +8,8 @@ try:
 except ImportError as missing:
     raise ImportError('pictures need matplotlib: pip install "six-wheel[plot]"') from missing
 
-from six_wheel.four_axle import FourAxleSimulation
-from six_wheel.plot.drawing import (
+from six_wheel.kinematics.four_axle import FourAxleSimulation
+from six_wheel.plotting.drawing import (
     AXLE,
     FAINT,
     INK,

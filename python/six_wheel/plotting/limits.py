@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from six_wheel._core import Limits, Rover
-from six_wheel.controller import Reason
-from six_wheel.drive.abilities import Rim, rim
-from six_wheel.plot.drawing import FORBIDDEN, INK, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.kinematics.controller import Reason
+from six_wheel.plotting.drawing import FORBIDDEN, INK, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.simulation.drive.performance import Rim, rim
 
 __all__ = ["limits_figure"]
 

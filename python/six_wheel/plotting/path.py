@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover
-from six_wheel.plot.drawing import (
+from six_wheel.plotting.drawing import (
     INK,
     RECORDED,
     SOFT,

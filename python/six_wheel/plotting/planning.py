@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Costmap, Rover
-from six_wheel.plot.drawing import INK, RECORDED, fit_page, new_figure, write_title
-from six_wheel.plot.path import draw_path
+from six_wheel.plotting.drawing import INK, RECORDED, fit_page, new_figure, write_title
+from six_wheel.plotting.path import draw_path
 
 __all__ = ["draw_costmap", "plan_figure"]
 

@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from six_wheel.plot.drawing import AXLE, CENTRE, FAINT, INK, SOFT, new_figure, tidy, write_title
-from six_wheel.replay.difference import compare
-from six_wheel.replay.runs import Replayed, Run
+from six_wheel.control_loop.replay.compare_runs import compare
+from six_wheel.control_loop.replay.run_summary import Replayed, Run
+from six_wheel.plotting.drawing import AXLE, CENTRE, FAINT, INK, SOFT, new_figure, tidy, write_title
 
 DRAWN = 4000  # points of a line at most, more than any screen shows
 SECOND = 1e9

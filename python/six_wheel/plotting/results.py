@@ -8,14 +8,14 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.logs.recordings import Reference
-from six_wheel.odometry.tracks import Track
 
 __all__ = ["figure"]
 
 
 def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
-    """Picture of a result: what ``six_wheel.plot(result)`` draws.
+    """Picture of a result: what ``six_wheel.plotting(result)`` draws.
 
     Parameters
     ----------
@@ -44,20 +44,20 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
 
 
 def _track(track: Track, *, title: str | None, truth: Reference | None = None) -> Figure:
-    from six_wheel.reckoning.tracks import of_track
+    from six_wheel.log_odometry.tracks import of_track
 
     return _reckoned(of_track(track, truth), title=title)
 
 
 def _reckoned(result: Any, *, title: str | None) -> Figure:
-    from six_wheel.plot.reckoning import reckoning_figure
+    from six_wheel.plotting.log_odometry import reckoning_figure
 
     return reckoning_figure(result, title=title)
 
 
 def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = None) -> Figure:
-    from six_wheel.plot.limits import limits_figure
-    from six_wheel.plot.twist import show_figure
+    from six_wheel.plotting.limits import limits_figure
+    from six_wheel.plotting.twist import show_figure
 
     if (twist is None) == (limits is None):
         raise TypeError("a rover's picture needs twist= or limits=, got neither or both")
@@ -67,19 +67,19 @@ def _rover(rover: Rover, *, title: str | None, twist: Any = None, limits: Any = 
 
 
 def _calibration(found: Any, *, title: str | None) -> Figure:
-    from six_wheel.plot.tracks import residual_figure
+    from six_wheel.plotting.tracks import residual_figure
 
     return residual_figure(found.windows.before, found.windows.after, title=title)
 
 
 def _four_axles(found: Any, *, title: str | None) -> Figure:
-    from six_wheel.plot.four_axle import four_axle_figure
+    from six_wheel.plotting.four_axle import four_axle_figure
 
     return four_axle_figure(found, title=title)
 
 
 def _drive(engine: Any, *, title: str | None) -> Figure:
-    from six_wheel.plot.drive import engine_figure
+    from six_wheel.plotting.drive import engine_figure
 
     return engine_figure(engine, title=title or "drive")
 

@@ -9,7 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from six_wheel.evaluation.paths import (
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats, as_poses
+from six_wheel.log_odometry.evaluation.paths import (
     Alignment,
     absolute_error,
     align,
@@ -18,9 +20,7 @@ from six_wheel.evaluation.paths import (
     path_distance,
 )
 from six_wheel.logs.recordings import Truth
-from six_wheel.odometry.tracks import Track
-from six_wheel.plot.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
-from six_wheel.poses import Floats, as_poses
+from six_wheel.plotting.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
 
 # The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
 COLOURS = (MOTION, FORBIDDEN, AXLE, SOFT)
@@ -42,7 +42,7 @@ def track_figure(
     truth : array_like of shape (n, 3), or Truth
         The true poses [m, m, rad]; a `Truth` is brought to the stamps of tracks that share them.
     how : {'first', 'se2', 'none'}
-        Alignment of each path, as in `six_wheel.evaluation.paths.align`.
+        Alignment of each path, as in `six_wheel.log_odometry.evaluation.paths.align`.
     title : str, optional
         Written above the picture, over the errors.
 

@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, exp
-from six_wheel.plot.drawing import (
+from six_wheel.plotting.drawing import (
     AXLE,
     CENTRE,
     FORBIDDEN,

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from six_wheel.errors import FileError, printable
+from six_wheel.kinematics.errors import FileError, printable
 
 __all__ = ["Finding", "ParameterFileError", "Severity"]
 

@@ -10,7 +10,7 @@ from six_wheel._core import RockerBogie
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.simulation.ground import GroundSimulation
+from six_wheel.simulation.on_terrain import GroundSimulation
 from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned, record_of
 
 __all__ = ["write_ground"]

@@ -12,13 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from six_wheel._core import Gyroscope, Noise, RockerBogie, Stand, Terrain
 from six_wheel.logs.recordings import Truth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.motion import Motion, Slip, drive, generator, spinning
-from six_wheel.simulation.readings import Encoders, read
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
+from six_wheel.simulation.sensor_model import Encoders, read
 
 if TYPE_CHECKING:
     from six_wheel._core import WheelSlip
-
-from six_wheel.simulation.running import FINER, Simulation
 
 __all__ = ["GroundSimulation", "simulate_on_ground"]
 

@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
-from six_wheel.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.logs.recordings import Log
 from six_wheel.simulation.course import Course
 
 Floats = NDArray[np.float64]
+
+# Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
+FINER = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +74,19 @@ class Motion:
         joints, wheels = self.steering.shape[1], self.turned.shape[1]
         poses, steering, turned, rate = np.split(values, np.cumsum((3, joints, wheels)), axis=1)
         return Motion(stamps, poses, steering, turned, rate[:, 0])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Log):
+    """A log with its truth, and what only a simulation knows.
+
+    Attributes
+    ----------
+    motion : Motion
+        What truly happened, eight times as fine as the samples.
+    """
+
+    motion: Motion | None = None
 
 
 def generator(seed: int) -> np.random.Generator:

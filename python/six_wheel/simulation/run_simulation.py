@@ -4,7 +4,7 @@ from __future__ import annotations  # so that help shows the names of types, not
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from numbers import Real
 from typing import Any
 
@@ -12,16 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain, check_kind
-from six_wheel.errors import ArgumentTypeError
-from six_wheel.logs.recordings import Log, Truth
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.logs.recordings import Truth
 from six_wheel.simulation.course import read_course
-from six_wheel.simulation.motion import Motion, Slip, drive, generator
-from six_wheel.simulation.readings import Encoders, read, sample_times
+from six_wheel.simulation.on_terrain import simulate_on_ground
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
+from six_wheel.simulation.sensor_model import Encoders, read, sample_times
 
 Floats = NDArray[np.float64]
-
-# Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
-FINER = 8
 
 
 def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
@@ -29,19 +27,6 @@ def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
     edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
     rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
     return rates
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Simulation(Log):
-    """A log with its truth, and what only a simulation knows.
-
-    Attributes
-    ----------
-    motion : Motion
-        What truly happened, eight times as fine as the samples.
-    """
-
-    motion: Motion | None = None
 
 
 def simulate(
@@ -141,8 +126,6 @@ def simulate(
             raise ValueError("ground must be given for a suspension, got None; or simulate rover.planar(...)")
         if jitter or dropped or any(truth_noise):
             raise ValueError("jitter, dropped and truth_noise must be left out on ground")
-        from six_wheel.simulation.ground import simulate_on_ground
-
         return simulate_on_ground(
             rover,
             path,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Gyroscope, Noise, Rover
 from six_wheel.logs.recordings import encoders_of
-from six_wheel.simulation.motion import Motion
+from six_wheel.simulation.planar import Motion
 
 Floats = NDArray[np.float64]
 Encoders = Encoder | Sequence[Encoder] | Mapping[str, Encoder]

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
+from six_wheel.logs.mcap.rover_record import PARAMETERS, TRUTH
+from six_wheel.logs.mcap.writer import RecordWriter, libraries
 from six_wheel.logs.recordings import Log
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.onboard.settings import text_of
-from six_wheel.records.rover_record import PARAMETERS, TRUTH
-from six_wheel.records.writer import RecordWriter, libraries
+from six_wheel.robot_description.parameters.writing import text_of
 
 Floats = NDArray[np.float64]
 

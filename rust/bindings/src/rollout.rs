@@ -113,7 +113,7 @@ impl Rover {
 fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     static RESULT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let class = RESULT.get_or_try_init(py, || {
-        let module = py.import("six_wheel.rollouts")?;
+        let module = py.import("six_wheel.kinematics.rollout_cost")?;
         module.getattr("RolloutCost").map(Bound::unbind)
     })?;
     class.bind(py).call1(arrays)

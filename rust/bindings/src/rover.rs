@@ -269,7 +269,7 @@ impl Rover {
     ///     If a wheel is none that a URDF can hold: with rollers.
     #[pyo3(signature = (name="rover"))]
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
-        let module = slf.py().import("six_wheel.urdf")?;
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
     }
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from six_wheel import Rover, Wheel, integrate
-from six_wheel.demo import running as demo
+from six_wheel.cli.demo import running as demo
 
 TIMES, POSES = demo.load_path()
 STEP = 0.05  # [s]
@@ -38,7 +38,7 @@ def test_recording_is_what_its_readme_says():
     assert POSES.shape == (len(TIMES), 3) == (3671, 3)
     np.testing.assert_allclose(np.diff(TIMES), STEP, rtol=1e-9)
     assert (TIMES[0], TIMES[-1]) == (0.0, 183.5)
-    words = (resources.files("six_wheel") / "data" / "README.md").read_text(encoding="utf-8")
+    words = (resources.files("six_wheel.cli.demo") / "data" / "README.md").read_text(encoding="utf-8")
     for expected in (
         "MIT License",
         "Copyright (c) 2021 Ricardo Sousa",
@@ -197,8 +197,8 @@ def test_run_reports_and_writes(tmp_path):
 
 def test_report_needs_no_rich(monkeypatch):
     pytest.importorskip("matplotlib")
-    from six_wheel.demo import showing as showing
+    from six_wheel.cli.demo import figures
 
     monkeypatch.setitem(sys.modules, "rich", None)
-    words = showing.table("Time", ["", "one"], [["inverse", "35 ns"]])
+    words = figures.table("Time", ["", "one"], [["inverse", "35 ns"]])
     assert words == "Time\n  one\ninverse  35 ns"

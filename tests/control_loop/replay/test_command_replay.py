@@ -9,10 +9,10 @@ pytest.importorskip("mcap", reason='needs pip install "six-wheel[bags]"')
 pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
 import six_wheel as sw
-from six_wheel.drive.controlled import Loop
-from six_wheel.drive.running import drive
-from six_wheel.records import Record, RecordError
-from six_wheel.replay import compare, replay
+from six_wheel.control_loop.replay import compare, replay
+from six_wheel.logs.mcap import Record, RecordError
+from six_wheel.simulation.drive.closed_loop import Loop
+from six_wheel.simulation.drive.run_file import drive
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 LIMITS = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)
@@ -109,7 +109,7 @@ def test_what_cannot_be_done_again_leaves_nothing_behind(tmp_path: Path, run, re
 
 
 def test_a_drive_of_before_its_table_was_kept(tmp_path: Path) -> None:
-    from six_wheel.records import RecordWriter
+    from six_wheel.logs.mcap import RecordWriter
 
     rover = "d1: 0.4\nd2: 0.5\nd3: 0.5\nd4: 0.45\nwheel_radius: 0.15\n"
     for told in ({}, {"drive": '{"unit": "s", "rate": null, "keep": null}'}):

@@ -11,12 +11,12 @@ pytest.importorskip("mcap", reason='needs pip install "six-wheel[bags]"')
 pytest.importorskip("pydantic", reason='needs pip install "six-wheel[cli]"')
 
 import six_wheel as sw
-from six_wheel.onboard import Loop, Options, Settings
-from six_wheel.onboard.recorder import Recorder
-from six_wheel.onboard.report import statuses
-from six_wheel.records import Record, RecordError, RecordWriter, layouts
-from six_wheel.records.frames import joint_state
-from six_wheel.replay import compare, replay
+from six_wheel.control_loop import Loop, Options, Settings
+from six_wheel.control_loop.diagnostics import statuses
+from six_wheel.control_loop.recorder import Recorder
+from six_wheel.control_loop.replay import compare, replay
+from six_wheel.logs.mcap import Record, RecordError, RecordWriter, layouts
+from six_wheel.logs.mcap.frames import joint_state
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
 LIMITS = sw.Limits(speed=1.0, acceleration=0.5, jerk=2.0, wheel_speed=8.0, steering_rate=1.0)

@@ -14,7 +14,7 @@ with warnings.catch_warnings():
     pytest.importorskip("rosidl_generator_py")
 
 import six_wheel as sw
-from tests.ros.peers import Peer, Process
+from tests.control_loop.ros2.peers import Peer, Process
 
 ROVER = """\
 rover_controller:

@@ -9,8 +9,8 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
-from six_wheel.onboard import Loop, Settings
-from tests.ros.conftest import ROVER
+from six_wheel.control_loop import Loop, Settings
+from tests.control_loop.ros2.conftest import ROVER
 
 KEYS = "noise: 0.001, period: 0.005, bias: 0.0, bias_noise: 0.0001, bias_walk: 0.0"
 TURNING = 0.3  # [rad/s], of which the wheels say nothing
@@ -50,7 +50,7 @@ def turns(peer):
 
 
 def test_odometry_turns_with_the_gyroscope_and_without_it_by_the_wheels(start, peer, rover_file, tmp_path):
-    from six_wheel.replay import replay
+    from six_wheel.control_loop.replay import replay
 
     process = start(
         "node", str(rover_file), "--ros-args", "-p", "record:=run.mcap", "-p", "publish_rate:=0.0"
@@ -96,7 +96,7 @@ def test_what_is_not_known_of_how_it_sits_is_said(start, peer, rover_file):
 
 def test_transforms_that_stay_tell_how_it_sits():
     """Whenever they come; without a rover's frame at their end they tell nothing."""
-    from six_wheel.ros.imu import ImuInput
+    from six_wheel.control_loop.ros2.imu import ImuInput
 
     settings = Settings.of_text(
         f"kind: differential\ntrack_width: 0.5\nwheel_radius: 0.1\ngyroscope: {{{KEYS}}}\n"

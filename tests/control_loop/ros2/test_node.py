@@ -14,7 +14,7 @@ from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from tests.ros.peers import PATIENCE
+from tests.control_loop.ros2.peers import PATIENCE
 
 TWIST = (0.5, 0.0, 0.2)
 
@@ -341,7 +341,7 @@ def test_poses_are_set_and_reset(start, peer, rover_file):
 
 
 def test_a_record_is_replayed_to_the_bit(start, peer, rover_file, tmp_path):
-    from six_wheel.replay import compare, replay
+    from six_wheel.control_loop.replay import compare, replay
 
     process = start("node", str(rover_file), "--ros-args", "-p", "record:=run.mcap")
     driving(peer)
@@ -369,7 +369,7 @@ def test_a_record_is_replayed_to_the_bit(start, peer, rover_file, tmp_path):
 
 
 def test_a_killed_node_leaves_a_record(start, peer, rover_file, tmp_path):
-    from six_wheel.replay import replay
+    from six_wheel.control_loop.replay import replay
 
     process = start("node", str(rover_file), "--ros-args", "-p", "record:=run.mcap")
     driving(peer)

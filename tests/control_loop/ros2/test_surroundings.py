@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 import six_wheel as sw
-from tests.ros.peers import PATIENCE, Peer
+from tests.control_loop.ros2.peers import PATIENCE, Peer
 
 ONLY_HERE = """<CycloneDDS><Domain Id="any">
 <General><AllowMulticast>false</AllowMulticast>

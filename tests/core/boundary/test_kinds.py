@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.simulation.motion import Slip
+from six_wheel.simulation.planar import Slip
 
 ROVER = sw.Rover.preset("perseverance")
 ARM = sw.RockerBogie.perseverance()

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import _core, reference
-from six_wheel.controller import Reason
-from six_wheel.reference import controller as slow
+from six_wheel.kinematics.controller import Reason
+from six_wheel.reference.control import controller as slow
 from tests.strategies import any_twists, six_wheel_rovers
 
 ROVER = sw.Rover.six_wheel(

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import FourAxle, FourAxleState, FourAxleStep
-from six_wheel.four_axle import FourAxleSimulation, TurnSequence
-from six_wheel.reference import four_axle as reference
+from six_wheel.kinematics.four_axle import FourAxleSimulation, TurnSequence
+from six_wheel.reference.control import four_axle as reference
 
 H_X, H_Y, LENGTH, RADIUS = 0.4, 0.3, 0.2, 0.1
 STRAIGHT = FourAxleState()

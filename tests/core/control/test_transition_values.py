@@ -8,7 +8,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel import profiles
-from tests.core.laws.test_transitions import LEFT, OSR, RATE, ROVERS, STRAIGHT, random_limits
+from tests.core.control.test_transitions import LEFT, OSR, RATE, ROVERS, STRAIGHT, random_limits
 
 PLANS = [
     profiles.icr_transition(OSR, STRAIGHT, LEFT, steering_rate=RATE),

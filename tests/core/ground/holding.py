@@ -1,6 +1,6 @@
 """Settled poses against their bounds, as many as asked for.
 
-python -m tests.ground.holding 1e8 [--seconds 900]
+python -m tests.core.ground.holding 1e8 [--seconds 900]
 
 Yards of four covers of rocks in turn, each with a seed of its own; totals per cover, or the first yard on
 which a pose is outside.

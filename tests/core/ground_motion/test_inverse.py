@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-
-from .grounds import LEVEL, hills, random_poses, scaled
+from tests.core.ground.grounds import LEVEL, hills, random_poses, scaled
 
 ROVERS = ("rocky7", "perseverance", "curiosity", "zoe")
 SIZE = 30.0  # of a yard for Perseverance [m]

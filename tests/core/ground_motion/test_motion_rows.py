@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-
-from .grounds import rocks, scaled
+from tests.core.ground.grounds import rocks, scaled
 
 COUNT = 203  # no multiple of any register
 KERNELS = sw.kernels()[1:]

@@ -9,8 +9,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel.reference import ground as plain
-
-from .test_ground_reference import PERSEVERANCE, TURNED_ROUND, rough
+from tests.core.ground.test_ground_reference import PERSEVERANCE, TURNED_ROUND, rough
 
 CHAINS = {"behind": PERSEVERANCE, "in front": TURNED_ROUND}
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-
-from .grounds import hills
+from tests.core.ground.grounds import hills
 
 COUNT = 37
 ARM = sw.RockerBogie.perseverance()

@@ -7,7 +7,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
 
 ROVER = sw.Rover.preset("perseverance")
 LIMITS = sw.Limits(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import RockerBogie  # noqa: F401  (the name that a repr refers to)
-from six_wheel.reference import suspension as reference
+from six_wheel.reference.ground import suspension as reference
 
 ROCKY = sw.RockerBogie.rocky7()
 PRESETS = {name: getattr(sw.RockerBogie, name)() for name in ("rocky7", "perseverance", "curiosity")}

@@ -6,7 +6,7 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.reference import planner as plain
+from six_wheel.reference.control import planner as plain
 
 SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
 CORNERS = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]

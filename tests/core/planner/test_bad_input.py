@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.planner.layouts import LIMITS, ROVERS, SIX
+from tests.core.planner.layouts import LIMITS, ROVERS, SIX
 
 ROVER = ROVERS["six wheels"]
 FLAT = np.zeros((30, 40))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.reference import planner as plain
-from tests.planner.layouts import LIMITS, ROVERS, components, twin
+from six_wheel.reference.control import planner as plain
+from tests.core.planner.layouts import LIMITS, ROVERS, components, twin
 
 ALL_ROVERS = pytest.mark.parametrize("rover", ROVERS.values(), ids=ROVERS.keys())
 # One joint is always set for some motion; two may be set for none.

@@ -8,7 +8,7 @@ import pytest
 
 import six_wheel as sw
 
-EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "05_planner.py"), run_name="worlds")
+EXAMPLE = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "05_planner.py"), run_name="worlds")
 ROVER, LIMITS, DT, WORLDS = (EXAMPLE[name] for name in ("rover", "limits", "DT", "WORLDS"))
 
 
@@ -58,7 +58,7 @@ def test_the_same_seed_drives_the_same_way():
 
 
 def test_a_drive_is_a_picture(driven):
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plotting")
     name, run = driven
     world = WORLDS[name]
     figure = plot.plan_figure(ROVER, world.costmap(), run.poses, run.steering, path=world.path, title=name)

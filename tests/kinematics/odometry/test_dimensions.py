@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.odometry import deviations
-from six_wheel.rebuild import with_wheels
-from tests.odometry.test_preintegrated import DIMENSIONS, ROVERS, drive
+from six_wheel.kinematics.odometry import deviations
+from six_wheel.kinematics.rover_edit import with_wheels
+from tests.kinematics.odometry.test_preintegrated import DIMENSIONS, ROVERS, drive
 
 NUMBERS = len(DIMENSIONS) + 2
 READINGS = sw.Noise(speed=0.01, slip=0.01)

@@ -98,7 +98,7 @@ def test_a_shared_reading_errs_in_both_motions():
 
 
 def changed(rover, wheel, name, by):
-    from six_wheel.rebuild import with_wheels
+    from six_wheel.kinematics.rover_edit import with_wheels
 
     changes = [{} for _ in rover.wheels]
     changes[wheel] = {name: (getattr(rover.wheels[wheel], name) or 0.0) + by}
@@ -299,7 +299,7 @@ def test_without_samples_nothing_moved():
 
 def test_the_graph_of_the_page_closes_its_loop_and_finds_the_radii():
     pytest.importorskip("gtsam")
-    page = (Path(__file__).parents[2] / "docs" / "graphs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "graphs.md").read_text(encoding="utf-8")
     shown: dict = {}
     exec(re.search(r"```python\n(.*?)```", page, re.S)[1], shown)
     # The logs are exact: what is left is what the optimiser leaves.

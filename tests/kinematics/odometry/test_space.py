@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.odometry.slopes import ramp, simulated
+from tests.kinematics.odometry.slopes import ramp, simulated
 
 QUIET = sw.Noise(0.0, 0.0)
 EXACT = {"attitude_noise": 0.0, "joint_noise": 0.0}

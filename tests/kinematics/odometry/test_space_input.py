@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from tests.odometry.slopes import simulated
+from tests.kinematics.odometry.slopes import simulated
 
 
 def test_eight_threads_take_turns() -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.reference import odometry as oracle
+from six_wheel.reference.planar import odometry as oracle
 from tests.odometry_logs import VEHICLES, drive, follow, plain
 
 SOAK = "SOAK" in os.environ

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel import evaluation
+from six_wheel.log_odometry import evaluation
 from six_wheel.logs import Truth
 from tests.optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.evaluation import evaluate, slip_against
+from six_wheel.kinematics.odometry.tracks import SILENT, can_contradict
+from six_wheel.log_odometry.evaluation import evaluate, slip_against
 from six_wheel.logs import Log, Truth
-from six_wheel.odometry.tracks import SILENT, can_contradict
-from six_wheel.simulation.motion import Slip
+from six_wheel.simulation.planar import Slip
 
 PAIR = sw.Rover.differential(0.5, (0.1, 0.102))
 STEP, FIRST, LAST = 0.02, 3400, 3550  # [s]; rows in which the left wheel slips
@@ -202,7 +202,7 @@ def test_a_log_and_another_track_stand_for_a_truth():
 
 def test_any_result_has_a_picture():
     pytest.importorskip("matplotlib")
-    from six_wheel import plot
+    from six_wheel import plotting as plot
 
     log, _ = slipped()
     track = sw.dead_reckon(PAIR, log)

@@ -13,7 +13,7 @@ pytest.importorskip("rosbags", reason='needs pip install "six-wheel[bags]"')
 
 from rosbags.typesys import Stores, get_typestore
 
-from six_wheel.records import frames
+from six_wheel.logs.mcap import frames
 
 STORE = get_typestore(Stores.LATEST)
 STAMP = 1_700_000_000_123_456_789

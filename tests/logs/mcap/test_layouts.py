@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("mcap", reason='needs pip install "six-wheel[bags]"')
 
-from six_wheel.records import Record, layouts
+from six_wheel.logs.mcap import Record, layouts
 
 ROVER = "d1: 0.4\nd2: 0.5\nd3: 0.5\nd4: 0.45\nwheel_radius: 0.15\n"
 COMMANDS = "time,vx,vy,omega\n" + "".join(f"{k / 4},0.3,0,{k % 3 / 10}\n" for k in range(9))

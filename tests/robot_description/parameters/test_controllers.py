@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.parameters import ParameterFileError, read_parameters
-from six_wheel.parameters.controllers.ros2 import CONTROLLERS
+from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
+from six_wheel.robot_description.parameters.foreign.ros2 import CONTROLLERS
 
 DATA = Path(__file__).parent / "data"
 NAMES = [form.name for form in CONTROLLERS]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.parameters import ParameterFileError, dump, read_parameters
+from six_wheel.robot_description.parameters import ParameterFileError, dump, read_parameters
 
-SHARED = Path(__file__).parents[3] / "shared" / "data" / "configs"
+SHARED = Path(__file__).parents[4] / "shared" / "data" / "configs"
 
 # What six-wheel answers to each: the kind, or the beginning of the line that refuses it.
 ANSWERS = {

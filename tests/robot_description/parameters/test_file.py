@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel import parameters as config
-from six_wheel.parameters import ParameterFileError, read_parameters
+from six_wheel.robot_description import parameters as config
+from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
 
 DATA = Path(__file__).parent / "data"
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15)
@@ -224,7 +224,7 @@ def test_a_preset():
 
 
 def test_the_example_is_clean():
-    parameters = read_parameters(Path(__file__).parents[2] / "examples" / "rover.yaml")
+    parameters = read_parameters(Path(__file__).parents[3] / "examples" / "rover.yaml")
     assert (parameters.rover, parameters.warnings) == (ROVER, ())
 
 

@@ -8,8 +8,8 @@ pytest.importorskip("yaml")
 pytest.importorskip("pydantic")
 
 import six_wheel as sw
-from six_wheel.parameters import ParameterFileError, parse_parameters
-from six_wheel.parameters.schema import GROUPS
+from six_wheel.robot_description.parameters import ParameterFileError, parse_parameters
+from six_wheel.robot_description.parameters.schema import GROUPS
 
 BICYCLE = "kind: bicycle\nwheelbase: 1.0\nwheel_radius: 0.1\n"
 ENCODERS = "resolution: 64, gear: 30, modulus: 65536, reversed: [rear], per_sample: true, scale: 1.01"

@@ -8,14 +8,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel import parameters as config
-from six_wheel.parameters import ParameterFileError, read_parameters
-from six_wheel.parameters.forms import KEYS
-from six_wheel.parameters.keys import page
-from six_wheel.parameters.kinds import KINDS
-from six_wheel.parameters.schema import NESTED
+from six_wheel.robot_description import parameters as config
+from six_wheel.robot_description.parameters import ParameterFileError, read_parameters
+from six_wheel.robot_description.parameters.detect_format import KEYS
+from six_wheel.robot_description.parameters.keys import page
+from six_wheel.robot_description.parameters.schema import NESTED
+from six_wheel.robot_description.parameters.vehicle_types import KINDS
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 SQUARE = [(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)]
 CORNERS = ["front_left", "front_right", "rear_left", "rear_right"]
 
@@ -398,7 +398,7 @@ def test_random_values_are_read_or_refused(tmp_path, kind, good, tree, nested):
 
 # The documentation
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 DOCUMENT = (DOCS / "parameter_files.md").read_text(encoding="utf-8")
 KEYS_OF_OTHERS = (DOCS / "controller_keys.md").read_text(encoding="utf-8")
 

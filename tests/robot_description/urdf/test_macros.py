@@ -4,10 +4,10 @@ import importlib.util
 from pathlib import Path
 
 import pytest
-from tests.urdf.test_urdf_read import PAIR, robot
 
-from six_wheel.parameters import ParameterFileError
-from six_wheel.urdf import read_urdf
+from six_wheel.robot_description.parameters import ParameterFileError
+from six_wheel.robot_description.urdf import read_urdf
+from tests.robot_description.urdf.test_urdf_read import PAIR, robot
 
 pytestmark = pytest.mark.skipif(
     importlib.util.find_spec("xacrodoc") is None, reason="xacrodoc is not installed"

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.descriptions.findings import ParameterFileError
-from six_wheel.urdf import read_urdf
-from six_wheel.urdf.read import parse_urdf
+from six_wheel.robot_description.diagnostics import ParameterFileError
+from six_wheel.robot_description.urdf import read_urdf
+from six_wheel.robot_description.urdf.read import parse_urdf
 
-SHARED = Path(__file__).parents[3] / "shared" / "data" / "urdf"
+SHARED = Path(__file__).parents[4] / "shared" / "data" / "urdf"
 ROBOTS = {"curio": "curio", "osr": "osr", "nova_banksia": "banksia"}
 ROUNDED = 1e-6  # [m or rad] the table has six decimals
 

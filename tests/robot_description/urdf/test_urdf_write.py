@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.urdf import read_urdf
-from six_wheel.urdf.read import parse_urdf
+from six_wheel.robot_description.urdf import read_urdf
+from six_wheel.robot_description.urdf.read import parse_urdf
 
 ROUNDING = 4e-16  # of headings and roller angles, through a sine and back
 

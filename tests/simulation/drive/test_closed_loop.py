@@ -15,14 +15,14 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.drive import (  # noqa: E402
+from six_wheel.logs.columns import TableError  # noqa: E402
+from six_wheel.simulation.drive import (  # noqa: E402
     ControlledDrive,
     Loop,
     controlled,
     drive,
 )
-from six_wheel.drive.course import BINS, Course  # noqa: E402
-from six_wheel.logs.columns import TableError  # noqa: E402
+from six_wheel.simulation.drive.min_max_thinning import BINS, Course  # noqa: E402
 
 ROUNDING = 1e-9  # relative: a difference of values with 1e-16 over a step of 1/200 s, and room
 RATE = 50.0
@@ -396,7 +396,7 @@ def test_what_is_written_can_be_driven_again(tmp_path: Path) -> None:
 
 
 def picture(path: Path) -> Callable[[ControlledDrive], None]:
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plotting")
     return lambda engine: plot.save(plot.engine_figure(engine, title=path.stem), path)
 
 

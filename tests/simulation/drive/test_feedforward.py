@@ -16,10 +16,10 @@ pa = pytest.importorskip("pyarrow")
 csv = pytest.importorskip("pyarrow.csv")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from six_wheel.drive import Drive, drive  # noqa: E402
+from six_wheel.kinematics.odometry.thinning import TRACE_ROWS, Trace  # noqa: E402
 from six_wheel.logs import replacing  # noqa: E402
 from six_wheel.logs import tables as logs  # noqa: E402
-from six_wheel.odometry.trace import TRACE_ROWS, Trace  # noqa: E402
+from six_wheel.simulation.drive import Drive, drive  # noqa: E402
 
 ROUNDING = 1e-12  # [m, rad] of a few hundred steps of about a metre
 
@@ -279,7 +279,7 @@ def test_outputs_never_are_inputs(tmp_path: Path) -> None:
         with pytest.raises(logs.TableError, match="the output must be another file than"):
             drive(ROVER, commands, tmp_path / name)
     with pytest.raises(logs.TableError, match=r'one of .png, .svg, .pdf, got ".csv"'):
-        pytest.importorskip("six_wheel.plot").picture_path(tmp_path / "c.csv")
+        pytest.importorskip("six_wheel.plotting").picture_path(tmp_path / "c.csv")
     with pytest.raises(logs.TableError, match="another file"):
         drive(ROVER, commands, tmp_path / "rover.csv", sources=[tmp_path / "rover.csv"])
     assert commands.read_bytes() == before
@@ -303,7 +303,7 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
 
 
 def test_the_picture_is_drawn(tmp_path: Path) -> None:
-    plot, path = pytest.importorskip("six_wheel.plot"), tmp_path / "run.png"
+    plot, path = pytest.importorskip("six_wheel.plotting"), tmp_path / "run.png"
     commands = write(tmp_path / "c.csv", *winding(50))
     drive(ROVER, commands, finish=lambda engine: plot.save(plot.engine_figure(engine, title="c"), path))
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
@@ -332,7 +332,7 @@ PEAK_MEMORY = """
 import re, sys
 import six_wheel as sw
 from pathlib import Path
-from six_wheel.drive import drive
+from six_wheel.simulation.drive import drive
 commands, ending = Path(sys.argv[1]), sys.argv[2]
 rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15)
 summary = drive(rover, commands, commands.with_name("run" + ending), chunk_rows=20_000)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.controller import Reason
-from six_wheel.drive.abilities import bound, rim, stop_from, time_to_full_lock
+from six_wheel.kinematics.controller import Reason
+from six_wheel.simulation.drive.performance import bound, rim, stop_from, time_to_full_lock
 
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=0.15, steering_limit=1.0)
 LIMITS = sw.Limits(speed=0.6, yaw_rate=0.9, wheel_speed=6.0, lateral_acceleration=0.2)
@@ -73,7 +73,7 @@ def test_stopping_counts_deceleration_and_jerk():
 
 
 def test_the_picture_has_a_colour_for_every_limit_that_binds():
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plotting")
     figure = plot.limits_figure(ROVER, LIMITS, title="rover")
     words = {text.get_text() for text in figure.axes[0].get_legend().get_texts()}
     found = rim(ROVER, LIMITS)
@@ -91,7 +91,7 @@ def test_the_picture_has_a_colour_for_every_limit_that_binds():
 
 
 def test_a_rover_of_any_kind_has_a_picture():
-    plot = pytest.importorskip("six_wheel.plot")
+    plot = pytest.importorskip("six_wheel.plotting")
     square = [(0.3, 0.3), (0.3, -0.3), (-0.3, 0.3), (-0.3, -0.3)]
     for rover in (
         sw.Rover.swerve(square, 0.05),

@@ -16,10 +16,10 @@ from scipy.special import chdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise
 from six_wheel.calibration.drives import RESTED, at_rest
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.noise import MeasuredNoise
-from six_wheel.calibration.values import Estimate
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import Log
-from six_wheel.poses import Floats
 
 # Readings at rest of which two numbers can be told.
 FEWEST = 10

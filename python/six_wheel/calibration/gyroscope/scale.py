@@ -6,11 +6,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from six_wheel._core import Rover
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.gyroscope.noise import resting
-from six_wheel.calibration.values import Estimate
+from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
+from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.recordings import Log
-from six_wheel.odometry.dead_reckoning import dead_reckon
-from six_wheel.poses import Floats
 
 STRETCH = 1.0  # [s] over which turns are compared
 PARTS = 3  # of a log, between which errors may differ

@@ -1,1 +1,1 @@
-"""What no fit can mend: `readings` of a log or its truth that are others than they seem, and `slips`."""
+"""Errors of a log that no fit removes: `units` (logs that fit far better if read another way), and `slip`."""

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.estimates import timed_path
 from six_wheel.calibration.fitting import Problem, solve
 from six_wheel.calibration.model import Model
-from six_wheel.calibration.values import timed_path
-from six_wheel.evaluation.slip import Stretch, lost_stretches, merged
+from six_wheel.kinematics.odometry.dimensions import size
+from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, merged
 from six_wheel.logs.recordings import Log
-from six_wheel.odometry.dimensions import size
-from six_wheel.poses import Floats
 
 # Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears,
 LARGE = 1.5

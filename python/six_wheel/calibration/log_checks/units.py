@@ -11,8 +11,8 @@ from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.fitting import Problem, Solution
 from six_wheel.calibration.model import Model
-from six_wheel.odometry.dimensions import size
-from six_wheel.poses import Floats
+from six_wheel.kinematics.odometry.dimensions import size
+from six_wheel.kinematics.poses import Floats
 
 # How much better another reading must fit than the one given, nominal dimensions both.
 FAR_BETTER = 3.0

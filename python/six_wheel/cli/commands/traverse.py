@@ -10,7 +10,7 @@ import typer
 from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
-    from six_wheel.bounding import StandLimits
+    from six_wheel.kinematics.statuses import StandLimits
 
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
 
@@ -49,10 +49,10 @@ def traverse(
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
-        from six_wheel.plot.saving import picture_path
+        from six_wheel.plotting.saving import picture_path
 
         picture_path(plot)
-    from six_wheel.traverse import traverse as run
+    from six_wheel.maps.traversability import traverse as run
 
     limits = _limits(limit or [])
     begin = time.monotonic()
@@ -69,7 +69,7 @@ def traverse(
             tell=lambda done, total: update(done, total),
         )
     if plot is not None:
-        from six_wheel.plot import save, traverse_figure
+        from six_wheel.plotting import save, traverse_figure
 
         layers = done.picture
         save(traverse_figure(layers.safe, layers.tilt, done.extent, f"{name} on {map.name}"), plot)
@@ -84,7 +84,7 @@ def traverse(
 
 
 def _limits(texts: list[str]) -> "StandLimits":
-    from six_wheel.bounding import StandLimits
+    from six_wheel.kinematics.statuses import StandLimits
 
     found = dict[str, float]()
     for text in texts:

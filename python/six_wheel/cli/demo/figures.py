@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from six_wheel.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoResult, Motion
-from six_wheel.plot.drawing import INK, SOFT, new_figure, tidy
-from six_wheel.plot.path import draw_path
+from six_wheel.cli.demo.motion import REST_SPEED, SMOOTHING, SUSTAINED, DemoResult, Motion
+from six_wheel.plotting.drawing import INK, SOFT, new_figure, tidy
+from six_wheel.plotting.path import draw_path
 
 # One colour per axle, from front to rear; the left wheel is drawn full, the right one lighter.
 REST = "#e3e6e9"  # opaque: a palette of few colours keeps it

@@ -1,8 +1,8 @@
 """Perseverance over a yard of rocks: where its wheels stand, and how fast they have to turn there."""
 
 from six_wheel._core import RockerBogie, Terrain
-from six_wheel.simulation.ground import GroundSimulation
-from six_wheel.simulation.running import simulate
+from six_wheel.simulation.on_terrain import GroundSimulation
+from six_wheel.simulation.run_simulation import simulate
 
 __all__ = ["drive_yard"]
 

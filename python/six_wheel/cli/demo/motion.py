@@ -91,7 +91,7 @@ class DemoResult:
 
 def load_path() -> tuple[Floats, Floats]:
     """The recording shipped with the package: times (n,) [s] and poses (n, 3) x, y, yaw [m, m, rad]."""
-    source = resources.files("six_wheel") / "data" / "optiodom_tricycle_free.csv"
+    source = resources.files("six_wheel.cli.demo") / "data" / "optiodom_tricycle_free.csv"
     with source.open(encoding="utf-8") as lines:
         table = np.loadtxt(lines, delimiter=",", skiprows=1)
     return table[:, 0], table[:, 1:]

@@ -7,13 +7,13 @@ import numpy as np
 
 from six_wheel import reference
 from six_wheel._core import Rover
-from six_wheel.benchmark import Job, Timing, nanoseconds, round_robin
-from six_wheel.demo import showing
-from six_wheel.demo.ground import COVER, drive_yard
-from six_wheel.demo.motion import ROVERS, DemoResult, drive_path, load_path, recorded_motion
-from six_wheel.plot.ground.run import ground_figure, speeds_figure
-from six_wheel.plot.saving import save
-from six_wheel.report.ground import ground_facts
+from six_wheel.cli.benchmark import Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.demo import figures
+from six_wheel.cli.demo.ground import COVER, drive_yard
+from six_wheel.cli.demo.motion import ROVERS, DemoResult, drive_path, load_path, recorded_motion
+from six_wheel.cli.report.ground import ground_facts
+from six_wheel.plotting.ground.run import ground_figure, speeds_figure
+from six_wheel.plotting.saving import save
 
 __all__ = ["Console", "run", "time_against_reference"]
 
@@ -42,23 +42,23 @@ def run(directory: Path, *, console: Console) -> None:
         If the directory cannot be written.
     """
     times, poses = load_path()
-    console.print(showing.introduce(recorded_motion(times, poses)))
+    console.print(figures.introduce(recorded_motion(times, poses)))
     results = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
     names = [result.name for result in results]
     console.print(
-        showing.table("The same path, driven by two rovers", ["", *names], showing.summary(results))
+        figures.table("The same path, driven by two rovers", ["", *names], figures.summary(results))
     )
 
     directory.mkdir(parents=True, exist_ok=True)
     written = []
     for key, result in zip(ROVERS, results, strict=True):
         written.append(directory / f"demo_{key}.csv")
-        showing.write_commands(result, written[-1])
+        figures.write_commands(result, written[-1])
     written.append(directory / "demo.png")
-    save(showing.draw(results), written[-1])
+    save(figures.draw(results), written[-1])
 
     arm, yard, over = drive_yard()
-    console.print(showing.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))
+    console.print(figures.table("Perseverance over a yard of rocks", ["", ""], ground_facts(over)))
     title = f"Perseverance over rocks on {COVER:.0%} of the ground"
     for name, figure in (
         ("demo_ground.png", ground_figure(over, arm, yard, title=title)),
@@ -68,7 +68,7 @@ def run(directory: Path, *, console: Console) -> None:
         save(figure, written[-1])
 
     header = ["", "six_wheel", "reference", "times faster"]
-    console.print(showing.table("Time", header, time_against_reference(results[0])))
+    console.print(figures.table("Time", header, time_against_reference(results[0])))
     console.print("Written: " + ", ".join(str(path) for path in written))
 
 

@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.report.calibration import before_and_after, write_calibration
-    from six_wheel.report.ground import ground_facts
-    from six_wheel.report.pages import Pages, reporting
-    from six_wheel.report.reckoning import facts, judged, slipped, written
+    from six_wheel.cli.report.calibration import before_and_after, write_calibration
+    from six_wheel.cli.report.ground import ground_facts
+    from six_wheel.cli.report.log_odometry import facts, judged, slipped, written
+    from six_wheel.cli.report.markdown import Pages, reporting
 
 __all__ = [
     "Pages",
@@ -27,7 +27,7 @@ __getattr__, __dir__ = attach(
     {
         "calibration": ("before_and_after", "write_calibration"),
         "ground": ("ground_facts",),
-        "pages": ("Pages", "reporting"),
-        "reckoning": ("facts", "judged", "slipped", "written"),
+        "markdown": ("Pages", "reporting"),
+        "log_odometry": ("facts", "judged", "slipped", "written"),
     },
 )

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from six_wheel.calibration.files import Calibrated, paths_of
-from six_wheel.plot.tracks import residual_figure, track_figure
-from six_wheel.report.pages import CALIBRATION_PICTURES, Pages, picture
+from six_wheel.cli.report.markdown import CALIBRATION_PICTURES, Pages, picture
+from six_wheel.plotting.tracks import residual_figure, track_figure
 
 __all__ = ["before_and_after", "write_calibration"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from six_wheel.simulation.ground import GroundSimulation
+from six_wheel.simulation.on_terrain import GroundSimulation
 
 __all__ = ["ground_facts"]
 

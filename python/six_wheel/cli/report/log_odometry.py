@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from six_wheel.evaluation.paths import Evaluation
-from six_wheel.odometry.tracks import ROUNDING, SILENT
-from six_wheel.reckoning.running import REMARKS, Reckoned
-from six_wheel.report.pages import picture, table
+from six_wheel.cli.report.markdown import picture, table
+from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
+from six_wheel.log_odometry.evaluation.paths import Evaluation
+from six_wheel.log_odometry.run_log import REMARKS, Reckoned
 
 __all__ = ["facts", "judged", "slipped", "written"]
 

@@ -36,7 +36,7 @@ class Pages:
         words : callable, optional
             From the names of the pictures to the text of the report.
         """
-        from six_wheel.plot.saving import save
+        from six_wheel.plotting.saving import save
 
         if self._plot is not None:
             save(figures[0][1], self._targets[self._plot])
@@ -69,7 +69,7 @@ def reporting(
     if plot is None and report is None:
         yield None
         return
-    from six_wheel.plot.saving import picture_path
+    from six_wheel.plotting.saving import picture_path
 
     wanted = [] if plot is None else [picture_path(plot)]
     if report is not None:

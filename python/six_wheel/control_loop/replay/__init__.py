@@ -1,11 +1,11 @@
 """Running a record again: the same inputs through the same loop, or through one with other parameters.
 
-`again` reads the record and runs a node's loop, `drives` a drive through a table; `runs` has what came of it,
-`difference` says what became different.
+`rerun` reads the record and runs a node's loop, `command_replay` a drive through a table; `run_summary` has
+what came of it, `compare_runs` says what became different.
 """
 
-from six_wheel.replay.again import replay
-from six_wheel.replay.difference import Difference, compare
-from six_wheel.replay.runs import Replayed, Run
+from six_wheel.control_loop.replay.compare_runs import Difference, compare
+from six_wheel.control_loop.replay.rerun import replay
+from six_wheel.control_loop.replay.run_summary import Replayed, Run
 
 __all__ = ["Difference", "Replayed", "Run", "compare", "replay"]

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.drive.controlled import ControlledDrive, Loop
-from six_wheel.drive.direct import Drive
-from six_wheel.drive.recording import DriveRecord
+from six_wheel.control_loop import Settings
+from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed
 from six_wheel.logs.columns import TIME
+from six_wheel.logs.mcap import Record, RecordError, rover_record
 from six_wheel.logs.tables import Chunk, RowError
-from six_wheel.onboard import Settings
-from six_wheel.records import Record, RecordError, rover_record
-from six_wheel.replay.runs import OUT, Collected, Replayed
+from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+from six_wheel.simulation.drive.feedforward import Drive
+from six_wheel.simulation.drive.recording import DriveRecord
 
 __all__ = ["DRIVE", "replay_drive"]
 
@@ -31,7 +31,7 @@ def replay_drive(
     output: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Replayed:
-    """A drive, done again with what was changed; see `six_wheel.replay.replay`.
+    """A drive, done again with what was changed; see `six_wheel.control_loop.replay.replay`.
 
     What comes of it is written as the first time and read back like that: the same numbers are the same bits.
     """

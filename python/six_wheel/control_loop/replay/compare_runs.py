@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import integrate
-from six_wheel.replay.runs import Replayed, Run
+from six_wheel.control_loop.replay.run_summary import Replayed, Run
 
 __all__ = ["Difference", "Figures", "compare"]
 

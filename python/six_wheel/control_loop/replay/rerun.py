@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.onboard import Loop, Options, Settings
-from six_wheel.onboard.recorder import Recorder
-from six_wheel.records import Record, RecordError, rover_record
-from six_wheel.records.frames import JointStates, angular_velocity
-from six_wheel.records.reader import Message
-from six_wheel.replay.drives import DRIVE, replay_drive
-from six_wheel.replay.runs import OUT, Collected, Replayed, planar
+from six_wheel.control_loop import Loop, Options, Settings
+from six_wheel.control_loop.recorder import Recorder
+from six_wheel.control_loop.replay.command_replay import DRIVE, replay_drive
+from six_wheel.control_loop.replay.run_summary import OUT, Collected, Replayed, planar
+from six_wheel.logs.mcap import Record, RecordError, rover_record
+from six_wheel.logs.mcap.frames import JointStates, angular_velocity
+from six_wheel.logs.mcap.reader import Message
 
 __all__ = ["replay", "settings_of"]
 

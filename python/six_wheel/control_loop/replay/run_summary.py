@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.onboard import Settings, Step
-from six_wheel.records import Record, rover_record
-from six_wheel.records.frames import planar_pose
-from six_wheel.records.reader import Message
+from six_wheel.control_loop import Settings, Step
+from six_wheel.logs.mcap import Record, rover_record
+from six_wheel.logs.mcap.frames import planar_pose
+from six_wheel.logs.mcap.reader import Message
 
 __all__ = ["OUT", "Collected", "Replayed", "Run", "planar"]
 

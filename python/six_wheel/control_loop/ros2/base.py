@@ -13,11 +13,11 @@ from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.time import Time
 
-from six_wheel.onboard import Loop, Option, Settings, Step
-from six_wheel.onboard.faults import ERROR, WARN
-from six_wheel.onboard.recorder import Recorder
-from six_wheel.onboard.report import Status, statuses
-from six_wheel.ros.parameters import Declared
+from six_wheel.control_loop import Loop, Option, Settings, Step
+from six_wheel.control_loop.diagnostics import Status, statuses
+from six_wheel.control_loop.faults import ERROR, WARN
+from six_wheel.control_loop.recorder import Recorder
+from six_wheel.control_loop.ros2.parameters import Declared
 
 __all__ = ["BaseNode", "nanoseconds"]
 

@@ -7,10 +7,10 @@ from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 
-from six_wheel.onboard import Settings, Step
-from six_wheel.onboard.faults import ERROR
-from six_wheel.ros.base import DEPTH, BaseNode
-from six_wheel.ros.parameters import FILTER
+from six_wheel.control_loop import Settings, Step
+from six_wheel.control_loop.faults import ERROR
+from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
+from six_wheel.control_loop.ros2.parameters import FILTER
 
 __all__ = ["FilterNode"]
 

@@ -6,10 +6,10 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 
-from six_wheel.logs.bags import OWN_FRAMES
+from six_wheel.control_loop.faults import WARN, Faults
+from six_wheel.logs.bags.messages import OWN_FRAMES
 from six_wheel.logs.gyroscope.links import Links
-from six_wheel.onboard.faults import WARN, Faults
-from six_wheel.records.frames import angular_velocity
+from six_wheel.logs.mcap.frames import angular_velocity
 
 __all__ = ["TOPIC", "ImuInput"]
 

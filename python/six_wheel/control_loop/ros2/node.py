@@ -9,15 +9,15 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from six_wheel.onboard import Settings, Step
-from six_wheel.onboard.faults import ERROR
-from six_wheel.onboard.loop import SECOND
-from six_wheel.records import frames
-from six_wheel.records.frames import planar_pose, planar_twist
-from six_wheel.ros.base import DEPTH, BaseNode
-from six_wheel.ros.imu import ImuInput
-from six_wheel.ros.interfaces import CommandInterface
-from six_wheel.ros.parameters import NODE
+from six_wheel.control_loop import Settings, Step
+from six_wheel.control_loop.faults import ERROR
+from six_wheel.control_loop.loop import SECOND
+from six_wheel.control_loop.ros2.base import DEPTH, BaseNode
+from six_wheel.control_loop.ros2.imu import ImuInput
+from six_wheel.control_loop.ros2.interfaces import CommandInterface
+from six_wheel.control_loop.ros2.parameters import NODE
+from six_wheel.logs.mcap import frames
+from six_wheel.logs.mcap.frames import planar_pose, planar_twist
 
 __all__ = ["RoverNode"]
 

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from six_wheel._core import Noise
-from six_wheel.onboard import OPTIONS, Option, Settings
-from six_wheel.onboard.settings import NAMES, rover_keys
-from six_wheel.parameters.schema import GROUPS
+from six_wheel.control_loop import OPTIONS, Option, Settings
+from six_wheel.control_loop.settings import NAMES, rover_keys
+from six_wheel.robot_description.parameters.schema import GROUPS
 
 __all__ = ["FILTER", "NODE", "Declared"]
 

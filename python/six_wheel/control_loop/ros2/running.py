@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from types import FrameType
 from typing import Any, Literal
 
-from six_wheel.onboard import Settings
-from six_wheel.ros.loading import rclpy
+from six_wheel.control_loop import Settings
+from six_wheel.control_loop.ros2.loading import rclpy
 
 __all__ = ["run"]
 
@@ -57,11 +57,11 @@ def _spin(ros: Any, kind: str, settings: Settings) -> int:
     name = node_name(settings.parameters.node, kind)
     try:
         if kind == "node":
-            from six_wheel.ros.node import RoverNode
+            from six_wheel.control_loop.ros2.node import RoverNode
 
             node: Any = RoverNode(name, settings)
         else:
-            from six_wheel.ros.filter import FilterNode
+            from six_wheel.control_loop.ros2.filter import FilterNode
 
             node = FilterNode(name, settings)
     except ros.exceptions.InvalidParameterTypeException as error:

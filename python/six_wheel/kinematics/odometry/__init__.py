@@ -6,14 +6,14 @@
 from typing import TYPE_CHECKING
 
 from six_wheel._core import Encoder, Noise, Odometry, Odometry3, Odometry3State, OdometryState
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
-    from six_wheel.odometry.dimensions import deviations
-    from six_wheel.odometry.space import Track3
-    from six_wheel.odometry.trace import Trace
-    from six_wheel.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
+    from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon, dead_reckon_chunks, table_columns
+    from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
+    from six_wheel.kinematics.odometry.dimensions import deviations
+    from six_wheel.kinematics.odometry.thinning import Trace
+    from six_wheel.kinematics.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
 
 __all__ = [
     "Encoder",
@@ -40,11 +40,11 @@ __getattr__, __dir__ = attach(
     {
         "dead_reckoning": ("dead_reckon", "dead_reckon_chunks", "table_columns"),
         "dimensions": ("deviations",),
-        "gyroscope": (),
-        "mounts": (),
-        "space": ("Track3",),
-        "tables": (),
-        "trace": ("Trace",),
+        "gyroscope_errors": (),
+        "sensor_frames": (),
+        "dead_reckoning3": ("Track3",),
+        "tabular_input": (),
+        "thinning": ("Trace",),
         "tracks": ("Health", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
     },
 )

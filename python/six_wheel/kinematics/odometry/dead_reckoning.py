@@ -8,10 +8,10 @@ from typing import Any, Literal, overload
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
-from six_wheel.odometry import tables
-from six_wheel.odometry.mounts import mount, seen_by, start_of_body
-from six_wheel.odometry.space import Track3, reckon
-from six_wheel.odometry.tracks import Track
+from six_wheel.kinematics.odometry import tabular_input
+from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
+from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
+from six_wheel.kinematics.odometry.tracks import Track
 
 __all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
 
@@ -191,12 +191,12 @@ def dead_reckon(
         track = odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
     else:
         if wheel_angles is None and stamps is None:
-            source = tables.table(rover, steering, columns, rates, options)
+            source = tabular_input.table(rover, steering, columns, rates, options)
         elif wheel_angles is None or stamps is None:
             raise ValueError("wheel_angles and stamps must come together, got one of them")
         else:
-            source = tables.arrays(steering, wheel_angles, stamps, rates)
-        track = tables.join(rover, list(tables.follow(odometry, source, keywords, progress)))
+            source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
+        track = tabular_input.join(rover, list(tabular_input.follow(odometry, source, keywords, progress)))
     return track if place is None else seen_by(track, place)
 
 
@@ -244,8 +244,10 @@ def dead_reckon_chunks(
     odometry.reset(start, start_covariance)
     keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
     sensors = {"yaw": yaw, "yaw_rate": yaw_rate}
-    source = tables.table(rover, table, columns, sensors, options, chunk_rows or tables.CHUNK_ROWS)
-    return tables.follow(odometry, source, keywords, progress)
+    source = tabular_input.table(
+        rover, table, columns, sensors, options, chunk_rows or tabular_input.CHUNK_ROWS
+    )
+    return tabular_input.follow(odometry, source, keywords, progress)
 
 
 def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
@@ -255,4 +257,4 @@ def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
     alone or with ``.position`` or ``.velocity`` behind; wheels by their own names as well. The ``"stamp"`` is
     in seconds, or a column of dates. A wheel without a motor may have no column.
     """
-    return tables.names(rover)
+    return tabular_input.names(rover)

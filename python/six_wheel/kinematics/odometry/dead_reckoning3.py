@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Noise, Odometry3, Suspension, Terrain
-from six_wheel.odometry.tracks import Health, findings, rows_with
+from six_wheel.kinematics.odometry.tracks import Health, findings, rows_with
 
 if TYPE_CHECKING:
     from typing import Literal

@@ -5,7 +5,7 @@ from __future__ import annotations  # NumPy is not loaded for its names
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from six_wheel.odometry.tracks import Track
+from six_wheel.kinematics.odometry.tracks import Track
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +38,7 @@ def start_of_body(
     """Where the body is when its sensor is at `start`, and how well that is known."""
     import numpy as np
 
-    from six_wheel.poses import as_poses, inverse, joined
+    from six_wheel.kinematics.poses import as_poses, inverse, joined
 
     seen = as_poses("start", np.atleast_2d(np.asarray(start, dtype=np.float64)), 1)
     body = joined(seen, inverse(sensor))
@@ -53,7 +53,7 @@ def seen_by(track: Track, sensor: Floats) -> Track:
     """The track of the sensor: world poses, twists in its own axes, covariances in world axes."""
     import numpy as np
 
-    from six_wheel.poses import joined
+    from six_wheel.kinematics.poses import joined
 
     vx, vy, omega = track.twists.T
     moved = np.stack((vx - omega * sensor[1], vy + omega * sensor[0]), axis=-1)

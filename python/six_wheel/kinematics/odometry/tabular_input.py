@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.odometry.tracks import Track
+from six_wheel.kinematics.odometry.tracks import Track
 
 CHUNK_ROWS = 65_536  # a few megabytes, and so many that a call costs nothing
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
-from six_wheel.flags import NamedFlag
+from six_wheel.kinematics.flags import NamedFlag
 
 if TYPE_CHECKING:
     import numpy as np
@@ -305,7 +305,9 @@ class SlipReport:
                 f"{window.wheel} slid {window.distance:.3f} m, at {window.worst:.3f} m/s at most"
             )
         if not self.told:
-            lines.append(f"{SILENT} (a gyroscope or a truth can: six_wheel.evaluation.slip_against)")
+            lines.append(
+                f"{SILENT} (a gyroscope or a truth can: six_wheel.log_odometry.evaluation.slip_against)"
+            )
         elif not self.windows:
             lines.append("no stretch in which a wheel slipped")
         return "\n".join(lines)

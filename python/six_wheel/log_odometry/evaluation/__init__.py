@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.evaluation.paths import (
+    from six_wheel.log_odometry.evaluation.paths import (
         AbsoluteError,
         Alignment,
         ErrorGrowth,
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
         relative_error,
         segments,
     )
-    from six_wheel.evaluation.slip import Stretch, slip_against
-    from six_wheel.evaluation.square import SquareTest, umbmark
+    from six_wheel.log_odometry.evaluation.slip import Stretch, slip_against
+    from six_wheel.log_odometry.evaluation.square_path import SquareTest, umbmark
 
 __all__ = [
     "AbsoluteError",
@@ -63,6 +63,6 @@ __getattr__, __dir__ = attach(
             "segments",
         ),
         "slip": ("Stretch", "slip_against"),
-        "square": ("SquareTest", "umbmark"),
+        "square_path": ("SquareTest", "umbmark"),
     },
 )

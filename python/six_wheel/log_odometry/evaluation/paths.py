@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import wrap_angle
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats, as_poses, between, inverse, joined
 from six_wheel.logs.recordings import Reference, as_truth
-from six_wheel.odometry.tracks import Track
-from six_wheel.poses import Floats, as_poses, between, inverse, joined
 
 __all__ = [
     "AbsoluteError",

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats, between
 from six_wheel.logs.recordings import Reference, as_truth
-from six_wheel.odometry.tracks import Track
-from six_wheel.poses import Floats, between
 
 __all__ = ["Stretch", "lost_stretches", "merged", "slip_against"]
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.poses import Floats
-from six_wheel.rebuild import with_wheels
+from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.rover_edit import with_wheels
 
 __all__ = ["SquareTest", "umbmark"]
 

@@ -5,8 +5,8 @@ which topics a rover has, `reader` gives them back in the order they were writte
 them for Foxglove and Rerun. Writing and reading need rosbags and mcap (the extra ``bags``).
 """
 
-from six_wheel.records.reader import Record, RecordError
-from six_wheel.records.rover_record import RoverRecord
-from six_wheel.records.writer import RecordWriter
+from six_wheel.logs.mcap.reader import Record, RecordError
+from six_wheel.logs.mcap.rover_record import RoverRecord
+from six_wheel.logs.mcap.writer import RecordWriter
 
 __all__ = ["Record", "RecordError", "RecordWriter", "RoverRecord"]

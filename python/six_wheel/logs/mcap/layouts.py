@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from six_wheel._core import Rover
-from six_wheel.rebuild import joints_as_given
-from six_wheel.records import rover_record as topics
-from six_wheel.records.reader import Record
+from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.logs.mcap import rover_record as topics
+from six_wheel.logs.mcap.reader import Record
 
 __all__ = ["ENDINGS", "check", "foxglove", "rerun", "write"]
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from six_wheel.errors import FileError
-from six_wheel.records.writer import FORMAT, SETTINGS, libraries
+from six_wheel.kinematics.errors import FileError
+from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
 
 __all__ = ["Message", "Record", "RecordError"]
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, Self
 
 from six_wheel._core import Rover
-from six_wheel.controller import Reason
-from six_wheel.rebuild import joints_as_given
-from six_wheel.records import frames
-from six_wheel.records.writer import RecordWriter
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.logs.mcap import frames
+from six_wheel.logs.mcap.writer import RecordWriter
 
 __all__ = [
     "CHANGES",

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Stand, Terrain
-from six_wheel.plot.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, tidy
-from six_wheel.plot.ground.side import draw_side_view
-from six_wheel.simulation.ground import GroundSimulation
+from six_wheel.plotting.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, tidy
+from six_wheel.plotting.ground.side import draw_side_view
+from six_wheel.simulation.on_terrain import GroundSimulation
 
 __all__ = ["film_figure", "ground_figure", "speeds_figure"]
 

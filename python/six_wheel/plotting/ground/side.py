@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from six_wheel._core import RockerBogie, Stand, Terrain
-from six_wheel.plot.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, Floats, tidy
+from six_wheel.plotting.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, Floats, tidy
 
 PIVOT = 0.18  # radius of a drawn joint, of a wheel's
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.reference.geometry import Floats
-from six_wheel.reference.rover import Rover
+from six_wheel.reference.planar.geometry import Floats
+from six_wheel.reference.planar.rover import Rover
 
 HALVINGS = 200
 

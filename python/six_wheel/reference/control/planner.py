@@ -11,9 +11,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.reference.geometry import Floats
-from six_wheel.reference.rover import Rover
-from six_wheel.reference.wheels import Wheel
+from six_wheel.reference.planar.geometry import Floats
+from six_wheel.reference.planar.rover import Rover
+from six_wheel.reference.planar.wheels import Wheel
 
 Words: TypeAlias = NDArray[np.uint64]
 Truths: TypeAlias = NDArray[np.bool_]

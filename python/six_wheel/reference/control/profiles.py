@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from six_wheel.reference.geometry import Floats
-from six_wheel.reference.rover import Rover
+from six_wheel.reference.planar.geometry import Floats
+from six_wheel.reference.planar.rover import Rover
 
 __all__ = ["Shape", "Strain", "angle_scrub", "shape", "strain"]
 

@@ -13,8 +13,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from six_wheel.reference.geometry import Floats
-from six_wheel.reference.wheels import InfeasibleMotionError, Wheel
+from six_wheel.reference.planar.geometry import Floats
+from six_wheel.reference.planar.wheels import InfeasibleMotionError, Wheel
 
 Keep: TypeAlias = Literal["curvature", "speed", "yaw_rate", "nearest"]
 

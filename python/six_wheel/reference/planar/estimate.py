@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.reference.geometry import Floats
+from six_wheel.reference.planar.geometry import Floats
 
 RANK_TOLERANCE = 1e-9  # singular values below this share of the largest are zero
 

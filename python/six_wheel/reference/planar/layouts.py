@@ -11,8 +11,8 @@ from typing import Any, Literal, Self, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.reference.geometry import finite
-from six_wheel.reference.wheels import Limit, Wheel
+from six_wheel.reference.planar.geometry import finite
+from six_wheel.reference.planar.wheels import Limit, Wheel
 
 Driven: TypeAlias = Literal["front", "rear", "all"]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from six_wheel.reference.geometry import Floats
+from six_wheel.reference.planar.geometry import Floats
 
 CONCURRENT = 1e-6  # side slip per metre driven below which steering angles agree on a motion [m/m]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from six_wheel.reference.geometry import Floats, compose, exp
-from six_wheel.reference.rover import Rover
+from six_wheel.reference.planar.geometry import Floats, compose, exp
+from six_wheel.reference.planar.rover import Rover
 
 DIFFERENCE = 1e-5  # of a reading: derivatives err by its square, and by rounding over it
 

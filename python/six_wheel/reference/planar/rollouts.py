@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.reference.geometry import Floats, MaybeArray, finite, integrate
-from six_wheel.reference.rover import Rover
-from six_wheel.reference.wheels import choose
+from six_wheel.reference.planar.geometry import Floats, MaybeArray, finite, integrate
+from six_wheel.reference.planar.rover import Rover
+from six_wheel.reference.planar.wheels import choose
 
 
 def rollout_cost(

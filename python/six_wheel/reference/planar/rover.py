@@ -9,13 +9,18 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from six_wheel.reference import estimate
-from six_wheel.reference import mobility as degrees
-from six_wheel.reference.admissible import SLIP_TOLERANCE, AdmissibleSet, Keep, fastest_pivot
-from six_wheel.reference.estimate import Fit
-from six_wheel.reference.geometry import Floats, MaybeArray, finite, or_zeros, rowwise
-from six_wheel.reference.layouts import Layout
-from six_wheel.reference.wheels import ANGLE_TOLERANCE, InfeasibleMotionError, UnderdeterminedError, choose
+from six_wheel.reference.planar import estimate
+from six_wheel.reference.planar import mobility as degrees
+from six_wheel.reference.planar.admissible import SLIP_TOLERANCE, AdmissibleSet, Keep, fastest_pivot
+from six_wheel.reference.planar.estimate import Fit
+from six_wheel.reference.planar.geometry import Floats, MaybeArray, finite, or_zeros, rowwise
+from six_wheel.reference.planar.layouts import Layout
+from six_wheel.reference.planar.wheels import (
+    ANGLE_TOLERANCE,
+    InfeasibleMotionError,
+    UnderdeterminedError,
+    choose,
+)
 
 Method: TypeAlias = Literal["least_squares", "middle_wheels", "robust"]
 

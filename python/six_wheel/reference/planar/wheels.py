@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from six_wheel.reference.geometry import Floats
+from six_wheel.reference.planar.geometry import Floats
 
 Limit: TypeAlias = float | tuple[float, float] | None
 

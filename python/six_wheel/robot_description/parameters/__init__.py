@@ -1,17 +1,18 @@
 """A rover from a parameter file, and back: a ROS 2 file as teams have it, or plain keys.
 
-The way down: text to a tree with lines (`syntax`), the parameters of one node (`nodes`), which form they have
-(`forms`: the `kinds` of this package or the `controllers` of ROS 2, whose keys `schema` checks), which wheel
-a joint turns (`joints`), the rover with all findings (`file`). `writing` is the way back; `mending` writes
-other numbers into a file.
+The way down: text to a tree with lines (`ros_yaml`), the parameters of one node (`ros_node_parameters`),
+their form (`detect_format`: the `vehicle_types` of this package or the `foreign` keys of ROS 2 and others,
+which `schema` checks), the wheel that a joint turns (`joints`), the rover with all findings (`file`).
+`writing` is the way back; `edit_in_place` writes other numbers into a file.
 """
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.parameters.file import (
+    from six_wheel.robot_description.parameters.edit_in_place import text_for
+    from six_wheel.robot_description.parameters.file import (
         Finding,
         ParameterFileError,
         Parameters,
@@ -19,8 +20,7 @@ if TYPE_CHECKING:
         parse_parameters,
         read_parameters,
     )
-    from six_wheel.parameters.mending import text_for
-    from six_wheel.parameters.writing import dump
+    from six_wheel.robot_description.parameters.writing import dump
 
 __all__ = [
     "Finding",
@@ -36,8 +36,6 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "controller_keys": (),
-        "controllers": (),
         "file": (
             "Finding",
             "ParameterFileError",
@@ -46,13 +44,14 @@ __getattr__, __dir__ = attach(
             "parse_parameters",
             "read_parameters",
         ),
-        "forms": (),
+        "detect_format": (),
+        "foreign": (),
         "joints": (),
-        "kinds": (),
-        "mending": ("text_for",),
-        "nodes": (),
+        "vehicle_types": (),
+        "edit_in_place": ("text_for",),
+        "ros_node_parameters": (),
         "schema": (),
-        "syntax": (),
+        "ros_yaml": (),
         "writing": ("dump",),
     },
 )

@@ -3,17 +3,23 @@
 import re
 from typing import Any
 
-from six_wheel.parameters.controllers.drives import DRIVES as OTHER_DRIVES
-from six_wheel.parameters.controllers.frc import FRC
-from six_wheel.parameters.controllers.keys import DRIVES, STEERS, WELL_KNOWN
-from six_wheel.parameters.controllers.ros2 import CONTROLLERS
-from six_wheel.parameters.controllers.rovers import ROVERS
-from six_wheel.parameters.kinds import DIMENSIONS, KINDS, OWN_KEYS, PRESET
-from six_wheel.parameters.kinds import TELLING as OWN_TELLING
-from six_wheel.parameters.nodes import GROUPS, Section, closest, drives, section
-from six_wheel.parameters.schema import GROUPS as MAPPINGS
-from six_wheel.parameters.schema import NESTED, Common, Form, describe, keys_of, shown
-from six_wheel.parameters.syntax import Path, Report, Tree, one_line, spell
+from six_wheel.robot_description.parameters.foreign.drives import DRIVES as OTHER_DRIVES
+from six_wheel.robot_description.parameters.foreign.frc import FRC
+from six_wheel.robot_description.parameters.foreign.keys import DRIVES, STEERS, WELL_KNOWN
+from six_wheel.robot_description.parameters.foreign.ros2 import CONTROLLERS
+from six_wheel.robot_description.parameters.foreign.rovers import ROVERS
+from six_wheel.robot_description.parameters.ros_node_parameters import (
+    GROUPS,
+    Section,
+    closest,
+    drives,
+    section,
+)
+from six_wheel.robot_description.parameters.ros_yaml import Path, Report, Tree, one_line, spell
+from six_wheel.robot_description.parameters.schema import GROUPS as MAPPINGS
+from six_wheel.robot_description.parameters.schema import NESTED, Common, Form, describe, keys_of, shown
+from six_wheel.robot_description.parameters.vehicle_types import DIMENSIONS, KINDS, OWN_KEYS, PRESET
+from six_wheel.robot_description.parameters.vehicle_types import TELLING as OWN_TELLING
 
 __all__ = [
     "FOREIGN",

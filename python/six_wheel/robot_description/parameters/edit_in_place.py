@@ -15,16 +15,16 @@ import numpy as np
 import yaml
 
 from six_wheel._core import Rover
-from six_wheel.parameters import file as config
-from six_wheel.parameters import syntax
-from six_wheel.parameters.file import Parameters, parse_parameters
-from six_wheel.parameters.forms import form_of, section_of
-from six_wheel.parameters.nodes import PARAMETERS, Section
-from six_wheel.parameters.schema import GROUPS, Form, Values, check_values
-from six_wheel.parameters.syntax import Path, Tree
-from six_wheel.parameters.writing import dump
-from six_wheel.poses import Floats
-from six_wheel.rebuild import joints_as_given
+from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.robot_description.parameters import file as config
+from six_wheel.robot_description.parameters import ros_yaml
+from six_wheel.robot_description.parameters.detect_format import form_of, section_of
+from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
+from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section
+from six_wheel.robot_description.parameters.ros_yaml import Path, Tree
+from six_wheel.robot_description.parameters.schema import GROUPS, Form, Values, check_values
+from six_wheel.robot_description.parameters.writing import dump
 
 __all__ = ["text_for"]
 
@@ -96,10 +96,10 @@ def _plain(rover: Rover, parameters: Parameters | None, beside: Values) -> str:
         said = {name: getattr(parameters, name) for name in kept}
         groups = {name: getattr(parameters, name) for name in ("steering_encoders", "odometry")} | groups
     for node in (parameters.node, None) if parameters is not None and parameters.node else (None,):
-        data = syntax.parse(dump(rover, node=node, **said), _unheard).data
+        data = ros_yaml.parse(dump(rover, node=node, **said), _unheard).data
         values = data if node is None else data[node][PARAMETERS]
         values |= {name: value for name, value in groups.items() if value}
-        text = syntax.write(values if node is None else {node: {PARAMETERS: values}})
+        text = ros_yaml.write(values if node is None else {node: {PARAMETERS: values}})
         found = parse_parameters(text, node=node)
         if found.rover == rover and _holds(found, beside):
             return text
@@ -157,7 +157,7 @@ def _unheard(*_: Any) -> None:
 
 def _take_apart(parameters: Parameters) -> _File | None:
     text = parameters.path.read_text(encoding="utf-8-sig")
-    tree = syntax.parse(text, _unheard)
+    tree = ros_yaml.parse(text, _unheard)
     found = section_of(tree, parameters.node, _unheard)
     form = None if found is None else form_of(found, _unheard, _unheard, parameters.asked)
     if found is None or form is None:
@@ -254,7 +254,7 @@ def _solve(file: _File, paths: Sequence[Path], rover: Rover) -> Values | None:
 def _edit(file: _File, values: Values) -> str | None:
     """The text with the numbers that differ; None if one of them has no place in it."""
     before = check_values(file.section, file.form, _unheard)
-    nodes = dict(_nodes(yaml.compose(file.text, Loader=syntax.Loader), ()))
+    nodes = dict(_nodes(yaml.compose(file.text, Loader=ros_yaml.Loader), ()))
     absolute = {id(place): path for path, place in file.tree.places.items()}
     edits: list[tuple[int, int, str]] = []
     for key, value in values.items():

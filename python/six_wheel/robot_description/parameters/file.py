@@ -29,16 +29,16 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from six_wheel._core import Controller, Gyroscope, Limits, Rover, without_questions
-from six_wheel.descriptions.findings import Finding, ParameterFileError, Severity
-from six_wheel.errors import as_path
-from six_wheel.odometry.gyroscope import ARGUMENTS
-from six_wheel.parameters import syntax
-from six_wheel.parameters.controllers.frc import gather_modules
-from six_wheel.parameters.forms import FOREIGN, check_keys, form_of, section_of
-from six_wheel.parameters.joints import JointList, wheels_of_joints
-from six_wheel.parameters.nodes import PARAMETERS, Section, closest, declares
-from six_wheel.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
-from six_wheel.parameters.units import question_units
+from six_wheel.kinematics.errors import as_path
+from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
+from six_wheel.robot_description.diagnostics import Finding, ParameterFileError, Severity
+from six_wheel.robot_description.parameters import ros_yaml
+from six_wheel.robot_description.parameters.detect_format import FOREIGN, check_keys, form_of, section_of
+from six_wheel.robot_description.parameters.foreign.frc import gather_modules
+from six_wheel.robot_description.parameters.joints import JointList, wheels_of_joints
+from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS, Section, closest, declares
+from six_wheel.robot_description.parameters.schema import GROUPS, Form, LimitKeys, Values, check_values
+from six_wheel.robot_description.parameters.units import question_units
 
 __all__ = ["Finding", "ParameterFileError", "Parameters", "load", "read_parameters"]
 
@@ -108,7 +108,7 @@ class Parameters:
         known = self.calibration
         if not known.get("covariance"):
             return None
-        from six_wheel.odometry.dimensions import deviations
+        from six_wheel.kinematics.odometry.dimensions import deviations
 
         return deviations(self.rover, known["parameters"], known["covariance"])
 
@@ -174,10 +174,10 @@ class _Log:
         self.path = path
         self.findings: list[Finding] = []
 
-    def error(self, line: int | None, at: syntax.Path, message: str, remedy: str | None) -> None:
+    def error(self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None) -> None:
         self._add(line, at, message, remedy, "error")
 
-    def warning(self, line: int | None, at: syntax.Path, message: str, remedy: str | None) -> None:
+    def warning(self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None) -> None:
         self._add(line, at, message, remedy, "warning")
 
     def fail(self, line: int | None, message: str, remedy: str) -> NoReturn:
@@ -200,11 +200,11 @@ class _Log:
         return any(finding.severity == "error" for finding in self.findings)
 
     def _add(
-        self, line: int | None, at: syntax.Path, message: str, remedy: str | None, severity: Severity
+        self, line: int | None, at: ros_yaml.Path, message: str, remedy: str | None, severity: Severity
     ) -> None:
         if PARAMETERS in at[:-1]:
             at = at[at.index(PARAMETERS) + 1 :]
-        self.findings.append(Finding(line, syntax.spell(at), message, remedy, severity, self.path))
+        self.findings.append(Finding(line, ros_yaml.spell(at), message, remedy, severity, self.path))
 
 
 def _read(path: Path, text: str, node: str | None, kind: str | None, log: _Log) -> Parameters:
@@ -276,10 +276,10 @@ def _text(path: Path, log: _Log) -> str:
         )
 
 
-def _tree(text: str, path: Path, log: _Log) -> syntax.Tree:
+def _tree(text: str, path: Path, log: _Log) -> ros_yaml.Tree:
     try:
-        tree = syntax.parse(text, log.error, log.warning)
-    except syntax.YamlSyntaxError as error:
+        tree = ros_yaml.parse(text, log.error, log.warning)
+    except ros_yaml.YamlSyntaxError as error:
         log.fail(error.line, error.message, error.remedy)
     if tree.data is None:
         log.fail(
@@ -363,7 +363,7 @@ def _joints(
         lines = {joint: section.line_of((here.key, place)) for place, joint in places}
         for joint in [joint for joint in lines if joint in key_of and joint in found]:
             first = "in {} on line {}".format(*key_of[joint])
-            message = f"{syntax.one_line(joint)} is named both {first} and in {here.key}"
+            message = f"{ros_yaml.one_line(joint)} is named both {first} and in {here.key}"
             log.error(lines[joint], (here.key,), message, "a joint turns one wheel, and drives or steers it")
         key_of |= {joint: (here.key, lines[joint]) for joint in found}
         named |= lines.keys()
@@ -372,7 +372,7 @@ def _joints(
     for joint in stated if lists and whole else ():
         if joint not in named:
             at, guess = ("wheel_of_joint", joint), closest(joint, named)
-            message = f"wheel_of_joint names {syntax.one_line(joint)}, which is in neither list of joints"
+            message = f"wheel_of_joint names {ros_yaml.one_line(joint)}, which is in neither list of joints"
             log.error(section.line_of(at), at, message, f"did you mean {guess}?" if guess else "remove it")
     return joints
 
@@ -393,7 +393,7 @@ def _check_wheels(section: Section, values: Values, rover: Rover, log: _Log) -> 
         for place, wheel in places:
             if wheel not in known:
                 at, guess = (group, key, place), closest(wheel, known)
-                message = f"{group}.{key} names {syntax.one_line(wheel)}, which is no such wheel or joint"
+                message = f"{group}.{key} names {ros_yaml.one_line(wheel)}, which is no such wheel or joint"
                 remedy = f"did you mean {guess}?" if guess else f"there are {', '.join(wheels) or 'none'}"
                 log.error(section.line_of(at), at, message, remedy)
 
@@ -409,7 +409,7 @@ def _check_covariance(section: Section, values: Values, rover: Rover, log: _Log)
         )
         log.error(section.line_of(at), at, message, "give one row and one column for each of the parameters")
     elif rows:
-        from six_wheel.odometry.dimensions import deviations
+        from six_wheel.kinematics.odometry.dimensions import deviations
 
         try:
             deviations(rover, names, rows)
@@ -421,6 +421,6 @@ def _check_order(section: Section, here: JointList, found: dict[str, str], log: 
     if here.order == "expected" and len(found) == len(here.wheels) and tuple(found.values()) != here.wheels:
         at, first = (here.key,), next(iter(found))
         taken = f"which a controller of ROS 2 takes for {here.wheels[0]}"
-        message = f"{here.key} begins with {syntax.one_line(first)}, {taken}"
+        message = f"{here.key} begins with {ros_yaml.one_line(first)}, {taken}"
         remedy = f"ROS 2 goes by the order {', '.join(here.wheels)}; here the names count"
         log.warning(section.line_of(at), at, message, remedy)

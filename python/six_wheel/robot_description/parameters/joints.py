@@ -10,9 +10,9 @@ import itertools
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-from six_wheel.descriptions.joint_names import agree, said_by, wheel_said_by
-from six_wheel.parameters.nodes import Section, closest
-from six_wheel.parameters.syntax import Path, Report, one_line
+from six_wheel.robot_description.joint_names import agree, said_by, wheel_said_by
+from six_wheel.robot_description.parameters.ros_node_parameters import Section, closest
+from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line
 
 __all__ = ["JointList", "wheels_of_joints"]
 

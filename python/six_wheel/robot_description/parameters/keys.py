@@ -6,10 +6,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from six_wheel.parameters.controllers.keys import LIMITS, SLOWING, TIMEOUTS, WELL_KNOWN
-from six_wheel.parameters.forms import FOREIGN
-from six_wheel.parameters.kinds import OWN_KEYS
-from six_wheel.parameters.schema import Common, Form, keys_of
+from six_wheel.robot_description.parameters.detect_format import FOREIGN
+from six_wheel.robot_description.parameters.foreign.keys import LIMITS, SLOWING, TIMEOUTS, WELL_KNOWN
+from six_wheel.robot_description.parameters.schema import Common, Form, keys_of
+from six_wheel.robot_description.parameters.vehicle_types import OWN_KEYS
 
 __all__ = ["page"]
 

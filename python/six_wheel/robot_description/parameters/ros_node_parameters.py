@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from six_wheel.parameters.syntax import Path, Place, Report, Tree, nearest, one_line
+from six_wheel.robot_description.parameters.ros_yaml import Path, Place, Report, Tree, nearest, one_line
 
 __all__ = ["PARAMETERS", "Section", "closest", "declares", "drives", "flat_keys", "section"]
 

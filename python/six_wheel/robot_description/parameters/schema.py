@@ -14,9 +14,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from six_wheel._core import Encoder, Gyroscope, Noise, Odometry, Rover, Wheel
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.syntax import Path, Report, one_line, spell
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Path, Report, one_line, spell
 
 __all__ = [
     "GROUPS",

@@ -3,8 +3,8 @@
 from collections.abc import Collection
 
 from six_wheel._core import Rover, unit_questions
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.syntax import Report
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
 
 __all__ = ["question_units"]
 

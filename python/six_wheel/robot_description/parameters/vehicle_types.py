@@ -10,10 +10,11 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import AfterValidator, BaseModel, Discriminator, Field, Strict, Tag, model_validator
 
 from six_wheel._core import FourAxle, RockerBogie, Rover, Wheel
-from six_wheel.descriptions.joint_names import said_by
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import (
+from six_wheel.robot_description.joint_names import said_by
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report, one_line
+from six_wheel.robot_description.parameters.schema import (
     NESTED,
     Common,
     Finite,
@@ -33,7 +34,6 @@ from six_wheel.parameters.schema import (
     optional,
     required,
 )
-from six_wheel.parameters.syntax import Report, one_line
 
 __all__ = ["DIMENSIONS", "KINDS", "OWN_KEYS", "PRESET", "TELLING"]
 

@@ -5,15 +5,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from six_wheel._core import Limits, Rover, Wheel
-from six_wheel.descriptions.findings import ParameterFileError
-from six_wheel.descriptions.joint_names import wheel_said_by
-from six_wheel.parameters import syntax
-from six_wheel.parameters.file import parse_parameters
-from six_wheel.parameters.nodes import PARAMETERS
-from six_wheel.parameters.schema import LimitKeys, Values
-from six_wheel.rebuild import joints_as_given
+from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.robot_description.diagnostics import ParameterFileError
+from six_wheel.robot_description.joint_names import wheel_said_by
+from six_wheel.robot_description.parameters import ros_yaml
+from six_wheel.robot_description.parameters.file import parse_parameters
+from six_wheel.robot_description.parameters.ros_node_parameters import PARAMETERS
+from six_wheel.robot_description.parameters.schema import LimitKeys, Values
 
-__all__ = ["dump"]
+__all__ = ["dump", "text_of"]
 
 _SIX = Rover.six_wheel(d1=1.0, d2=1.0, d3=1.0, d4=1.0, wheel_radius=1.0)
 
@@ -57,7 +57,7 @@ def dump(
     ways = {key: words[key] if value is None else value for key, value in (control or {}).items()}
     others |= {key: value for key, value in (("limits", finite), ("control", ways)) if value}
     for values in (_six_wheel_values(rover), _suspended_values(rover), _custom_values(rover)):
-        text = syntax.write(values | others if node is None else {node: {PARAMETERS: values | others}})
+        text = ros_yaml.write(values | others if node is None else {node: {PARAMETERS: values | others}})
         # Keys say less than a rover can be (a wheel out of line, an invisible name): what comes back decides.
         try:
             if values and _same_on_flat_ground(parse_parameters(text, node=node).rover, rover, values):
@@ -149,3 +149,11 @@ def _custom_values(rover: Rover) -> Values:
             keys["driven"] = False
         wheels[wheel.name] = keys
     return {"kind": "custom", "wheels": wheels} | _joints_of(rover)
+
+
+def text_of(rover: Rover, **others: Any) -> str:
+    """A parameter file of a rover, for its records, `others` as for `dump`; empty if no file can say it."""
+    try:
+        return dump(rover, **others)
+    except ValueError:
+        return ""

@@ -5,8 +5,8 @@ steers it and which way its joint counts, `shapes` how large it is, `suspension`
 rocker-bogie, `read` makes the rover of it and keeps what was derived from where, `write` goes the other way.
 """
 
-from six_wheel.urdf.read import Robot, read_urdf
-from six_wheel.urdf.tree import ENDINGS
-from six_wheel.urdf.write import rover_urdf, suspension_urdf
+from six_wheel.robot_description.urdf.read import Robot, read_urdf
+from six_wheel.robot_description.urdf.tree import ENDINGS
+from six_wheel.robot_description.urdf.write import rover_urdf, suspension_urdf
 
 __all__ = ["ENDINGS", "Robot", "read_urdf", "rover_urdf", "suspension_urdf"]

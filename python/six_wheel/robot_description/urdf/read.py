@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from six_wheel._core import Limits, RockerBogie, Rover, Wheel, unit_questions, without_questions
-from six_wheel.descriptions.findings import Finding
-from six_wheel.urdf.macros import expanded, has_macros
-from six_wheel.urdf.suspension import Suspension, find_suspension
-from six_wheel.urdf.tree import MAX_BYTES, Notes, read_tree
-from six_wheel.urdf.wheels import FoundWheel, find_wheels, names_of
+from six_wheel.robot_description.diagnostics import Finding
+from six_wheel.robot_description.urdf.macros import expanded, has_macros
+from six_wheel.robot_description.urdf.suspension import Suspension, find_suspension
+from six_wheel.robot_description.urdf.tree import MAX_BYTES, Notes, read_tree
+from six_wheel.robot_description.urdf.wheels import FoundWheel, find_wheels, names_of
 
 __all__ = ["Robot", "read_urdf"]
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from six_wheel._core import RockerBogie
-from six_wheel.urdf.tree import Floats, Joint, Notes, Tree
-from six_wheel.urdf.wheels import LEVEL, FoundWheel
+from six_wheel.robot_description.urdf.tree import Floats, Joint, Notes, Tree
+from six_wheel.robot_description.urdf.wheels import LEVEL, FoundWheel
 
 __all__ = ["Suspension", "find_suspension"]
 

@@ -12,7 +12,7 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.descriptions.findings import Finding, ParameterFileError
+from six_wheel.robot_description.diagnostics import Finding, ParameterFileError
 
 __all__ = ["ENDINGS", "Joint", "Link", "Notes", "Tree", "read_tree"]
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from six_wheel.descriptions.joint_names import said_by
-from six_wheel.urdf.shapes import Radius, mass_centre, plugin_radius, radius_of
-from six_wheel.urdf.tree import Floats, Joint, Notes, Tree
+from six_wheel.robot_description.joint_names import said_by
+from six_wheel.robot_description.urdf.shapes import Radius, mass_centre, plugin_radius, radius_of
+from six_wheel.robot_description.urdf.tree import Floats, Joint, Notes, Tree
 
 __all__ = ["FoundWheel", "find_wheels", "names_of"]
 

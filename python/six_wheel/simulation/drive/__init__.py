@@ -1,18 +1,19 @@
 """A table of commands to joint commands, in chunks: directly or through the controller.
 
-`engine` is what both share, `direct` and `controlled` are the two, `course` keeps a thinned record for
-pictures, `running` goes from file to file.
+`run_commands` is what both share, `feedforward` and `closed_loop` are the two, `min_max_thinning` keeps a
+bounded record for pictures, `run_file` goes from file to file; `performance` says what a rover can do within
+limits.
 """
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
-    from six_wheel.drive.controlled import ControlledDrive, Loop
-    from six_wheel.drive.direct import Drive
-    from six_wheel.drive.engine import Engine, Peak, Summary
-    from six_wheel.drive.running import drive
+    from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+    from six_wheel.simulation.drive.feedforward import Drive
+    from six_wheel.simulation.drive.run_commands import Engine, Peak, Summary
+    from six_wheel.simulation.drive.run_file import drive
 
 __all__ = [
     "ControlledDrive",
@@ -27,11 +28,11 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "abilities": (),
-        "controlled": ("ControlledDrive", "Loop"),
-        "course": (),
-        "direct": ("Drive",),
-        "engine": ("Engine", "Peak", "Summary"),
-        "running": ("drive",),
+        "performance": (),
+        "closed_loop": ("ControlledDrive", "Loop"),
+        "min_max_thinning": (),
+        "feedforward": ("Drive",),
+        "run_commands": ("Engine", "Peak", "Summary"),
+        "run_file": ("drive",),
     },
 )

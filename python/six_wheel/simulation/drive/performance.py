@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Controller, Limits, Rover
-from six_wheel.controller import Reason
-from six_wheel.profiles import time_optimal
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.profiles import time_optimal
 
 __all__ = ["Bound", "Rim", "Stop", "bound", "rim", "stop_from", "time_to_full_lock"]
 

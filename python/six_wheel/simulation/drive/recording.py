@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry
-from six_wheel.drive.engine import Engine
+from six_wheel.logs.mcap import RoverRecord
 from six_wheel.logs.tables import Chunk, RowError
-from six_wheel.records import RoverRecord
+from six_wheel.simulation.drive.run_commands import Engine
 
 __all__ = ["DriveRecord"]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.drive.controlled import REASONS_METADATA, ControlledDrive, Loop
-from six_wheel.drive.direct import Drive
-from six_wheel.drive.engine import Engine, Summary
-from six_wheel.drive.recording import DriveRecord
 from six_wheel.logs.tables import FORMATS, CommandTable, RowError, table_format
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.onboard.settings import text_of
+from six_wheel.robot_description.parameters.writing import text_of
+from six_wheel.simulation.drive.closed_loop import REASONS_METADATA, ControlledDrive, Loop
+from six_wheel.simulation.drive.feedforward import Drive
+from six_wheel.simulation.drive.recording import DriveRecord
+from six_wheel.simulation.drive.run_commands import Engine, Summary
 
 __all__ = ["drive"]
 

@@ -110,7 +110,7 @@ impl Stand {
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        py.import("six_wheel.standing")?.call_method1("statuses", (codes,))
+        py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
     }
 
     /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not

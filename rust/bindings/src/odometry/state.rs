@@ -251,7 +251,7 @@ impl OdometryState {
     /// Flags of the sample, a `Health`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
+        py.import("six_wheel.kinematics.odometry")?.getattr("Health")?.call1((self.health,))
     }
 
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).

@@ -54,8 +54,8 @@ impl Bounds {
     fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let codes = self.worth.iter().map(|worth| *worth as u8);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        let module = py.import("six_wheel.bounding")?;
-        module.call_method1("statuses", (codes,)).map(Bound::unbind)
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

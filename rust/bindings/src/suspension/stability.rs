@@ -78,8 +78,8 @@ impl Feasible {
     /// Why not, shape (...): `six_wheel.FeasibleReason`, ``ok`` where it may.
     #[getter]
     fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let module = py.import("six_wheel.bounding")?;
-        let reasons = module.call_method1("reasons", (&self.reason_codes,))?;
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
         Ok(reasons.unbind())
     }
 
@@ -101,7 +101,7 @@ impl Feasible {
 fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
     let limits = match limits {
         Some(limits) => limits.clone(),
-        None => py.import("six_wheel.bounding")?.call_method0("StandLimits")?,
+        None => py.import("six_wheel.kinematics.statuses")?.call_method0("StandLimits")?,
     };
     let read = |name: &str| match limits.getattr(name) {
         Ok(value) => number(name, &value),

@@ -5,12 +5,21 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import BeforeValidator, Field
 
 from six_wheel._core import Rover
-from six_wheel.parameters.controllers.limits import check_limits, with_limits
-from six_wheel.parameters.controllers.names import reversed_by_sign
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Common, Factor, Form, Length, Name, Values, optional, required
-from six_wheel.parameters.syntax import Report
+from six_wheel.robot_description.parameters.foreign.limits import check_limits, with_limits
+from six_wheel.robot_description.parameters.foreign.names import reversed_by_sign
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import (
+    Common,
+    Factor,
+    Form,
+    Length,
+    Name,
+    Values,
+    optional,
+    required,
+)
 
 __all__ = ["DRIVES"]
 

@@ -8,11 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from six_wheel._core import Rover
-from six_wheel.descriptions.joint_names import said_by
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Common, Finite, Flag, Form, Length, Values, optional, required
-from six_wheel.parameters.syntax import Place, Report, Tree
+from six_wheel.robot_description.joint_names import said_by
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Place, Report, Tree
+from six_wheel.robot_description.parameters.schema import (
+    Common,
+    Finite,
+    Flag,
+    Form,
+    Length,
+    Values,
+    optional,
+    required,
+)
 
 __all__ = ["FRC", "gather_modules"]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import AfterValidator, Strict
 
 from six_wheel._core import Wheel
-from six_wheel.parameters.schema import (
+from six_wheel.robot_description.parameters.schema import (
     Common,
     Factor,
     Finite,

@@ -3,7 +3,7 @@
 import math
 from typing import Any, TypeGuard
 
-from six_wheel.parameters.controllers.keys import (
+from six_wheel.robot_description.parameters.foreign.keys import (
     ALIGNING,
     COMMAND_TIMEOUTS,
     LIMITS,
@@ -11,9 +11,9 @@ from six_wheel.parameters.controllers.keys import (
     STEERING_RANGE,
     TIMEOUTS,
 )
-from six_wheel.parameters.nodes import GROUPS, Section
-from six_wheel.parameters.schema import Values
-from six_wheel.parameters.syntax import Report
+from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = ["check_limits", "is_number", "with_limits"]
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from six_wheel.parameters.controllers.limits import is_number, with_limits
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Values
+from six_wheel.robot_description.parameters.foreign.limits import is_number, with_limits
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.schema import Values
 
 __all__ = ["reversed_by_sign", "with_states"]
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controllers.keys import (
+from six_wheel.robot_description.parameters.foreign.keys import (
     FRONT_TRACK,
     LIMITS,
     RADIUS,
@@ -24,9 +24,9 @@ from six_wheel.parameters.controllers.keys import (
     TricycleDrive,
     TricycleSteering,
 )
-from six_wheel.parameters.controllers.limits import check_limits, with_limits
-from six_wheel.parameters.controllers.names import reversed_by_sign, with_states
-from six_wheel.parameters.controllers.steering import (
+from six_wheel.robot_description.parameters.foreign.limits import check_limits, with_limits
+from six_wheel.robot_description.parameters.foreign.names import reversed_by_sign, with_states
+from six_wheel.robot_description.parameters.foreign.steering import (
     STEERED_STATES,
     TRICYCLE_TRACK,
     ackermann_steering,
@@ -40,10 +40,10 @@ from six_wheel.parameters.controllers.steering import (
     with_axle_behind,
     with_steering_range,
 )
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Common, Form, Values, keys_of
-from six_wheel.parameters.syntax import Report
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import Common, Form, Values, keys_of
 
 __all__ = ["CONTROLLERS"]
 

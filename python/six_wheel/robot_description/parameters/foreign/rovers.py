@@ -5,10 +5,11 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.parameters.controllers.limits import check_limits, with_limits
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import (
+from six_wheel.robot_description.parameters.foreign.limits import check_limits, with_limits
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import (
     Common,
     Finite,
     Flag,
@@ -20,7 +21,6 @@ from six_wheel.parameters.schema import (
     optional,
     required,
 )
-from six_wheel.parameters.syntax import Report
 
 __all__ = ["ROVERS"]
 

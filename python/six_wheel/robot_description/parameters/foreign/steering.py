@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from six_wheel._core import Rover, Wheel
-from six_wheel.descriptions.joint_names import said_by
-from six_wheel.parameters.controllers.keys import (
+from six_wheel.robot_description.joint_names import said_by
+from six_wheel.robot_description.parameters.foreign.keys import (
     DRIVES,
     FRONT_RADIUS,
     FRONT_TRACK,
@@ -24,11 +24,11 @@ from six_wheel.parameters.controllers.keys import (
     given,
     is_set,
 )
-from six_wheel.parameters.controllers.limits import check_limits, with_limits
-from six_wheel.parameters.joints import JointList
-from six_wheel.parameters.nodes import Section
-from six_wheel.parameters.schema import Values, as_argument, keys_of, shown
-from six_wheel.parameters.syntax import Report
+from six_wheel.robot_description.parameters.foreign.limits import check_limits, with_limits
+from six_wheel.robot_description.parameters.joints import JointList
+from six_wheel.robot_description.parameters.ros_node_parameters import Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import Values, as_argument, keys_of, shown
 
 __all__ = [
     "STEERED_STATES",

@@ -142,7 +142,7 @@ impl Odometry3State {
     /// Flags of the sample, a `Health`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
+        py.import("six_wheel.kinematics.odometry")?.getattr("Health")?.call1((self.health,))
     }
 
     fn __repr__(&self) -> String {
