@@ -392,7 +392,7 @@ def test_joints_that_count_the_other_way():
 def test_settings_of_what_a_file_says(tmp_path):
     path = tmp_path / "rover.yaml"
     path.write_text(SETTINGS.text + "noise: {speed: 0.02}\n")
-    said = sw.parameters.read_parameters(path)
+    said = sw.robot_description.parameters.read_parameters(path)
     assert Settings.of_parameters(said).parameters.noise == {"speed": 0.02}
     path.unlink()  # then the numbers alone tell
     again = Settings.of_parameters(said)

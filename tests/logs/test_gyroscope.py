@@ -353,7 +353,7 @@ def test_the_file_of_a_calibration_makes_odometry_use_the_gyroscope(run: Run) ->
     assert code == 0, err
     text = Path("found.yaml").read_text()
     assert "gyroscope:" in text
-    found = sw.parameters.read_parameters("found.yaml")
+    found = sw.robot_description.parameters.read_parameters("found.yaml")
     assert found.known_gyroscope.noise == pytest.approx(0.002, rel=0.2)  # 250 readings at rest: 5 %
     assert found.gyroscope["period"] == pytest.approx(0.05)
     code, out, err = run("odometry", "found.yaml", "run0.csv", "-o", "track.csv")
@@ -382,7 +382,7 @@ def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> 
     code, out, err = run("calibrate", "cart.yaml", "log.csv", *find)
     assert code == 0, err
     assert "a gyroscope alone tells turns and no distances" in " ".join(out.split())
-    found = sw.parameters.read_parameters("found.yaml")
+    found = sw.robot_description.parameters.read_parameters("found.yaml")
     assert found.gyroscope["time_offset"] == pytest.approx(0.1, abs=0.01)
     assert not found.truth
     assert found.rover.wheels[0].y == pytest.approx(0.25, rel=0.01)
@@ -390,7 +390,7 @@ def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> 
         "calibrate", "found.yaml", "log.csv", "--parameters", "time_offset", "-o", "again.yaml"
     )
     assert code == 0, err
-    again = sw.parameters.read_parameters("again.yaml")
+    again = sw.robot_description.parameters.read_parameters("again.yaml")
     assert again.gyroscope["time_offset"] == pytest.approx(found.gyroscope["time_offset"], abs=5e-3)
 
 
@@ -406,7 +406,7 @@ def test_white_noise_is_that_of_the_readings_whatever_their_rate(run: Run) -> No
         assert code == 0, err
         log, _ = read_log("log.csv", CART)
         assert np.std(log.yaw_rate) == pytest.approx(noise, rel=0.15)  # 400 readings: 4 %
-    gyroscope = sw.parameters.read_parameters("cart.yaml").known_gyroscope
+    gyroscope = sw.robot_description.parameters.read_parameters("cart.yaml").known_gyroscope
     settings = Settings(gyroscope=gyroscope, period=0.05)
     with JointLog("log.csv", CART) as opened:
         (chunk,) = opened.chunks()

@@ -14,7 +14,7 @@ __all__ = ["TrackRecord"]
 
 
 class TrackRecord:
-    """Writes tracks into an MCAP file of `records`, chunk by chunk.
+    """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from six_wheel.logs.columns import TableError  # noqa: E402
 from six_wheel.simulation.drive import (  # noqa: E402
     ControlledDrive,
     Loop,
-    controlled,
+    closed_loop,
     drive,
 )
 from six_wheel.simulation.drive.min_max_thinning import BINS, Course  # noqa: E402
@@ -325,7 +325,7 @@ def test_a_gap_longer_than_integers_count_names_its_row(tmp_path: Path) -> None:
 
 
 def test_a_stop_that_takes_for_ever_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(controlled, "MOST_STEPS", 1000)
+    monkeypatch.setattr(closed_loop, "MOST_STEPS", 1000)
     slow = sw.Limits(acceleration=1.0, deceleration=1e-6)
     commands = write(tmp_path / "c.csv", [0.0, 1.0], [[0.4, 0, 0]] * 2)
     with pytest.raises(TableError, match=r"row 2 \(line 3\): the rover must stop within 1,000 steps"):

@@ -19,7 +19,7 @@ POSE, TWIST = ("x", "y", "yaw"), ("vx", "vy", "omega")
 
 
 class DriveRecord:
-    """Writes the rows of a drive into an MCAP file of `records`, chunk by chunk.
+    """Writes the rows of a drive into an MCAP file of `logs.mcap`, chunk by chunk.
 
     Poses and twists are those of the drive; their covariances are those of odometry that reads the commanded
     speeds, with its usual noise.
