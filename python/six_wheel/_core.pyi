@@ -16,23 +16,21 @@ from six_wheel.kinematics.four_axle import (
     TurnSequence,
 )
 from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
-from six_wheel.kinematics.odometry.tracks import Health, Track
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
 from six_wheel.kinematics.rollout_cost import RolloutCost
-from six_wheel.kinematics.statuses import BoundStatus, FeasibleReason, SettleStatus, StandLimits
-from six_wheel.logs import Log
+from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
+from six_wheel.logs import WheelLog
 
 __all__ = [
     "BodySlip",
     "BodyTransition",
-    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Costmap",
     "Encoder",
-    "Feasible",
-    "Fit",
+    "Feasibility",
     "FourAxle",
     "GroundCommand",
     "GroundMotion",
@@ -40,7 +38,7 @@ __all__ = [
     "IcrTransition",
     "Limits",
     "Link",
-    "MarginSlopes",
+    "MarginJacobian",
     "Mobility",
     "ModuleTransition",
     "Mppi",
@@ -50,17 +48,19 @@ __all__ = [
     "Odometry3",
     "Odometry3State",
     "OdometryState",
+    "PoseBounds",
     "Preintegrated",
     "Profile",
     "RockerBogie",
     "Rover",
-    "Sensitivity",
+    "SettledPose",
     "Stability",
-    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
     "Traction",
+    "TwistFit",
+    "TwistJacobian",
     "Wheel",
     "WheelSlip",
     "__version__",
@@ -161,7 +161,7 @@ class Wheel:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Fit:
+class TwistFit:
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -178,7 +178,7 @@ class Fit:
     ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
 
 @final
-class Sensitivity:  # what was not asked for is None
+class TwistJacobian:  # what was not asked for is None
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -486,7 +486,7 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
         threads: int | None = None,
-    ) -> Fit: ...
+    ) -> TwistFit: ...
     def sensitivity(
         self,
         steering: ArrayLike | None,
@@ -495,7 +495,7 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
         threads: int | None = None,
-    ) -> Sensitivity: ...
+    ) -> TwistJacobian: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def project(
@@ -627,7 +627,7 @@ class OdometryState:
     @property
     def worst_wheel(self) -> str | None: ...
     @property
-    def health(self) -> Health: ...
+    def health(self) -> OdometryHealth: ...
     def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
     def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
 
@@ -744,7 +744,7 @@ class Odometry3State:
     @property
     def worst_wheel(self) -> str | None: ...
     @property
-    def health(self) -> Health: ...
+    def health(self) -> OdometryHealth: ...
 
 @final
 class Odometry3:
@@ -818,7 +818,7 @@ class Preintegrated:
     ) -> Preintegrated: ...
     def add(
         self,
-        steering: ArrayLike | Log | None,
+        steering: ArrayLike | WheelLog | None,
         wheel_angles: ArrayLike | None = None,
         stamp: ArrayLike | None = None,
         *,
@@ -1067,7 +1067,7 @@ class Suspension:
     def free_joints(self) -> tuple[str, ...]: ...
     def inverse(
         self,
-        stand: Stand,
+        stand: SettledPose,
         command: ArrayLike,
         *,
         view: Literal["body", "plan"] = "body",
@@ -1079,7 +1079,7 @@ class Suspension:
     ) -> GroundCommand: ...
     def forward(
         self,
-        stand: Stand,
+        stand: SettledPose,
         steering: ArrayLike | None,
         speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
@@ -1110,7 +1110,7 @@ class Suspension:
     ) -> Traction: ...
     def slip(
         self,
-        stand: Stand,
+        stand: SettledPose,
         speeds: ArrayLike,
         twist: ArrayLike,
         joint_rates: ArrayLike,
@@ -1128,10 +1128,10 @@ class Suspension:
         centre_of_mass: ArrayLike | None = None,
         threads: int | None = None,
         kernel: _Kernel | None = None,
-    ) -> Stand: ...
+    ) -> SettledPose: ...
     def stability(
         self,
-        stand: Stand,
+        stand: SettledPose,
         *,
         mass: float,
         centre_of_mass: ArrayLike | None = None,
@@ -1142,7 +1142,7 @@ class Suspension:
     ) -> Stability: ...
 
 @final
-class Bounds:
+class PoseBounds:
     @property
     def z(self) -> _Floats: ...  # (..., 2) [m]
     @property
@@ -1160,14 +1160,14 @@ class Bounds:
     @property
     def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
     @property
-    def status(self) -> BoundStatus | NDArray[Any]: ...  # (...) BoundStatus
+    def status(self) -> BoundsStatus | NDArray[Any]: ...  # (...) BoundsStatus
 
 @final
-class Feasible:
+class Feasibility:
     @property
     def ok(self) -> bool | NDArray[np.bool_]: ...
     @property
-    def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
+    def reason(self) -> FeasibilityReason | NDArray[Any]: ...  # (...) FeasibilityReason
     @property
     def reason_codes(self) -> int | NDArray[np.uint8]: ...
     @property
@@ -1192,12 +1192,12 @@ class Stability:
     @property
     def tilt(self) -> float | _Floats: ...  # [rad]
     @property
-    def by_pose(self) -> MarginSlopes | None: ...
+    def by_pose(self) -> MarginJacobian | None: ...
     @property
-    def by_dimension(self) -> MarginSlopes | None: ...
+    def by_dimension(self) -> MarginJacobian | None: ...
 
 @final
-class MarginSlopes:
+class MarginJacobian:
     @property
     def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
     @property
@@ -1208,7 +1208,7 @@ class MarginSlopes:
     def tilt(self) -> _Floats: ...  # (..., 3) or (..., 16)
 
 @final
-class Stand:
+class SettledPose:
     @property
     def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
     @property
@@ -1302,18 +1302,18 @@ class RockerBogie(Suspension):
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
         kernel: str | None = None,
-    ) -> Bounds: ...
+    ) -> PoseBounds: ...
     def feasible(
         self,
         ground: Terrain,
         poses: ArrayLike,
-        limits: StandLimits | None = None,
+        limits: FeasibilityLimits | None = None,
         *,
         map_error: float = 0.0,
         belly: tuple[float, float, float, float] | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-    ) -> Feasible: ...
+    ) -> Feasibility: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(
         self,

@@ -57,7 +57,7 @@ def test_a_wrong_reading_is_named_with_its_remedy(change, message):
 def test_a_truth_that_is_read_wrongly_is_named(change, message):
     """A truth in degrees was called drives that hardly tell: ask for fewer parameters."""
     log = drive(PAIR, 1, 30.0)
-    words = said(PAIR, replace(log, truth=sw.Truth(log.truth.stamps, change(log.truth.poses))))
+    words = said(PAIR, replace(log, truth=sw.GroundTruth(log.truth.stamps, change(log.truth.poses))))
     assert message in words
     assert "hardly tell some" not in words
     assert words.count("far better") == 1
@@ -82,7 +82,7 @@ def test_a_truth_of_another_drive_is_said_to_be_a_stranger():
 def test_a_truth_of_another_clock_is_said_to_be_one():
     """It was: must move while its truth is known, got 19 m of motion."""
     log = drive(PAIR, 1, 30.0)
-    late = replace(log, truth=sw.Truth(log.truth.stamps + 1000.0, log.truth.poses))
+    late = replace(log, truth=sw.GroundTruth(log.truth.stamps + 1000.0, log.truth.poses))
     with pytest.raises(
         ValueError, match="a truth of 1000 to 1030 s for a log of 0 to 30 s: give both the same"
     ):
@@ -140,7 +140,7 @@ def test_a_lone_window_weighs_as_its_length_deserves():
     log = drive(PAIR, 3, 30.0)
     poses = np.array(log.truth.poses)
     poses[-1, :2] += 0.01
-    jumped = sw.Log(log.stamps, None, log.wheel_angles, poses)
+    jumped = sw.WheelLog(log.stamps, None, log.wheel_angles, poses)
     for window in (None, (1.0, 4.0)):
         result = calibrate(PAIR, [jumped], parameters=["wheel_radius", "track_width"], window=window)
         np.testing.assert_allclose(result.values, (0.042, 0.2), rtol=2e-3)
@@ -158,7 +158,7 @@ def test_readings_of_any_kind_are_calibrated():
     turned = np.diff(exact.wheel_angles, axis=0, prepend=0.0)
     rates = PAIR.inverse(np.stack([np.interp(exact.stamps, times, one) for one in twists.T], axis=-1))[1]
     for readings, values in (("increments", turned), ("speeds", rates)):
-        log = sw.Log(exact.stamps, None, values, exact.truth, options={"readings": readings})
+        log = sw.WheelLog(exact.stamps, None, values, exact.truth, options={"readings": readings})
         np.testing.assert_allclose(calibrate(start, log, **options).values, (0.042, 0.2), rtol=1e-4)
 
 
@@ -205,7 +205,7 @@ def test_what_stays_at_its_nominal_value_has_it():
     for shares in ((1.0, 1.0), (1.0, 0.8), (1.0, -1.0)):
         angles = turned[:, None] * np.array(shares)
         poses = sw.integrate(arc.forward(None, np.diff(angles, axis=0)), 1.0)
-        log = sw.Log(0.05 * np.arange(300), None, angles, poses)
+        log = sw.WheelLog(0.05 * np.arange(300), None, angles, poses)
         names = ["wheel_radius", "track_width", "encoder_scale"]
         result = calibrate(PAIR, log, parameters=names, cross_validation=False)
         assert result.observability.messages

@@ -232,7 +232,7 @@ def test_a_wheel_that_reads_nothing_cannot_slip() -> None:
     angles = way.angles.copy()
     angles[:, rover.wheel_names.index("rear")] = math.nan
     track = sw.dead_reckon(rover, way.steering, angles, way.stamps)
-    assert not len(track.rows(sw.Health.SLIP))
+    assert not len(track.rows(sw.OdometryHealth.SLIP))
 
 
 # --- logs of every kind ----------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ for kind in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):  # which came before
     STORE_1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", kind))
 
 
-def simulated(seed: int = 1, **options: Any) -> sw.Log:
+def simulated(seed: int = 1, **options: Any) -> sw.WheelLog:
     """Rest, a way that winds, rest: 30 s."""
     times = np.arange(0.0, 31.0)
     twists = np.stack((0.3 + 0 * times, 0 * times, 0.8 * np.sin(times)), axis=-1)

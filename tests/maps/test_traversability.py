@@ -146,7 +146,7 @@ def test_bad_arguments_write_nothing(chart: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(ValueError, match="headings must be at least 1, got 0"):
         run(chart, headings=0)
     with pytest.raises(ValueError, match="roll must be positive"):
-        run(chart, limits=sw.StandLimits(roll=-1.0))
+        run(chart, limits=sw.FeasibilityLimits(roll=-1.0))
     with pytest.raises(ValueError, match="output must not be the map itself"):
         run(chart, "map.tif")
     with pytest.raises(FileNotFoundError, match="there is no such file"):

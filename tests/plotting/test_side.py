@@ -34,5 +34,7 @@ def test_a_stand_on_ground_is_drawn_on_it():
 def test_one_pose_at_which_the_rover_stands_is_needed():
     rover, ground = sw.RockerBogie.perseverance(), sw.Terrain(np.zeros((9, 9)), 0.1)
     for pose in ((0, 0, 0), [(0, 0, 0)]):
-        with pytest.raises(ValueError, match="stand must be one pose at which the rover stands, got Stand"):
+        with pytest.raises(
+            ValueError, match="stand must be one pose at which the rover stands, got SettledPose"
+        ):
             side_figure(rover, rover.settle(ground, pose))

@@ -11,7 +11,7 @@ from six_wheel.calibration.drives import Drive
 from six_wheel.calibration.model import Model
 from six_wheel.kinematics.poses import Floats, interpolate
 from six_wheel.log_odometry.evaluation.paths import absolute_error
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import GroundTruth
 
 __all__ = ["Estimate", "RunErrors", "Windows", "path", "timed_path"]
 
@@ -115,7 +115,7 @@ def timed_path(model: Model, drive: Drive, values: Floats) -> tuple[Floats, Floa
     return drive.stamps[known], followed[known], truth
 
 
-def _error(truth: Truth, followed: Floats, poses: Floats) -> float:
+def _error(truth: GroundTruth, followed: Floats, poses: Floats) -> float:
     if not truth.has_positions:
         return absolute_error(followed, poses).heading_rmse
     return absolute_error(followed, poses, "first" if truth.has_headings else "se2").rmse

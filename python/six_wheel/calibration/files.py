@@ -21,7 +21,7 @@ from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import AnyLog, LogOptions, logs_in, read_log
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing
 from six_wheel.parallel import Journal
 from six_wheel.robot_description.diagnostics import ParameterFileError
@@ -41,7 +41,7 @@ class Calibrated:
     gyroscope was all the truth."""
 
     result: Calibration
-    logs: tuple[Log, ...]
+    logs: tuple[WheelLog, ...]
     warnings: tuple[str, ...]
     by_gyroscope: bool = False
 
@@ -165,7 +165,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
     return [f"the keys of {was} cannot say what was found: it is written as kind: {written.kind}"]
 
 
-def _check_truth(path: Path, log: Log, truth: Path | None) -> None:
+def _check_truth(path: Path, log: WheelLog, truth: Path | None) -> None:
     if log.truth is None and log.yaw_rate is not None:
         return  # which tells how it turned
     if log.truth is None:

@@ -39,7 +39,7 @@ from six_wheel.kinematics.odometry.tracks import Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch
 from six_wheel.logs.detect_reader import as_logs
-from six_wheel.logs.recordings import Log, Reference, as_truth
+from six_wheel.logs.recordings import Reference, WheelLog, as_truth
 from six_wheel.parallel import Journal
 
 __all__ = ["Progress", "calibrate", "parameter_names"]
@@ -51,7 +51,7 @@ OF_TRACKS = (
 )
 
 
-def parameter_names(rover: Rover, logs: Sequence[Log] = ()) -> list[str]:
+def parameter_names(rover: Rover, logs: Sequence[WheelLog] = ()) -> list[str]:
     """Names that `calibrate` takes for this rover: groups such as ``wheel_radii``, and their members.
 
     Without logs, every wheel with a motor is taken to have an encoder.
@@ -85,13 +85,13 @@ def calibrate(
     ----------
     rover : Rover
         With its nominal dimensions: what the drives do not tell stays as it is.
-    logs : Log, path or table, or a sequence of them
-        Drives of this rover: what `dead_reckon` takes, and any file that `read_log` reads. `Log.session` says
-        which belong together.
-    truth : Truth, poses, or a sequence of them, optional
-        One per log, instead of the truth the logs carry: poses, positions or headings (see `Truth`), those of
-        another odometry, or the same place again where a loop closes. A log with a gyroscope and without a
-        truth is calibrated by its headings.
+    logs : WheelLog, path or table, or a sequence of them
+        Drives of this rover: what `dead_reckon` takes, and any file that `read_log` reads. `WheelLog.session`
+        says which belong together.
+    truth : GroundTruth, poses, or a sequence of them, optional
+        One per log, instead of the truth the logs carry: poses, positions or headings (see `GroundTruth`),
+        those of another odometry, or the same place again where a loop closes. A log with a gyroscope and
+        without a truth is calibrated by its headings.
     parameters : 'auto' or str or sequence of str
         What to find; `parameter_names` lists what there is for a rover. In short: ``wheel_radius`` (shared),
         ``side_radii``, ``wheel_radii``, ``track_width``, ``wheelbase``, ``arm_length``, ``steering_offset``,
@@ -161,10 +161,10 @@ def calibrate(
         raise ValueError("parameters must name one at least, got none")
     margin = max_time_offset if any(one.name == "time_offset" for one in wanted) else 0.0
 
-    def one(log: Log, number: int = 0) -> Drive:
+    def one(log: WheelLog, number: int = 0) -> Drive:
         return prepare(rover, log, lengths, margin, number)
 
-    def left_of(part: Log, slides: Sequence[Stretch]) -> list[Drive]:
+    def left_of(part: WheelLog, slides: Sequence[Stretch]) -> list[Drive]:
         if not slides:
             return [one(part)]
         return [drive for _, drive in slip.clean(part, slides, one, part.name)]
@@ -179,7 +179,7 @@ def calibrate(
         slipped = slip.slipped(first, records, PIECES)
         loss = "cauchy" if slipped else "soft_l1"
     if slipped:
-        cut: list[tuple[Log, Drive]] = []
+        cut: list[tuple[WheelLog, Drive]] = []
         for number, (log, drive) in enumerate(zip(records, drives, strict=True)):
             slides = _slides(slipped, number)
             again = partial(one, number=number)
@@ -223,7 +223,7 @@ def _saying(result: Calibration, *messages: str) -> Calibration:
     return replace(result, observability=replace(seen, messages=(*seen.messages, *messages)))
 
 
-def _with_gyroscope(result: Calibration, logs: Sequence[Log]) -> Calibration:
+def _with_gyroscope(result: Calibration, logs: Sequence[WheelLog]) -> Calibration:
     """What a gyroscope in the logs errs by, and what is odd about it."""
     measured = gyroscope.measure(logs, result.confidence)
     messages: tuple[str, ...] = tuple(mistaken(result.nominal, logs))
@@ -249,7 +249,7 @@ def _slides(slipped: Sequence[slip.Slip], number: int) -> list[Stretch]:
 def _fit(
     model: Model,
     drives: Sequence[Drive],
-    records: Sequence[Log],
+    records: Sequence[WheelLog],
     loss: Loss,
     lengths: Floats,
     margin: float,
@@ -303,7 +303,7 @@ def _fit(
     )
 
 
-def _readable(rover: Rover, log: Log, number: int) -> Log:
+def _readable(rover: Rover, log: WheelLog, number: int) -> WheelLog:
     """The log in radians, however it was read."""
     try:
         return heard(log.in_radians(rover), number)
@@ -313,7 +313,7 @@ def _readable(rover: Rover, log: Log, number: int) -> Log:
 
 
 def _noise(
-    problem: Problem, solution: fitting.Solution, records: Sequence[Log], confidence: float
+    problem: Problem, solution: fitting.Solution, records: Sequence[WheelLog], confidence: float
 ) -> MeasuredNoise | None:
     """Noise from where every log ends under a fit without its session, or without itself."""
     model, drives = problem.model, problem.drives
@@ -323,7 +323,7 @@ def _noise(
     pieces = 1 if len(drives) >= noise.ENOUGH else noise.PIECES
     linear = problem.linearised(solution.values, solution.scales)
 
-    def ends_of(chosen: Sequence[Log], values: Floats, known: Floats) -> list[noise.End]:
+    def ends_of(chosen: Sequence[WheelLog], values: Floats, known: Floats) -> list[noise.End]:
         rover, sensor = model.rover(values), model.pose(values, "sensor")
         dimensions = model.deviations(values, known)
         offset = model.value(values, "time_offset", 0.0)
@@ -360,8 +360,8 @@ def _lengths(rover: Rover, window: float | Sequence[float] | None) -> Floats:
 
 
 def _with_truth(
-    logs: list[Log], truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None
-) -> list[Log]:
+    logs: list[WheelLog], truth: Reference | ArrayLike | Sequence[Reference | ArrayLike] | None
+) -> list[WheelLog]:
     """The logs, each with the truth given for it."""
     if not logs:
         raise ValueError("logs must hold one at least, got none")
@@ -369,7 +369,7 @@ def _with_truth(
         return logs
     single = hasattr(truth, "stamps") or np.ndim(truth) == 2  # type: ignore[arg-type]
     if not single and (isinstance(truth, str) or not isinstance(truth, Iterable)):
-        rule = "must be a Truth, poses, a Log that has one or a Track, one for each log"
+        rule = "must be a GroundTruth, poses, a WheelLog that has one or a Track, one for each log"
         raise ArgumentTypeError(f"truth {rule}, got {truth!r}")
     truths = [truth] if single else list(truth)  # type: ignore[arg-type]
     if len(truths) != len(logs):

@@ -22,7 +22,7 @@ from six_wheel.control_loop.joints import JointReader, Numbers
 from six_wheel.control_loop.loop_odometry import Odometer
 from six_wheel.control_loop.settings import Settings
 from six_wheel.kinematics.controller import Reason
-from six_wheel.kinematics.odometry.tracks import Health
+from six_wheel.kinematics.odometry.tracks import OdometryHealth
 from six_wheel.kinematics.rover_edit import joints_as_given
 
 __all__ = ["Loop", "Send", "Step"]
@@ -334,7 +334,7 @@ class Loop:
             return
         ways, span = self._moved
         before, self._seen = self._seen, state.stamp
-        if before is None or state.stamp is None or state.health & Health.FIRST:
+        if before is None or state.stamp is None or state.health & OdometryHealth.FIRST:
             self._moved = (0.0, 0.0, 0.0), 0.0
             return
         step = state.stamp - before

@@ -7,7 +7,7 @@ from six_wheel.control_loop.faults import ERROR, WARN, Faults
 from six_wheel.control_loop.gyroscope_sync import SECOND, Row, Rows
 from six_wheel.control_loop.joints import Numbers, Readings
 from six_wheel.control_loop.settings import Settings
-from six_wheel.kinematics.odometry.tracks import Health
+from six_wheel.kinematics.odometry.tracks import OdometryHealth
 
 __all__ = ["Counted", "Odometer"]
 
@@ -107,7 +107,7 @@ class Odometer:
             return stamp, self._update(readings, stamp)
         newest = rows.newest
         if newest is not None and stamp == newest:
-            self._say_health(Health.DUPLICATE)
+            self._say_health(OdometryHealth.DUPLICATE)
         elif newest is not None and stamp < newest:
             # Odometry knows what to do with a clock that was set back; the gyroscope's is as uncertain.
             self.rest()
@@ -156,29 +156,33 @@ class Odometer:
             track = self.odometry.run(
                 rows, [readings.wheels], [seconds], yaw_rate=rates, covariances=False, residuals=False
             )
-            health = Health(int(track.health[0]))
+            health = OdometryHealth(int(track.health[0]))
             self._say_health(health)
-            return None if health & Health.LEFT_OUT else self.odometry.state
+            return None if health & OdometryHealth.LEFT_OUT else self.odometry.state
         if health := state.health:
             self._say_health(health)
         self._moved(state)
         return state
 
-    def _say_health(self, health: Health) -> None:
+    def _say_health(self, health: OdometryHealth) -> None:
         for each in health:
-            if each is not Health.FIRST:
-                level = WARN if each in (Health.GAP, Health.WRAPPED, Health.SLIP) else ERROR
+            if each is not OdometryHealth.FIRST:
+                level = (
+                    WARN
+                    if each in (OdometryHealth.GAP, OdometryHealth.WRAPPED, OdometryHealth.SLIP)
+                    else ERROR
+                )
                 self._faults.add("odometry", level, f"{each.name}: {HEALTH[each]}")
 
 
 HEALTH = {
-    Health.GAP: "a gap between readings, counted as one arc",
-    Health.WRAPPED: "a counter started over",
-    Health.SLIP: "a wheel contradicts the others",
-    Health.NOT_FINITE: "a reading is not finite, left out",
-    Health.DUPLICATE: "readings have the stamp of those before, left out",
-    Health.BACKWARDS: "readings are older than those before, left out",
-    Health.JUMP: "faster than the rover can be, left out",
-    Health.UNDETERMINED: "the wheels do not determine the motion, left out",
-    Health.RESTARTED: "clock or counters restarted, followed",
+    OdometryHealth.GAP: "a gap between readings, counted as one arc",
+    OdometryHealth.WRAPPED: "a counter started over",
+    OdometryHealth.SLIP: "a wheel contradicts the others",
+    OdometryHealth.NOT_FINITE: "a reading is not finite, left out",
+    OdometryHealth.DUPLICATE: "readings have the stamp of those before, left out",
+    OdometryHealth.BACKWARDS: "readings are older than those before, left out",
+    OdometryHealth.JUMP: "faster than the rover can be, left out",
+    OdometryHealth.UNDETERMINED: "the wheels do not determine the motion, left out",
+    OdometryHealth.RESTARTED: "clock or counters restarted, followed",
 }

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoundStatus", "FeasibleReason", "SettleStatus", "StandLimits"]
+__all__ = ["BoundsStatus", "FeasibilityLimits", "FeasibilityReason", "SettleStatus"]
 
 
 class SettleStatus(StrEnum):
@@ -22,7 +22,7 @@ class SettleStatus(StrEnum):
     unknown_cells = "unknown_cells"
     """The rim of a wheel lies over ground that is not known."""
     not_converged = "not_converged"
-    """No way to stand was found: `Stand.reason` says more."""
+    """No way to stand was found: `SettledPose.reason` says more."""
 
     def __repr__(self) -> str:
         return self.value
@@ -38,7 +38,7 @@ def settle_statuses(codes: int | NDArray[np.int64]) -> SettleStatus | NDArray[An
     return found
 
 
-class BoundStatus(StrEnum):
+class BoundsStatus(StrEnum):
     """What the bounds of a pose are worth. Prints, and compares with text, by its name."""
 
     bounded = "bounded"
@@ -58,17 +58,17 @@ class BoundStatus(StrEnum):
         return self.value
 
 
-_BOUNDS = np.empty(len(BoundStatus), dtype=object)
-_BOUNDS[:] = list(BoundStatus)
+_BOUNDS = np.empty(len(BoundsStatus), dtype=object)
+_BOUNDS[:] = list(BoundsStatus)
 
 
-def bound_statuses(codes: int | NDArray[np.uint8]) -> BoundStatus | NDArray[Any]:
+def bound_statuses(codes: int | NDArray[np.uint8]) -> BoundsStatus | NDArray[Any]:
     """The status of a code of the core, or an array of them."""
-    found: BoundStatus | NDArray[Any] = _BOUNDS[codes]
+    found: BoundsStatus | NDArray[Any] = _BOUNDS[codes]
     return found
 
 
-class FeasibleReason(StrEnum):
+class FeasibilityReason(StrEnum):
     """Why a rover may not stand somewhere: the limit it would go furthest beyond, or what is not known."""
 
     ok = "ok"
@@ -98,17 +98,17 @@ class FeasibleReason(StrEnum):
         return self.value
 
 
-_REASONS = np.empty(len(FeasibleReason), dtype=object)
-_REASONS[:] = list(FeasibleReason)
+_REASONS = np.empty(len(FeasibilityReason), dtype=object)
+_REASONS[:] = list(FeasibilityReason)
 
 
-def feasible_reasons(codes: int | NDArray[np.uint8]) -> FeasibleReason | NDArray[Any]:
+def feasible_reasons(codes: int | NDArray[np.uint8]) -> FeasibilityReason | NDArray[Any]:
     """The reason of a code of the core, or an array of them."""
-    found: FeasibleReason | NDArray[Any] = _REASONS[codes]
+    found: FeasibilityReason | NDArray[Any] = _REASONS[codes]
     return found
 
 
-class StandLimits(NamedTuple):
+class FeasibilityLimits(NamedTuple):
     """What is allowed where a rover stands; by default what Curiosity is, and a belly that touches nothing.
 
     Source: A. Rankin, M. Maimone, J. Biesiadecki, N. Patel, D. Levine, O. Toupet, Driving Curiosity: Mars

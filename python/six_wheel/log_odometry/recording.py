@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Self
 
 from six_wheel._core import Rover
-from six_wheel.kinematics.odometry.tracks import Health, Track
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
 from six_wheel.kinematics.poses import Floats
 from six_wheel.logs.joints import JointRows
 from six_wheel.logs.mcap import RoverRecord
@@ -46,7 +46,7 @@ class TrackRecord:
             readings = [*steering, *chunk.wheel_angles[row].tolist()]
             joints = [sign * value for sign, value in zip(self._signs, readings, strict=True)]
             record.joints(stamp, stamp, self._names, joints)
-            if track.health[row] & int(Health.LEFT_OUT):
+            if track.health[row] & int(OdometryHealth.LEFT_OUT):
                 continue
             pose, twist = track.poses[row].tolist(), track.twists[row].tolist()
             of_pose, of_twist = (each.ravel().tolist() for each in covariances[row])

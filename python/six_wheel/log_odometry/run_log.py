@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from six_wheel._core import Gyroscope, Noise, Odometry, Rover
 from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
 from six_wheel.kinematics.odometry.thinning import Trace
-from six_wheel.kinematics.odometry.tracks import ROUNDING, Health, SlipReport, Track
+from six_wheel.kinematics.odometry.tracks import ROUNDING, OdometryHealth, SlipReport, Track
 from six_wheel.kinematics.poses import Floats, joined
 from six_wheel.log_odometry.evaluation.paths import AbsoluteError, Evaluation, absolute_error, align, evaluate
 from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, reach
@@ -26,7 +26,7 @@ from six_wheel.logs.columns import TableError
 from six_wheel.logs.detect_reader import AnyLog, LogOptions, corrections, open_log
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joints import JointRows
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import GroundTruth
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
 from six_wheel.robot_description.parameters.writing import text_of
@@ -97,7 +97,7 @@ class Reckoned:
         At the end [m, m, rad].
     left_out : dict of str to Count
         Rows that were not used, by reason.
-    flags : dict of Health to Count
+    flags : dict of OdometryHealth to Count
         Rows that were used and that there is something to say about.
     slip : SlipReport
     lost : tuple of Stretch
@@ -123,7 +123,7 @@ class Reckoned:
     pose: Floats = field(default_factory=lambda: np.zeros(3))
     covariance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
     left_out: dict[str, Count] = field(default_factory=dict)
-    flags: dict[Health, Count] = field(default_factory=dict)
+    flags: dict[OdometryHealth, Count] = field(default_factory=dict)
     slip: SlipReport = field(default_factory=lambda: SlipReport((), (), 0))
     lost: tuple[Stretch, ...] = ()
     evaluation: Evaluation | None = None
@@ -148,17 +148,17 @@ class Reckoned:
 
 # Why a row was not used, in words; the others come from the file's reader.
 REASONS = {
-    Health.NOT_FINITE: "a reading is not a finite number",
-    Health.DUPLICATE: "the same time twice",
-    Health.BACKWARDS: "time runs backwards",
-    Health.JUMP: "faster than the rover can be",
-    Health.UNDETERMINED: "the wheels do not determine the motion",
+    OdometryHealth.NOT_FINITE: "a reading is not a finite number",
+    OdometryHealth.DUPLICATE: "the same time twice",
+    OdometryHealth.BACKWARDS: "time runs backwards",
+    OdometryHealth.JUMP: "faster than the rover can be",
+    OdometryHealth.UNDETERMINED: "the wheels do not determine the motion",
 }
 REMARKS = {
-    Health.GAP: "after a gap",
-    Health.WRAPPED: "a counter started over",
-    Health.SLIP: "a wheel contradicts the others",
-    Health.RESTARTED: "clock or counters restarted",
+    OdometryHealth.GAP: "after a gap",
+    OdometryHealth.WRAPPED: "a counter started over",
+    OdometryHealth.SLIP: "a wheel contradicts the others",
+    OdometryHealth.RESTARTED: "clock or counters restarted",
 }
 
 
@@ -200,7 +200,7 @@ class _Run:
         residuals = {f"residual_{wheel}": "m/s" for wheel in self.log.rover.wheel_names}
         return stamp | {"row": ""} | pose | twist | squares | residuals | {"health": ""}
 
-    def advance(self, chunk: JointRows, truth: Truth | None) -> list[NDArray[Any]]:
+    def advance(self, chunk: JointRows, truth: GroundTruth | None) -> list[NDArray[Any]]:
         """Reckon the rows of a chunk; one array (n,) for each of `units`."""
         result = self.result
         if self._odometry is None:
@@ -246,7 +246,7 @@ class _Run:
         self.record.write(chunk, track, covariances)
         return track
 
-    def _note_truth(self, chunk: JointRows, poses: Floats, truth: Truth | None) -> None:
+    def _note_truth(self, chunk: JointRows, poses: Floats, truth: GroundTruth | None) -> None:
         """Keep what can be compared: now, or at the end where the log's own truth has another clock."""
         if truth is None and chunk.truth is not None and self._options.truth:
             there = np.isfinite(chunk.truth).all(axis=1)
@@ -277,7 +277,7 @@ class _Run:
         later = np.concatenate(([True], np.diff(np.maximum.accumulate(stamps)) > 0.0))
         if later.sum() < 2:
             return
-        truth = self._options.of_body(Truth(stamps[later], poses[later]))
+        truth = self._options.of_body(GroundTruth(stamps[later], poses[later]))
         for times, estimate in self._reckoned:
             wanted = truth.at(times)
             there = np.isfinite(wanted).all(axis=1)
@@ -298,7 +298,7 @@ class _Run:
         self._used += len(track) - len(track.left_out)
         self._slip.add(track, rows)
 
-    def finish(self, length: float, truth: Truth | None) -> Reckoned:
+    def finish(self, length: float, truth: GroundTruth | None) -> Reckoned:
         """Sum up."""
         result, path = self.result, self.log.path
         by_reader: dict[str, Count] = {}
@@ -402,7 +402,7 @@ def reckon(
         taken = [each for each in (path, truth, *sources) if each is not None]
         target = stack.enter_context(replacing(output, taken)) if output else None
         writer: TableWriter | None = None
-        known: Truth | None = None
+        known: GroundTruth | None = None
         for chunk in log.chunks(chunk_rows):
             if truth is not None and known is None:
                 known = _read_truth(truth, log, options, run.result)
@@ -424,13 +424,13 @@ def reckon(
     return result
 
 
-def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) -> Truth:
+def _read_truth(path: Path, log: AnyLog, options: LogOptions, result: Reckoned) -> GroundTruth:
     stamps, poses, findings = read_truth(path, origin=log.origin, topic=options.truth_topic)
     if findings.rows:
         result.warnings.append(
             f"{path}: {findings.rows} rows of the truth were left out; {findings.listed[0]}"
         )
     try:
-        return options.of_body(Truth(stamps, poses))
+        return options.of_body(GroundTruth(stamps, poses))
     except ValueError as error:
         raise TableError(f"{path}: {error}") from None

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Rover
 from six_wheel.kinematics.odometry.tracks import (
-    Health,
+    OdometryHealth,
     SlipReport,
     SlipWindow,
     Track,
@@ -55,7 +55,7 @@ class SlipSum:
 
     @staticmethod
     def _moving_rows(track: Track) -> int:
-        used = (track.health & int(Health.LEFT_OUT | Health.FIRST)) == 0
+        used = (track.health & int(OdometryHealth.LEFT_OUT | OdometryHealth.FIRST)) == 0
         residuals = track.residuals
         return 0 if residuals is None else int((residuals[used].max(axis=1) > 0.0).sum())
 

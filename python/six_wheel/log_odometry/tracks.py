@@ -22,7 +22,7 @@ def of_track(
     ----------
     track : Track
         With covariances and residuals.
-    truth : Truth, Log or Track, optional
+    truth : GroundTruth, WheelLog or Track, optional
         Brought to its stamps.
     name : str
         What to call it.

@@ -15,21 +15,21 @@ if TYPE_CHECKING:
     from six_wheel.logs.detect_reader import LogOptions, open_log, read_log
     from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.joints import JointLog, JointRows
-    from six_wheel.logs.recordings import Log, Truth
+    from six_wheel.logs.recordings import GroundTruth, WheelLog
     from six_wheel.logs.tables import Chunk, CommandTable, RowError
     from six_wheel.logs.writing import TableWriter, replacing
 
 __all__ = [
     "Chunk",
     "CommandTable",
+    "GroundTruth",
     "JointLog",
     "JointRows",
-    "Log",
     "LogOptions",
     "RowError",
     "TableError",
     "TableWriter",
-    "Truth",
+    "WheelLog",
     "open_log",
     "read_log",
     "read_truth",
@@ -45,7 +45,7 @@ __getattr__, __dir__ = attach(
         "joints": ("JointLog", "JointRows"),
         "detect_reader": ("LogOptions", "open_log", "read_log"),
         "optiodom": (),
-        "recordings": ("Log", "Truth"),
+        "recordings": ("WheelLog", "GroundTruth"),
         "tables": ("Chunk", "CommandTable", "RowError"),
         "skip_bad_rows": (),
         "ground_truth": ("read_truth",),

@@ -1,6 +1,6 @@
 """Any log that the command line reads, by what the file is: a table, a ROS 2 bag, or what `READERS` read.
 
-A format of one's own is a function that makes a `Log` and its entry in `READERS`: OptiOdom runs for example.
+A format of one's own is a function that makes a `WheelLog` and its entry in `READERS`, as for OptiOdom runs.
 """
 
 import difflib
@@ -22,7 +22,7 @@ from six_wheel.logs.columns import TableError
 from six_wheel.logs.ground_truth import read_truth
 from six_wheel.logs.joint_columns import Reading
 from six_wheel.logs.joints import JointLog, JointRows
-from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import Findings
 from six_wheel.logs.tables import FORMATS
 
@@ -57,15 +57,15 @@ class Reader:
         Whether a path is such a log. It is asked before tables and bags are thought of: an ending of
         theirs is not enough.
     read : callable
-        From the path and the rover to a `Log` in the rover's order, with its truth if it has one. Its
+        From the path and the rover to a `WheelLog` in the rover's order, with its truth if it has one. Its
         `ValueError` or `OSError` becomes the one line of the command.
     """
 
     claims: Callable[[Path], bool]
-    read: Callable[[Path, Rover], Log]
+    read: Callable[[Path, Rover], WheelLog]
 
 
-def _optiodom(path: Path, rover: Rover) -> Log:
+def _optiodom(path: Path, rover: Rover) -> WheelLog:
     """An OptiOdom run, if it is one of this rover's."""
     nominal = optiodom.read_rover(path)
     if nominal.wheel_names != rover.wheel_names or nominal.steered_names != rover.steered_names:
@@ -103,7 +103,7 @@ class LogOptions:
         """Where what a truth follows sits in the body, x, y, yaw (3,)."""
         return np.array([self.truth.get(axis, 0.0) for axis in ("x", "y", "yaw")])
 
-    def of_body(self, truth: Truth) -> Truth:
+    def of_body(self, truth: GroundTruth) -> GroundTruth:
         """The truth of the body itself, in the clock of the log, by the key ``truth`` of a parameter file.
 
         Positions alone stay those of the sensor: without a heading none tells where the body is.
@@ -280,9 +280,9 @@ def _instead_of(path: Path) -> str:
     return f'; did you mean "{path.with_name(close[0])}"?' if close else ""
 
 
-def as_logs(source: Any, rover: Rover) -> list[Log]:
-    """Drives from what tells one, or from some of those: a `Log`, the path of any that `read_log` reads, a
-    table of columns.
+def as_logs(source: Any, rover: Rover) -> list[WheelLog]:
+    """Drives from what tells one, or from some of those: a `WheelLog`, the path of any that `read_log` reads,
+    a table of columns.
 
     Raises
     ------
@@ -295,8 +295,8 @@ def as_logs(source: Any, rover: Rover) -> list[Log]:
     return [_as_log(one, rover) for one in (source if many else [source])]
 
 
-def _as_log(source: Any, rover: Rover) -> Log:
-    if isinstance(source, Log):
+def _as_log(source: Any, rover: Rover) -> WheelLog:
+    if isinstance(source, WheelLog):
         return source
     if isinstance(source, str | os.PathLike):
         return read_log(source, rover)[0]
@@ -306,7 +306,7 @@ def _as_log(source: Any, rover: Rover) -> Log:
     pieces = list(table(rover, source, None, {}, {}).pieces)
     steering = np.concatenate([piece.steering for piece in pieces]) if rover.steered_names else None
     stamps = np.concatenate([piece.stamps for piece in pieces])
-    return Log(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
+    return WheelLog(stamps, steering, np.concatenate([piece.wheels for piece in pieces]))
 
 
 def read_log(
@@ -316,7 +316,7 @@ def read_log(
     *,
     truth: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> tuple[Log, AnyLog]:
+) -> tuple[WheelLog, AnyLog]:
     """A whole log with its truth, and the (closed) reader with its findings.
 
     Raises
@@ -400,13 +400,13 @@ class WholeLog:
             rates = None if log.yaw_rate is None else log.yaw_rate[part]
             yield JointRows(rows, log.stamps[part], steering, log.wheel_angles[part], poses, rates)
 
-    def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> Log:
+    def read(self, *, truth: Path | None = None, truth_topic: str | None = None, **_: Any) -> WheelLog:
         """The whole run, with its own truth unless another is given."""
         self.position = self.size
         if truth is None:
             return self._log
         stamps, poses, self.truth_findings = read_truth(truth, topic=truth_topic)
-        return replace(self._log, truth=Truth(stamps, poses))
+        return replace(self._log, truth=GroundTruth(stamps, poses))
 
 
 def example_run() -> Path:

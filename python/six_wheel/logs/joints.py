@@ -21,7 +21,7 @@ from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_table, readings_of
 from six_wheel.logs.joint_columns import Reading, joint_columns
-from six_wheel.logs.recordings import Log, Truth
+from six_wheel.logs.recordings import GroundTruth, WheelLog
 from six_wheel.logs.skip_bad_rows import (
     Batch,
     Finding,
@@ -291,7 +291,7 @@ class JointLog:
         truth_topic: str | None = None,
         session: str = "",
         progress: Callable[[int, int], None] | None = None,
-    ) -> Log:
+    ) -> WheelLog:
         """The whole log, named after its file, with the truth if there is one.
 
         Parameters
@@ -325,16 +325,16 @@ class JointLog:
             if truth is not None:
                 options: Any = {"columns": truth_columns, "topic": truth_topic, "progress": progress}
                 times, poses, findings = read_truth(truth, origin=self.origin, **options)
-                known = Truth(times, poses)
+                known = GroundTruth(times, poses)
                 self.truth_findings = findings
             elif parts[0].truth is not None:
                 poses = np.concatenate([p.truth for p in parts])
                 there = np.isfinite(poses).all(axis=1)
-                known = Truth(stamps[there], poses[there]) if there.any() else None
+                known = GroundTruth(stamps[there], poses[there]) if there.any() else None
             rates = None if parts[0].yaw_rate is None else np.concatenate([p.yaw_rate for p in parts])
             heard = rates is not None and bool(np.isfinite(rates).any())
             rates = rates if heard else None
-            return Log(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
+            return WheelLog(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
         except TableError:
             raise
         except ValueError as error:

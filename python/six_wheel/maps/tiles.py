@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, Terrain
-from six_wheel.kinematics.statuses import FeasibleReason, StandLimits
+from six_wheel.kinematics.statuses import FeasibilityLimits, FeasibilityReason
 
 __all__ = ["REASONS", "Tile", "judge", "reach"]
 
-REASONS = tuple(FeasibleReason)
+REASONS = tuple(FeasibilityReason)
 POSES = 1 << 16  # judged at a time: their numbers take 10 MB
 
 
@@ -26,7 +26,7 @@ class Tile:
     orientation: float  # of the grid in the frame of the map [rad]
     cells: tuple[slice, slice]  # rows and columns that are asked about
     headings: int
-    limits: StandLimits
+    limits: FeasibilityLimits
     map_error: float = 0.0  # [m]
     belly: tuple[float, float, float, float] | None = None
 
@@ -58,7 +58,7 @@ def judge(tile: Tile) -> dict[str, NDArray[Any]]:
         "safe": np.zeros(shape, np.float32),
         "tilt": np.full(shape, np.nan, np.float32),
         "clearance": np.full(shape, np.nan, np.float32),
-        "reason": np.full(shape, REASONS.index(FeasibleReason.unknown_cells), np.uint8),
+        "reason": np.full(shape, REASONS.index(FeasibilityReason.unknown_cells), np.uint8),
     }
     if np.isnan(tile.heights).all():
         return layers

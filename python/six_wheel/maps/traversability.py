@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie, __version__
-from six_wheel.kinematics.statuses import StandLimits
+from six_wheel.kinematics.statuses import FeasibilityLimits
 from six_wheel.maps.rasters import Raster, rasterio
 from six_wheel.maps.tiles import REASONS, Tile, judge, reach
 from six_wheel.parallel import Failure, Journal, spread
@@ -71,7 +71,7 @@ def traverse(
     output: str | os.PathLike[str],
     *,
     headings: int = 16,
-    limits: StandLimits | None = None,
+    limits: FeasibilityLimits | None = None,
     map_error: float = 0.0,
     belly: tuple[float, float, float, float] | None = None,
     cluster: Any = None,
@@ -95,7 +95,7 @@ def traverse(
         reason.
     headings : int
         Evenly spaced, from the x axis of the map's frame.
-    limits : StandLimits, optional
+    limits : FeasibilityLimits, optional
         What is allowed; default what Curiosity is.
     map_error : float
         How far the heights may be wrong [m].
@@ -126,7 +126,7 @@ def traverse(
         raise FileNotFoundError(f"{path} must be a map, there is no such file")
     if output.exists() and output.resolve() == path.resolve():
         raise ValueError(f"output must not be the map itself, got {output}")
-    limits = limits or StandLimits()
+    limits = limits or FeasibilityLimits()
     with Raster(path) as raster:
         margin = [math.ceil(reach(rover) / spacing) + 1 for spacing in raster.spacing]
         windows = list(_windows(raster.shape))
@@ -193,7 +193,7 @@ def _tile(
     margin: list[int],
     rover: RockerBogie,
     headings: int,
-    limits: StandLimits,
+    limits: FeasibilityLimits,
     map_error: float,
     belly: tuple[float, float, float, float] | None,
 ) -> Tile:

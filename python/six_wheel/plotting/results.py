@@ -20,8 +20,8 @@ def figure(result: Any, *, title: str | None = None, **options: Any) -> Figure:
     Parameters
     ----------
     result : Track, Rover, Calibration, FourAxleSimulation, or a drive that has ended
-        A track takes ``truth=`` (a `Truth`, a `Log` that has one, another track), a rover ``twist=`` or
-        ``limits=``.
+        A track takes ``truth=`` (a `GroundTruth`, a `WheelLog` that has one, another track), a rover
+        ``twist=`` or ``limits=``.
     title : str, optional
         Written above the picture.
     **options

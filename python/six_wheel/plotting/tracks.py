@@ -19,7 +19,7 @@ from six_wheel.log_odometry.evaluation.paths import (
     error_growth,
     path_distance,
 )
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import GroundTruth
 from six_wheel.plotting.drawing import AXLE, FORBIDDEN, INK, MOTION, SOFT, new_figure, tidy, write_title
 
 # The last one drawn is the one that matters: it is green, what came before is purple, then quieter.
@@ -28,7 +28,7 @@ COLOURS = (MOTION, FORBIDDEN, AXLE, SOFT)
 
 def track_figure(
     tracks: ArrayLike | Track | Mapping[str, ArrayLike | Track],
-    truth: ArrayLike | Truth,
+    truth: ArrayLike | GroundTruth,
     *,
     how: Alignment = "first",
     title: str | None = None,
@@ -39,8 +39,8 @@ def track_figure(
     ----------
     tracks : array_like of shape (n, 3), or Track, or mapping of names to such
         Poses at the times of the truth [m, m, rad]; from the worst to the best.
-    truth : array_like of shape (n, 3), or Truth
-        The true poses [m, m, rad]; a `Truth` is brought to the stamps of tracks that share them.
+    truth : array_like of shape (n, 3), or GroundTruth
+        The true poses [m, m, rad]; a `GroundTruth` is brought to the stamps of tracks that share them.
     how : {'first', 'se2', 'none'}
         Alignment of each path, as in `six_wheel.log_odometry.evaluation.paths.align`.
     title : str, optional

@@ -10,13 +10,13 @@ limits.
 """
 
 from six_wheel.reference.control import controller, profiles
-from six_wheel.reference.planar.estimate import Fit
+from six_wheel.reference.planar.estimate import TwistFit
 from six_wheel.reference.planar.geometry import compose, differentiate, exp, integrate, log, wrap_angle
 from six_wheel.reference.planar.mobility import Mobility
 from six_wheel.reference.planar.rollouts import rollout_cost
 from six_wheel.reference.planar.rover import Rover
 from six_wheel.reference.planar.wheels import InfeasibleMotionError, UnderdeterminedError, Wheel
 
-__all__ = ["Fit", "InfeasibleMotionError", "Mobility", "Rover", "UnderdeterminedError", "Wheel"]
+__all__ = ["InfeasibleMotionError", "Mobility", "Rover", "TwistFit", "UnderdeterminedError", "Wheel"]
 __all__ += ["compose", "controller", "differentiate", "exp", "integrate", "log", "profiles", "rollout_cost"]
 __all__ += ["wrap_angle"]

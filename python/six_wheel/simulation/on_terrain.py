@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from six_wheel._core import Gyroscope, Noise, RockerBogie, Stand, Terrain
-from six_wheel.logs.recordings import Truth
+from six_wheel._core import Gyroscope, Noise, RockerBogie, SettledPose, Terrain
+from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
 from six_wheel.simulation.sensor_model import Encoders, read
@@ -29,7 +29,7 @@ class GroundSimulation(Simulation):
 
     Attributes
     ----------
-    stand : Stand
+    stand : SettledPose
         The settled pose at every sample: z, roll, pitch, joints, contact angles, contacts, statuses.
     speeds : ndarray, shape (n, wheels)
         True speeds of the wheels against their links [rad/s].
@@ -47,7 +47,7 @@ class GroundSimulation(Simulation):
         What an IMU reports about the body's axes, with the noise of the gyroscope [rad/s].
     """
 
-    stand: Stand | None = None
+    stand: SettledPose | None = None
     speeds: Floats | None = None
     flat_speeds: Floats | None = None
     twists: Floats | None = None
@@ -112,7 +112,7 @@ def simulate_on_ground(
         sampled.stamps,
         sampled.steering if sampled.steering.shape[1] else None,
         sampled.wheels,
-        Truth(sampled.stamps, motion.poses[::FINER]),
+        GroundTruth(sampled.stamps, motion.poses[::FINER]),
         name or f"seed {seed}",
         session,
         yaw_rate=sampled.yaw_rate,
@@ -145,7 +145,7 @@ def _every(motion: Motion) -> Motion:
     )
 
 
-def _check(stand: Stand, moved: Motion) -> None:
+def _check(stand: SettledPose, moved: Motion) -> None:
     """Fails where the map ends or has holes, and where nothing at all settles."""
     statuses = np.asarray(stand.status).astype(str)
     for status, rule in (("off_map", "stay on the map"), ("unknown_cells", "stay on known ground")):
@@ -157,7 +157,7 @@ def _check(stand: Stand, moved: Motion) -> None:
         raise ValueError("path must lead where the rover can stand, got none of it")
 
 
-def _quaternions(stand: Stand) -> Floats:
+def _quaternions(stand: SettledPose) -> Floats:
     """Rz(yaw) Ry(pitch) Rx(roll) as x, y, z, w (n, 4)."""
     halves = np.stack((stand.roll, stand.pitch, stand.poses[:, 2]), axis=-1) / 2.0
     (r, p, y), (cr, cp, cy) = np.sin(halves).T, np.cos(halves).T

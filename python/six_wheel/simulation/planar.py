@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from six_wheel._core import Noise, Rover, integrate
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.simulation.course import Course
 
 Floats = NDArray[np.float64]
@@ -77,7 +77,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Simulation(Log):
+class Simulation(WheelLog):
     """A log with its truth, and what only a simulation knows.
 
     Attributes

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Gyroscope, Noise, RockerBogie, Rover, Terrain, check_kind
 from six_wheel.kinematics.errors import ArgumentTypeError
-from six_wheel.logs.recordings import Truth
+from six_wheel.logs.recordings import GroundTruth
 from six_wheel.simulation.course import read_course
 from six_wheel.simulation.on_terrain import simulate_on_ground
 from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
@@ -92,7 +92,7 @@ def simulate(
     Returns
     -------
     Simulation
-        A `Log` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is. On
+        A `WheelLog` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is. On
         ground a `GroundSimulation`, which also says how the rover stood.
 
     Raises
@@ -167,7 +167,7 @@ def simulate(
         stamps,
         sampled.steering if sampled.steering.shape[1] else None,
         sampled.wheels,
-        Truth(stamps, poses),
+        GroundTruth(stamps, poses),
         name or f"seed {seed}",
         session,
         yaw_rate=sampled.yaw_rate,

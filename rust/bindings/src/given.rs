@@ -247,5 +247,5 @@ kinds! {
     Limits, "Limits", value => made("Limits", "speed", value);
     Costmap, "a Costmap", _ => "sw.Costmap(costs, spacing=...)".into();
     Preintegrated, "a Preintegrated", _ => String::new();
-    Stand, "a Stand", _ => "what settle(...) has returned".into();
+    Stand, "a SettledPose", _ => "what settle(...) has returned".into();
 }

@@ -1,4 +1,4 @@
-//! `Suspension.settle` and `six_wheel.Stand`: chains on ground.
+//! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
 
 mod quick;
 mod stand;
@@ -59,7 +59,7 @@ impl Suspension {
     ///
     /// Returns
     /// -------
-    /// Stand
+    /// SettledPose
     ///     With a status for every pose; numbers are NaN where it does not stand.
     ///
     /// Raises

@@ -261,7 +261,7 @@ impl Rover {
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
     /// kernel : str, optional
     ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
-    ///     wheels' rows: the largest singular value over `Fit.sigma_min`.
+    ///     wheels' rows: the largest singular value over `TwistFit.sigma_min`.
     ///
     /// Returns
     /// -------

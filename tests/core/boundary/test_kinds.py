@@ -58,11 +58,11 @@ WRONG = {
     ),
     "its stand": (
         lambda: ARM.stability(5, mass=1.0),
-        "stand must be a Stand, got 5: give what settle(...) has returned",
+        "stand must be a SettledPose, got 5: give what settle(...) has returned",
     ),
     "a stand": (
         lambda: ARM.inverse(5, (0.1, 0)),
-        "stand must be a Stand, got 5: give what settle(...) has returned",
+        "stand must be a SettledPose, got 5: give what settle(...) has returned",
     ),
     "a number": (lambda: ARM.stability(STAND, mass="1"), "mass must be a number, got '1'"),
     "a time": (lambda: sw.Controller(ROVER, timeout="0.5"), "timeout must be a number, got '0.5'"),

@@ -61,7 +61,7 @@ def outside(rover: sw.RockerBogie, ground: sw.Terrain, poses: Any, **options: An
     return int((bad & known).sum()), int(known.sum()), bound
 
 
-def drop(rover: sw.RockerBogie, stand: sw.Stand) -> Any:
+def drop(rover: sw.RockerBogie, stand: sw.SettledPose) -> Any:
     """How far the wheel that has come down most is below its place, from the frames of the chain.
 
     Of poses at which the rover does not stand, which have no joints, as with level joints.
@@ -213,7 +213,7 @@ def test_bad_input_is_named(options: dict[str, Any], message: str) -> None:
 def test_feasible_is_what_settling_says() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.1, seed=9)
     rover, poses = sw.RockerBogie.perseverance(), some(ground, 800, 9)
-    limits = sw.StandLimits(clearance=0.2)
+    limits = sw.FeasibilityLimits(clearance=0.2)
     found = rover.feasible(ground, poses, limits)
     stand = rover.settle(ground, poses)
     stability = rover.stability(stand, mass=1.0)
@@ -243,7 +243,7 @@ def test_feasible_is_what_settling_says() -> None:
     one = rover.feasible(ground, poses[0], limits)
     assert one.reason is found.reason[0]
     np.testing.assert_allclose(one.margin, found.margin[0], rtol=0, atol=1e-10)
-    reasons = np.array(list(sw.FeasibleReason), object)
+    reasons = np.array(list(sw.FeasibilityReason), object)
     np.testing.assert_array_equal(found.reason, reasons[found.reason_codes])
     assert reasons[one.reason_codes] == one.reason
 
@@ -269,11 +269,11 @@ def test_feasible_says_why_not() -> None:
     assert rover.feasible(steep, (6, 6, 0)).reason == "pitch"
     assert rover.feasible(steep, (6, 6, math.pi / 2)).reason == "roll"
     level = sw.Terrain(np.zeros((120, 120)), 0.1)
-    assert rover.feasible(level, (6, 6, 0), sw.StandLimits(clearance=0.7)).reason == "clearance"
+    assert rover.feasible(level, (6, 6, 0), sw.FeasibilityLimits(clearance=0.7)).reason == "clearance"
     assert rover.feasible(level, (0.2, 6, 0)).reason == "off_map"
     with pytest.raises(ValueError, match="roll must be positive, got 0"):
-        rover.feasible(level, (6, 6, 0), sw.StandLimits(roll=0.0))
-    with pytest.raises(ValueError, match="limits must be a StandLimits, got int"):
+        rover.feasible(level, (6, 6, 0), sw.FeasibilityLimits(roll=0.0))
+    with pytest.raises(ValueError, match="limits must be a FeasibilityLimits, got int"):
         rover.feasible(level, (6, 6, 0), 3)  # type: ignore[arg-type]
 
 

@@ -33,7 +33,7 @@ def rough(seed: int = 1) -> plain.Terrain:
     return plain.Terrain(waves + 0.04 * np.random.default_rng(seed).standard_normal((400, 400)), 0.1)
 
 
-def numbers(stand: plain.Stand) -> np.ndarray:
+def numbers(stand: plain.SettledPose) -> np.ndarray:
     """``z, roll, pitch, joints``."""
     assert stand.joints is not None
     return np.array([stand.z, stand.roll, stand.pitch, *stand.joints])

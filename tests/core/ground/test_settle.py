@@ -271,7 +271,7 @@ def test_derivatives_of_margins_are_differences(name, shape):
             column += 1
     assert told.by_dimension.clearance.shape == (60, column)
     assert margins_of(rover, ground, poses, belly, centre).by_pose is None
-    assert repr(told.by_pose).startswith("MarginSlopes(tip_over_angle=array(")
+    assert repr(told.by_pose).startswith("MarginJacobian(tip_over_angle=array(")
 
 
 # Stops
@@ -465,8 +465,8 @@ def test_shapes_follow_the_poses():
         assert getattr(stand, name).shape == (2, 0, *last)
     one = rover.settle(ground, (6.0, 7.0, 1.0))
     assert isinstance(one.z, float)
-    assert repr(one).startswith("Stand(status=settled, z=")
-    assert repr(rover.settle(ground, [(6.0, 7.0, 1.0), (-9, 0, 0)])) == "Stand(<1 settled, 1 off_map>)"
+    assert repr(one).startswith("SettledPose(status=settled, z=")
+    assert repr(rover.settle(ground, [(6.0, 7.0, 1.0), (-9, 0, 0)])) == "SettledPose(<1 settled, 1 off_map>)"
 
 
 @pytest.mark.parametrize(

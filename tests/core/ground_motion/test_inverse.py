@@ -49,7 +49,7 @@ def test_wherever_a_rover_settles_it_can_go(name: str) -> None:
         np.testing.assert_array_equal(np.isfinite(values).all(-1), stands)
 
 
-def there_and_back(arm: Any, stand: sw.Stand, commands: np.ndarray, sides: Any, **more: Any) -> None:
+def there_and_back(arm: Any, stand: sw.SettledPose, commands: np.ndarray, sides: Any, **more: Any) -> None:
     """Wheel rates to motion, of wheels of which some need not hold sideways."""
     told = arm.inverse(stand, commands, **more)
     weights = np.column_stack([np.ones(len(sides)), sides])

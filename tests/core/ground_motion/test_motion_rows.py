@@ -85,7 +85,7 @@ def told(arm: sw.Suspension, seed: int, count: int = COUNT) -> Any:
     )
 
 
-def settled(arm: sw.Suspension, seed: int) -> sw.Stand:
+def settled(arm: sw.Suspension, seed: int) -> sw.SettledPose:
     """Stands among rocks, some of them off the map."""
     size = 20 * scaled(arm) if isinstance(arm, sw.RockerBogie) else 20
     heights = rocks(20.0, 0.1, 300, seed) * size / 20

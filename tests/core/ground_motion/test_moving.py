@@ -14,10 +14,10 @@ from tests.core.ground.test_ground_reference import PERSEVERANCE, TURNED_ROUND, 
 CHAINS = {"behind": PERSEVERANCE, "in front": TURNED_ROUND}
 
 
-def face(*stands: plain.Stand) -> Any:
+def face(*stands: plain.SettledPose) -> Any:
     """Stands of the plain model with the face of settled ones; one, or a batch."""
 
-    def of(stand: plain.Stand) -> dict[str, Any]:
+    def of(stand: plain.SettledPose) -> dict[str, Any]:
         slopes = np.array([at.slope for at in stand.gaps])
         normals = np.column_stack([-slopes, np.ones(len(slopes))])
         transform = np.eye(4)
@@ -40,7 +40,7 @@ def face(*stands: plain.Stand) -> Any:
 
 
 @pytest.fixture(scope="module", params=CHAINS)
-def standing(request: pytest.FixtureRequest) -> tuple[sw.RockerBogie, plain.Chain, list[plain.Stand]]:
+def standing(request: pytest.FixtureRequest) -> tuple[sw.RockerBogie, plain.Chain, list[plain.SettledPose]]:
     """A rover, its plain model, and where it stands among bumps with turned wheels."""
     dimensions = CHAINS[request.param]
     arm, chain, land = sw.RockerBogie(**dimensions), plain.rocker_bogie(**dimensions), rough()

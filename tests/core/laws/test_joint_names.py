@@ -43,9 +43,12 @@ def test_flags_print_their_names():
     assert str(sw.Reason.STALE) == f"{sw.Reason.STALE}" == "STALE"
     assert f"{sw.Reason.STALE | sw.Reason.SPEED}" == "SPEED|STALE"
     assert str(sw.Reason(0)) == "none"
-    assert str(sw.Health(0)) == "GOOD"
-    assert str(sw.Health.LEFT_OUT) == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
-    assert f"{sw.Health.DUPLICATE:>12}|{sw.Health.DUPLICATE:d}" == "   DUPLICATE|32"
+    assert str(sw.OdometryHealth(0)) == "GOOD"
+    assert (
+        str(sw.OdometryHealth.LEFT_OUT)
+        == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
+    )
+    assert f"{sw.OdometryHealth.DUPLICATE:>12}|{sw.OdometryHealth.DUPLICATE:d}" == "   DUPLICATE|32"
 
 
 def test_three_numbers_are_no_twist():

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.kinematics.odometry import Health, dead_reckon_chunks, table_columns
+from six_wheel.kinematics.odometry import OdometryHealth, dead_reckon_chunks, table_columns
 from tests import optiodom_data as data
 from tests.odometry_logs import VEHICLES, drive
 
@@ -86,32 +86,32 @@ def test_start_and_empty_logs():
 # Each puts something bad into a log and says in which rows it lies, and what the flag is.
 def nan_wheel(steering, angles, stamps, k):
     angles[k, 2] = np.nan
-    return Health.NOT_FINITE
+    return OdometryHealth.NOT_FINITE
 
 
 def nan_steering(steering, angles, stamps, k):
     steering[k, 0] = np.inf
-    return Health.NOT_FINITE
+    return OdometryHealth.NOT_FINITE
 
 
 def no_stamp(steering, angles, stamps, k):
     stamps[k] = np.nan
-    return Health.NOT_FINITE
+    return OdometryHealth.NOT_FINITE
 
 
 def duplicate(steering, angles, stamps, k):
     stamps[k] = stamps[k - 1]
-    return Health.DUPLICATE
+    return OdometryHealth.DUPLICATE
 
 
 def backwards(steering, angles, stamps, k):
     stamps[k] = stamps[k - 1] - 0.7
-    return Health.BACKWARDS
+    return OdometryHealth.BACKWARDS
 
 
 def spike(steering, angles, stamps, k):
     angles[k, 3] += 500.0
-    return Health.JUMP
+    return OdometryHealth.JUMP
 
 
 BAD = [nan_wheel, nan_steering, no_stamp, duplicate, backwards, spike]
@@ -165,8 +165,8 @@ def test_a_clock_that_is_set_back_for_good():
     stamps[20:] -= 1000.0
     track = sw.dead_reckon(rover, None, angles, stamps)
     np.testing.assert_array_equal(track.left_out, [20])
-    assert track.health[20] == Health.BACKWARDS
-    assert track.health[21] == Health.RESTARTED
+    assert track.health[20] == OdometryHealth.BACKWARDS
+    assert track.health[21] == OdometryHealth.RESTARTED
     np.testing.assert_allclose(track.poses[-1], (0.1 * angles[-1, 0], 0.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(track.twists[1:, 0], 0.3, atol=1e-9)
 
@@ -178,8 +178,8 @@ def test_a_counter_that_starts_over_at_zero():
     angles[20:] -= 406.0
     track = sw.dead_reckon(rover, None, angles, stamps, max_speed=2.0)
     np.testing.assert_array_equal(track.left_out, [20])
-    assert track.health[20] == Health.JUMP
-    assert track.health[21] == Health.RESTARTED
+    assert track.health[20] == OdometryHealth.JUMP
+    assert track.health[21] == OdometryHealth.RESTARTED
     # What it went while the counter was reset is not known: one step of 3 cm.
     np.testing.assert_allclose(track.poses[-1], (0.1 * 3.0 * 3.9 - 0.03, 0.0, 0.0), atol=1e-12)
 
@@ -202,8 +202,8 @@ def test_wrap_and_gap_are_flagged():
     counts = np.repeat((np.arange(40) * 5000)[:, None] % 65536, 2, axis=1)
     encoder = sw.Encoder(10_000, modulus=65536)
     track = sw.dead_reckon(rover, None, counts, stamps, wheel_encoders=encoder, max_gap=1.0)
-    np.testing.assert_array_equal(track.rows(Health.GAP), [25])
-    np.testing.assert_array_equal(track.rows(Health.WRAPPED), [14, 27])
+    np.testing.assert_array_equal(track.rows(OdometryHealth.GAP), [25])
+    np.testing.assert_array_equal(track.rows(OdometryHealth.WRAPPED), [14, 27])
     np.testing.assert_allclose(track.poses[-1, 0], 39 * 5000 / 10_000 * math.tau * 0.1)
     assert "GAP: 1 of 40 rows (25)" in repr(track)
 
@@ -370,7 +370,9 @@ def test_a_file_of_another_kind_says_what_reads_it(tmp_path):
     pytest.importorskip("pyarrow")
     path = tmp_path / "log.csv"
     path.write_text("time,left,right\n0,0,0\n")
-    with pytest.raises(ValueError, match="must be a Parquet file; six_wheel.logs.read_log makes a Log of"):
+    with pytest.raises(
+        ValueError, match="must be a Parquet file; six_wheel.logs.read_log makes a WheelLog of"
+    ):
         sw.dead_reckon(VEHICLES["differential"], path)
     with pytest.raises(FileNotFoundError, match="no.csv: no such file"):
         sw.dead_reckon(VEHICLES["differential"], tmp_path / "no.csv")

@@ -62,7 +62,7 @@ def test_a_sample_at_a_time_is_the_whole_log(rover):
     assert len(pre) == len(stamps)
     np.testing.assert_array_equal(pre.delta, motion(rover).delta)
     log = sw.Preintegrated(rover, NOISE)
-    log.add(sw.Log(stamps, steering, totals))
+    log.add(sw.WheelLog(stamps, steering, totals))
     np.testing.assert_array_equal(log.delta, pre.delta)
 
 

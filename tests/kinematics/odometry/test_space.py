@@ -360,7 +360,7 @@ def test_clocks_and_counters_that_restart() -> None:
     jumped[15:] += 1e3
     for readings, more in (((totals, clock), {}), ((jumped, stamps), {"max_speed": 1.0})):
         track = sw.dead_reckon(arm, np.zeros((30, 4)), *readings, **told, **more)
-        assert track.rows(sw.Health.RESTARTED).tolist() == [16]
+        assert track.rows(sw.OdometryHealth.RESTARTED).tolist() == [16]
         assert abs(track.poses[-1, 0] - 29 * 0.3 * 0.26288) <= 0.3 * 0.26288 + 1e-9
 
 

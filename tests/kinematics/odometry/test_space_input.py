@@ -104,11 +104,11 @@ def test_off_the_ground() -> None:
     stamps, totals = np.arange(100.0), 0.3 * np.arange(100.0)[:, None] * np.ones(6)
     steering = np.zeros((100, 4))
     track = sw.dead_reckon(arm, steering, totals, stamps, ground=small)
-    assert len(track.rows(sw.Health.OFF_GROUND)) > 50
+    assert len(track.rows(sw.OdometryHealth.OFF_GROUND)) > 50
     assert track.poses[-1, 0] < 3.0
     told = {"joints": np.zeros((100, 3)), "attitude": np.zeros((100, 2))}
     track = sw.dead_reckon(arm, steering, totals, stamps, ground=small, **told)
-    assert len(track.rows(sw.Health.UNSETTLED)) > 50
+    assert len(track.rows(sw.OdometryHealth.UNSETTLED)) > 50
     np.testing.assert_allclose(track.positions[-1], [99 * 0.3 * 0.26288, 0, 0], atol=1e-9)
 
 

@@ -201,7 +201,7 @@ def test_counters_that_start_over(bits, signed):
     wrapped = 0
     for k in range(len(log.stamps)):
         state = odometry.update(None, read[k], log.stamps[k])
-        wrapped += bool(state.health & sw.Health.WRAPPED)
+        wrapped += bool(state.health & sw.OdometryHealth.WRAPPED)
     plainly = sw.Odometry(rover)
     expected = follow(plainly, log.steering, counts * encoder.angle_per_count, log.stamps)
     np.testing.assert_allclose(state.pose, expected.pose, rtol=0, atol=1e-9)
@@ -255,7 +255,7 @@ def test_the_first_sample_is_a_reference():
     np.testing.assert_array_equal(state.pose, 0.0)
     np.testing.assert_array_equal(state.twist, 0.0)
     np.testing.assert_array_equal(state.covariance, 0.0)
-    assert state.health == sw.Health.FIRST
+    assert state.health == sw.OdometryHealth.FIRST
     assert state.stamp == 1.7e9
 
 
@@ -265,9 +265,9 @@ def test_a_gap_is_one_arc():
     _, speeds = rover.inverse(twist)
     odometry = sw.Odometry(rover, max_gap=0.2)
     odometry.update(None, [0.0, 0.0], 0.0)
-    assert odometry.update(None, speeds * 0.1, 0.1).health == sw.Health.GOOD
+    assert odometry.update(None, speeds * 0.1, 0.1).health == sw.OdometryHealth.GOOD
     state = odometry.update(None, speeds * 5.1, 5.1)
-    assert state.health == sw.Health.GAP
+    assert state.health == sw.OdometryHealth.GAP
     np.testing.assert_allclose(state.pose, sw.exp(twist, 5.1), atol=1e-14)
 
 
@@ -336,7 +336,7 @@ def test_a_dead_wheel_is_named_and_outvoted():
         named = []
         for k in range(len(log.stamps)):
             state = odometry.update(log.steering[k], angles[k], log.stamps[k])
-            if state.health & sw.Health.SLIP:
+            if state.health & sw.OdometryHealth.SLIP:
                 named.append(state.worst_wheel)
         errors[method] = np.hypot(*(state.pose - log.poses[-1])[:2])
         assert len(named) > 50

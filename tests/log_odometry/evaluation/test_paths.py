@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import six_wheel as sw
 from six_wheel.log_odometry import evaluation
-from six_wheel.logs import Truth
+from six_wheel.logs import GroundTruth
 from tests.optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 
 POSES = st.tuples(*[st.floats(-5.0, 5.0)] * 2, st.floats(-3.0, 3.0))
@@ -125,7 +125,7 @@ def test_arguments_out_of_range_are_refused():
 
 def test_truth_between_its_stamps():
     poses = [(0.0, 0.0, 3.0), (1.0, 0.0, -3.0), (1.0, 2.0, -2.8)]
-    truth = Truth([0.0, 1.0, 3.0], poses, max_gap=2.0)
+    truth = GroundTruth([0.0, 1.0, 3.0], poses, max_gap=2.0)
     half = math.pi - 3.0
     assert_allclose(truth.at([0.5, 2.0])[:, :2], [(0.5, 0.0), (1.0, 1.0)])
     assert_allclose(truth.at([0.5, 2.0])[:, 2], [3.0 + half, -2.9])

@@ -8,7 +8,7 @@ import pytest
 import six_wheel as sw
 from six_wheel.kinematics.odometry.tracks import SILENT, can_contradict
 from six_wheel.log_odometry.evaluation import evaluate, slip_against
-from six_wheel.logs import Log, Truth
+from six_wheel.logs import GroundTruth, WheelLog
 from six_wheel.simulation.planar import Slip
 
 PAIR = sw.Rover.differential(0.5, (0.1, 0.102))
@@ -30,13 +30,15 @@ def slipped(rover=PAIR, slip=0.5, count=6000):
     truth = sw.integrate(twists[1:], STEP)
     speeds[FIRST:LAST, 0] /= 1.0 - slip
     turned = np.vstack((np.zeros(speeds.shape[1]), np.cumsum(STEP * speeds[1:], axis=0)))
-    return Log(times, None, turned, truth, "slid"), twists
+    return WheelLog(times, None, turned, truth, "slid"), twists
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.001])
 def test_a_truth_tells_when_it_was(noise):
     log, _ = slipped()
-    truth = Truth(log.stamps, log.truth.poses + noise * np.random.default_rng(0).normal(size=(len(log), 3)))
+    truth = GroundTruth(
+        log.stamps, log.truth.poses + noise * np.random.default_rng(0).normal(size=(len(log), 3))
+    )
     for rover in (PAIR, sw.Rover.differential(0.52, 0.101)):  # a dimension that is wrong is no slip
         (found,) = slip_against(sw.dead_reckon(rover, log), truth)
         # Half a window to either side.
@@ -99,15 +101,17 @@ def test_which_rovers_can(rover, told, without_encoders):
 def test_tracks_and_truths_meet():
     log, _ = slipped()
     track = sw.dead_reckon(PAIR, log)
-    later = Truth(log.stamps[100:-50:3] + 0.001, log.truth.at(log.stamps[100:-50:3] + 0.001))
+    later = GroundTruth(log.stamps[100:-50:3] + 0.001, log.truth.at(log.stamps[100:-50:3] + 0.001))
     found = evaluate(track, later)
     inside = (track.stamps >= later.stamps[0]) & (track.stamps <= later.stamps[-1])
     assert found.distance == evaluate(track.poses[inside], later.at(track.stamps[inside])).distance
     assert len(found.first.position) == inside.sum()
     assert evaluate(track, log.truth.poses).first.rmse == evaluate(track, log.truth).first.rmse
     with pytest.raises(ValueError, match="truth must overlap the track in time, got"):
-        evaluate(track, Truth([1e6, 2e6], np.zeros((2, 3))))
-    with pytest.raises(ValueError, match="estimate must be a Track where truth is a Truth, got ndarray"):
+        evaluate(track, GroundTruth([1e6, 2e6], np.zeros((2, 3))))
+    with pytest.raises(
+        ValueError, match="estimate must be a Track where truth is a GroundTruth, got ndarray"
+    ):
         evaluate(track.poses, log.truth)
 
 
@@ -191,12 +195,14 @@ def test_a_log_and_another_track_stand_for_a_truth():
     assert evaluate(track, log).first.rmse == evaluate(track, log.truth).first.rmse
     assert evaluate(track, better).first.rmse == pytest.approx(evaluate(track, log).first.rmse, rel=1e-9)
     assert evaluate(track, track).first.rmse == 0.0
-    unknown = Log(log.stamps, None, log.wheel_angles, name="unknown")
-    with pytest.raises(ValueError, match="truth must be known, got a log without one: Log\\('unknown'"):
+    unknown = WheelLog(log.stamps, None, log.wheel_angles, name="unknown")
+    with pytest.raises(ValueError, match="truth must be known, got a log without one: WheelLog\\('unknown'"):
         evaluate(track, unknown)
-    with pytest.raises(TypeError, match="truth must be a Truth, a Log with one, or a Track, got ndarray"):
+    with pytest.raises(
+        TypeError, match="truth must be a GroundTruth, a WheelLog with one, or a Track, got ndarray"
+    ):
         slip_against(track, log.stamps)
-    with pytest.raises(ValueError, match="estimate must be a Track where truth is a Truth"):
+    with pytest.raises(ValueError, match="estimate must be a Track where truth is a GroundTruth"):
         evaluate(track.poses, log)
 
 

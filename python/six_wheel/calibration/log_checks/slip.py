@@ -12,7 +12,7 @@ from six_wheel.calibration.model import Model
 from six_wheel.kinematics.odometry.dimensions import size
 from six_wheel.kinematics.poses import Floats
 from six_wheel.log_odometry.evaluation.slip import Stretch, lost_stretches, merged
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.recordings import WheelLog
 
 # Sizes of the rover that a slide is at least to be cut out: smaller ones a robust loss bears,
 LARGE = 1.5
@@ -42,7 +42,7 @@ class Slip:
         return f"slip in {where} ({when}, {slid:.2g} m): left out of the fit"
 
 
-def slipped(problem: Problem, records: Sequence[Log], parts: int) -> list[Slip]:
+def slipped(problem: Problem, records: Sequence[WheelLog], parts: int) -> list[Slip]:
     """Large slides in the drives of a problem, under a fit of it that forgets them.
 
     The first fit nearly does: what it finds bends it still, and hides a part of itself. The second one has no
@@ -94,8 +94,8 @@ def _outside(drive: Drive, stretches: Sequence[Stretch]) -> Drive:
 
 
 def clean(
-    log: Log, stretches: Sequence[Stretch], ready: Callable[[Log], Drive], session: str
-) -> list[tuple[Log, Drive]]:
+    log: WheelLog, stretches: Sequence[Stretch], ready: Callable[[WheelLog], Drive], session: str
+) -> list[tuple[WheelLog, Drive]]:
     """What is left of a log without its slides, ready to be fitted; each piece begins where the truth is."""
     spans = merged(stretches, MARGIN)
     begins, ends = [-np.inf, *(end for _, end in spans)], [*(start for start, _ in spans), np.inf]

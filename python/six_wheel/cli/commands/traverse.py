@@ -10,7 +10,7 @@ import typer
 from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
-    from six_wheel.kinematics.statuses import StandLimits
+    from six_wheel.kinematics.statuses import FeasibilityLimits
 
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
 
@@ -83,17 +83,17 @@ def traverse(
     new_console().print(grid(rows))
 
 
-def _limits(texts: list[str]) -> "StandLimits":
-    from six_wheel.kinematics.statuses import StandLimits
+def _limits(texts: list[str]) -> "FeasibilityLimits":
+    from six_wheel.kinematics.statuses import FeasibilityLimits
 
     found = dict[str, float]()
     for text in texts:
         name, _, value = text.partition("=")
-        if name not in StandLimits._fields:
-            raise ValueError(f"limit must be one of {', '.join(StandLimits._fields)}, got {text!r}")
+        if name not in FeasibilityLimits._fields:
+            raise ValueError(f"limit must be one of {', '.join(FeasibilityLimits._fields)}, got {text!r}")
         try:
             number = float(value)
         except ValueError:
             raise ValueError(f"limit {name} must be a number, got {text!r}") from None
         found[name] = math.radians(number) if name in ANGLES else number
-    return StandLimits(**found)
+    return FeasibilityLimits(**found)

@@ -13,15 +13,15 @@ if TYPE_CHECKING:
     from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
     from six_wheel.kinematics.odometry.dimensions import deviations
     from six_wheel.kinematics.odometry.thinning import Trace
-    from six_wheel.kinematics.odometry.tracks import Health, SlipReport, SlipWindow, Track, WheelSlip
+    from six_wheel.kinematics.odometry.tracks import OdometryHealth, SlipReport, SlipWindow, Track, WheelSlip
 
 __all__ = [
     "Encoder",
-    "Health",
     "Noise",
     "Odometry",
     "Odometry3",
     "Odometry3State",
+    "OdometryHealth",
     "OdometryState",
     "SlipReport",
     "SlipWindow",
@@ -45,6 +45,6 @@ __getattr__, __dir__ = attach(
         "dead_reckoning3": ("Track3",),
         "tabular_input": (),
         "thinning": ("Trace",),
-        "tracks": ("Health", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
+        "tracks": ("OdometryHealth", "SlipReport", "SlipWindow", "Track", "WheelSlip"),
     },
 )

@@ -95,8 +95,8 @@ def dead_reckon(
     steering : array_like of shape (n, steered wheels), or a table, or a path
         Steering angles [rad], or counts of their encoders; None for a rover that does not steer. A table
         (a frame of pandas or polars, a pyarrow table, a dict of columns) or the path of a Parquet file stands
-        for this and the next two; see `table_columns` for what its columns are called. So does a `Log`, with
-        its gyroscope and the encoders it was read with.
+        for this and the next two; see `table_columns` for what its columns are called. So does a `WheelLog`,
+        with its gyroscope and the encoders it was read with.
     wheel_angles : array_like, shape (n, wheels)
         Running totals [rad], or what the option `readings` says; NaN where a passive wheel has no encoder.
     stamps : array_like, shape (n,)
@@ -111,7 +111,8 @@ def dead_reckon(
         Of its body, from an IMU: roll and pitch, with yaw, or quaternions x, y, z, w; likewise.
     yaw, yaw_rate : array_like of shape (n,), or str, optional
         Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table. That
-        of a `Log` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs by.
+        of a `WheelLog` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs
+        by.
     start : array_like, shape (3,), default (0, 0, 0)
         First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
     start_covariance : array_like, shape (3,) or (3, 3), optional

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from six_wheel._core import Noise, Odometry3, Suspension, Terrain
-from six_wheel.kinematics.odometry.tracks import Health, findings, rows_with
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, findings, rows_with
 
 if TYPE_CHECKING:
     from typing import Literal
@@ -42,7 +42,7 @@ class Track3:
     slips : ndarray, shape (n, wheels, 2), or None
         Speed at which each wheel's contact slid, along its rim and to its left [m/s].
     health : ndarray of uint32, shape (n,)
-        `Health` flags.
+        `OdometryHealth` flags.
     """
 
     arm: Suspension
@@ -94,9 +94,9 @@ class Track3:
     @property
     def left_out(self) -> NDArray[np.int64]:
         """Rows that were left out."""
-        return self.rows(Health.LEFT_OUT)
+        return self.rows(OdometryHealth.LEFT_OUT)
 
-    def rows(self, flag: Health) -> NDArray[np.int64]:
+    def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
         """Rows with any of these flags."""
         return rows_with(self.health, flag)
 

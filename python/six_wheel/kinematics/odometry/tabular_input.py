@@ -157,7 +157,7 @@ def _parquet(
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
     except ArrowInvalid:
-        rule = "be a Parquet file; six_wheel.logs.read_log makes a Log of tables, bags and others"
+        rule = "be a Parquet file; six_wheel.logs.read_log makes a WheelLog of tables, bags and others"
         raise ValueError(f"a path must {rule}, got {str(path)!r}") from None
     found = _find(rover, opened.schema_arrow.names, columns, sensors, options)
 

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Encoder",
-    "Health",
     "Noise",
     "Odometry",
+    "OdometryHealth",
     "OdometryState",
     "SlipReport",
     "SlipWindow",
@@ -32,7 +32,7 @@ ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns
 SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
 
 
-class Health(NamedFlag):
+class OdometryHealth(NamedFlag):
     """What there is to say about one sample."""
 
     GOOD = 0
@@ -66,7 +66,7 @@ class Health(NamedFlag):
     LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED | OVERTURNED | OFF_GROUND
 
 
-def rows_with(health: NDArray[np.uint32], flag: Health) -> NDArray[np.int64]:
+def rows_with(health: NDArray[np.uint32], flag: OdometryHealth) -> NDArray[np.int64]:
     """Rows with any of these flags."""
     import numpy as np
 
@@ -76,7 +76,7 @@ def rows_with(health: NDArray[np.uint32], flag: Health) -> NDArray[np.int64]:
 def findings(health: NDArray[np.uint32]) -> list[str]:
     """One line per kind of flag: how many rows, and the first of them."""
     lines = []
-    for flag in Health:
+    for flag in OdometryHealth:
         rows = rows_with(health, flag)
         if flag and len(rows) > 0:
             shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
@@ -107,7 +107,7 @@ class Track:
     weights : ndarray, shape (n, wheels), or None
         Say of each wheel, of the robust method.
     health : ndarray of uint32, shape (n,)
-        `Health` flags.
+        `OdometryHealth` flags.
     """
 
     rover: Rover
@@ -147,9 +147,9 @@ class Track:
         """Rows that were left out."""
         import numpy as np
 
-        return np.flatnonzero(self.health & int(Health.LEFT_OUT))
+        return np.flatnonzero(self.health & int(OdometryHealth.LEFT_OUT))
 
-    def rows(self, flag: Health) -> NDArray[np.int64]:
+    def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
         """Rows with any of these flags."""
         return rows_with(self.health, flag)
 
@@ -165,7 +165,7 @@ class Track:
         Parameters
         ----------
         threshold : float, optional
-            Residual from which on a wheel slips [m/s]; by default the rows flagged `Health.SLIP` count.
+            Residual from which on a wheel slips [m/s]; default the rows flagged `OdometryHealth.SLIP`.
         gap : float, default 0.5
             Rows of slip that lie no further apart than this are one window [s].
         shortest : int, default 2
@@ -234,7 +234,7 @@ class SlipReport:
 
         if track.residuals is None:
             raise ValueError("track must hold residuals, got one without")
-        used = (track.health & int(Health.LEFT_OUT | Health.FIRST)) == 0
+        used = (track.health & int(OdometryHealth.LEFT_OUT | OdometryHealth.FIRST)) == 0
         residuals = track.residuals[used]
         rows, stamps = np.flatnonzero(used), track.stamps[used]
         names = track.rover.wheel_names
@@ -260,7 +260,7 @@ class SlipReport:
                     None if weights is None else float(weights[i]),
                 )
             )
-        flagged = (track.health[used] & int(Health.SLIP)) != 0
+        flagged = (track.health[used] & int(OdometryHealth.SLIP)) != 0
         slips = flagged if threshold is None else largest > threshold
         windows = []
         places = np.flatnonzero(slips)

@@ -1,6 +1,6 @@
 """How far an estimated path is from the true one: absolute and relative errors, and how they grow.
 
-Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `Truth.at` of
+Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `GroundTruth.at` of
 `six_wheel.logs.recordings` brings a reference with its own clock to the stamps of a log.
 
 The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012, in
@@ -355,7 +355,7 @@ class Evaluation:
 
 
 def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> tuple[ArrayLike, ArrayLike]:
-    """Poses of both at the same times: a `Track` and a `Truth` (or what `as_truth` takes) by their stamps.
+    """Poses of both at the same times: a `Track` and a `GroundTruth` (or what `as_truth` takes) by stamps.
 
     Raises
     ------
@@ -366,7 +366,7 @@ def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> 
         truth = as_truth(truth)
         if not isinstance(estimate, Track):
             raise ValueError(
-                f"estimate must be a Track where truth is a Truth, got {type(estimate).__name__}"
+                f"estimate must be a Track where truth is a GroundTruth, got {type(estimate).__name__}"
             )
         real = truth.at(estimate.stamps)
         known = np.isfinite(real).all(axis=1)
@@ -389,9 +389,9 @@ def evaluate(
 
     Parameters
     ----------
-    estimate, truth : array_like, shape (n, 3), or Track and Truth
-        Poses at the same times [m, m, rad]; a `Truth` is interpolated at the stamps of a `Track`, whose rows
-        outside it are left out. For a `Truth` stands also the `Log` that has it, or another `Track`.
+    estimate, truth : array_like, shape (n, 3), or Track and GroundTruth
+        Poses at the same times [m, m, rad]; a `GroundTruth` is interpolated at the stamps of a `Track`, whose
+        rows outside it are left out. The `WheelLog` that has it, or another `Track`, serves as well.
     length, stride
         Of the relative error; see `segments`.
 

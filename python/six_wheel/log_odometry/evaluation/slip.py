@@ -44,7 +44,7 @@ def slip_against(
     ----------
     track : Track
         Of the wheels alone, at stamps that grow.
-    truth : Truth, Log or Track, optional
+    truth : GroundTruth, WheelLog or Track, optional
         Where the rover was: a truth, a log that has it, or a track that knows better.
     yaw_rate : array_like, shape (n,), optional
         Of a gyroscope at the stamps of the track [rad/s]; its bias is the median of what it differs by.

@@ -8,7 +8,7 @@ from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from six_wheel._core import RockerBogie, Stand, Terrain
+from six_wheel._core import RockerBogie, SettledPose, Terrain
 from six_wheel.plotting.drawing import CENTRE, FAINT, INK, SOFT, TRACK, WHEEL, tidy
 from six_wheel.plotting.ground.side import draw_side_view
 from six_wheel.simulation.on_terrain import GroundSimulation
@@ -133,7 +133,7 @@ def _draw_space(axes: Any, run: GroundSimulation, arm: RockerBogie, ground: Terr
     axes.grid(False)
 
 
-def _draw_rover(axes: Any, arm: RockerBogie, stand: Stand, row: int) -> None:
+def _draw_rover(axes: Any, arm: RockerBogie, stand: SettledPose, row: int) -> None:
     """Links and wheels at one pose."""
     transform, joints = stand.transform[row], stand.joints[row]
     frames = arm.frames(joints[0], joints[1:], stand.steering[row])

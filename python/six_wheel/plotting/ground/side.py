@@ -5,20 +5,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from six_wheel._core import RockerBogie, Stand, Terrain
+from six_wheel._core import RockerBogie, SettledPose, Terrain
 from six_wheel.plotting.drawing import AXLE, BODY, CENTRE, INK, TRACK, WHEEL, Floats, tidy
 
 PIVOT = 0.18  # radius of a drawn joint, of a wheel's
 
 
-def side_figure(rover: RockerBogie, stand: Stand | None = None, *, title: str = "") -> Figure:
+def side_figure(rover: RockerBogie, stand: SettledPose | None = None, *, title: str = "") -> Figure:
     """Draw a rocker-bogie from its left: links, joints, wheels and the ground under them.
 
     Parameters
     ----------
     rover : RockerBogie
         Who stands.
-    stand : Stand, optional
+    stand : SettledPose, optional
         Where: one pose of `RockerBogie.settle`. Default: on flat ground.
     title : str
         A heading.
@@ -44,7 +44,7 @@ def side_figure(rover: RockerBogie, stand: Stand | None = None, *, title: str = 
     return figure
 
 
-def draw_side_view(axes: Axes, rover: RockerBogie, stand: Stand) -> None:
+def draw_side_view(axes: Axes, rover: RockerBogie, stand: SettledPose) -> None:
     """Both sides of a rover at one pose, and the ground under them."""
     axes.set_aspect("equal")
     for side, fade in ((1, 0.55), (0, 0.0)):
@@ -52,19 +52,19 @@ def draw_side_view(axes: Axes, rover: RockerBogie, stand: Stand) -> None:
     _draw_ground(axes, rover, stand)
 
 
-def _place(stand: Stand, point: Floats) -> tuple[float, float]:
+def _place(stand: SettledPose, point: Floats) -> tuple[float, float]:
     ahead, height = _along(stand, point)
     return float(ahead), float(height)
 
 
-def _along(stand: Stand, points: Floats) -> Floats:
+def _along(stand: SettledPose, points: Floats) -> Floats:
     """Points of the world as distances along the heading and heights."""
     x, y, yaw = stand.poses
     ahead = (points[..., 0] - x) * np.cos(yaw) + (points[..., 1] - y) * np.sin(yaw)
     return np.stack([ahead, points[..., 2]], axis=-1)
 
 
-def _draw_side(axes: Axes, rover: RockerBogie, stand: Stand, side: int, fade: float) -> None:
+def _draw_side(axes: Axes, rover: RockerBogie, stand: SettledPose, side: int, fade: float) -> None:
     radius, alpha = rover.dimensions["wheel_radius"], 1.0 - fade
     frames = rover.frames(stand.joints[0], stand.joints[1:])
     world = [stand.transform @ frames[name] for name in (f"S{side + 1}", f"B{side + 1}", f"S{side + 5}")]
@@ -89,7 +89,7 @@ def _draw_side(axes: Axes, rover: RockerBogie, stand: Stand, side: int, fade: fl
     axes.plot(x, z, "o", color=INK, ms=4, alpha=alpha, zorder=height + 3)
 
 
-def _draw_ground(axes: Axes, rover: RockerBogie, stand: Stand) -> None:
+def _draw_ground(axes: Axes, rover: RockerBogie, stand: SettledPose) -> None:
     """The ground under the left wheels, on the line of the middle one."""
     x, y, yaw = stand.poses
     centres = stand.wheel_centres[0::2]

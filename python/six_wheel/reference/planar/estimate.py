@@ -11,7 +11,7 @@ from six_wheel.reference.planar.geometry import Floats
 RANK_TOLERANCE = 1e-9  # singular values below this share of the largest are zero
 
 
-class Fit(NamedTuple):
+class TwistFit(NamedTuple):
     """A twist (..., 3) fitted to wheel readings, and how well every wheel agrees with it."""
 
     twist: Floats
@@ -21,7 +21,7 @@ class Fit(NamedTuple):
     weights: Floats  # (..., wheels)
 
 
-def weighted(a: Floats, b: Floats, weights: Floats, metric: Floats) -> Fit:
+def weighted(a: Floats, b: Floats, weights: Floats, metric: Floats) -> TwistFit:
     """Rows `a` (wheels, 2, 3), readings `b` (wheels, 2): the twist of least weighted squares.
 
     What the rows leave open is chosen so that ``|metric @ twist|`` is as small as it can be.
@@ -36,10 +36,10 @@ def weighted(a: Floats, b: Floats, weights: Floats, metric: Floats) -> Fit:
         open_ = basis[rank:].T
         twist = twist - open_ @ np.linalg.lstsq(metric @ open_, metric @ twist, rcond=None)[0]
     residual = np.array([math.hypot(*row) for row in a @ twist - b])
-    return Fit(np.asarray(twist, dtype=float), residual, rank, float(sigma[2]), weights)
+    return TwistFit(np.asarray(twist, dtype=float), residual, rank, float(sigma[2]), weights)
 
 
-def robust(a: Floats, b: Floats, fit: Fit, metric: Floats, least: float) -> Fit:
+def robust(a: Floats, b: Floats, fit: TwistFit, metric: Floats, least: float) -> TwistFit:
     """Iteratively re-weighted least squares with the Geman-McClure loss on the residual of each wheel.
 
     The scale starts where every wheel has a say, at the largest residual, and is halved down to the noise:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from six_wheel.reference.planar import estimate
 from six_wheel.reference.planar import mobility as degrees
 from six_wheel.reference.planar.admissible import SLIP_TOLERANCE, AdmissibleSet, Keep, fastest_pivot
-from six_wheel.reference.planar.estimate import Fit
+from six_wheel.reference.planar.estimate import TwistFit
 from six_wheel.reference.planar.geometry import Floats, MaybeArray, finite, or_zeros, rowwise
 from six_wheel.reference.planar.layouts import Layout
 from six_wheel.reference.planar.wheels import (
@@ -122,8 +122,8 @@ class Rover(Layout):
     def fit(
         self, steering: MaybeArray, speeds: ArrayLike, method: Method = "least_squares",
         steering_rates: MaybeArray = None
-    ) -> Fit:  # fmt: skip
-        """Least squares on the rows of every wheel: steering (..., steered), speeds (..., wheels) -> `Fit`.
+    ) -> TwistFit:  # fmt: skip
+        """Least squares on the rows of every wheel; steering (..., steered), speeds (..., wheels).
 
         "middle_wheels" trusts the unsteered wheels alone, "robust" re-weights wheels by how well they agree.
         Of the twists that fit equally well it is the one with the least mean square velocity of the pivots.
@@ -147,9 +147,9 @@ class Rover(Layout):
         if not lead:
             return fits[0]
         shapes = enumerate(((3,), (wheels,), (), (), (wheels,)))
-        return Fit(*(np.array([fit[k] for fit in fits]).reshape(*lead, *shape) for k, shape in shapes))
+        return TwistFit(*(np.array([fit[k] for fit in fits]).reshape(*lead, *shape) for k, shape in shapes))
 
-    def _fit(self, angles: Floats, rim: Floats, rates: Floats, method: Method) -> Fit:
+    def _fit(self, angles: Floats, rim: Floats, rates: Floats, method: Method) -> TwistFit:
         a, b = np.empty((len(rim), 2, 3)), np.zeros((len(rim), 2))
         steer = iter(zip(angles, rates, strict=True))
         for i, wheel in enumerate(self.wheels):

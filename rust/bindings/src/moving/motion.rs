@@ -35,7 +35,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     What `settle` says, shape (...). Rows that did not settle give NaN.
     /// command : array_like, shape (..., 2) or (2,)
     ///     Forward speed [m/s] and yaw rate [rad/s].
@@ -142,7 +142,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     What `settle` says, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
     /// steering : array_like, shape (..., steered wheels) or None
     ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the

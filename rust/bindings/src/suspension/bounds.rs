@@ -16,7 +16,7 @@ use crate::terrain::Terrain;
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
 ///
 /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "PoseBounds")]
 pub struct Bounds {
     /// Height of the origin of the rover's frame, shape (..., 2) [m].
     #[pyo3(get)]
@@ -49,7 +49,7 @@ pub struct Bounds {
 
 #[pymethods]
 impl Bounds {
-    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
+    /// What the intervals are worth, shape (...): `six_wheel.BoundsStatus`.
     #[getter]
     fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let codes = self.worth.iter().map(|worth| *worth as u8);
@@ -61,7 +61,7 @@ impl Bounds {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
-            "Bounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
+            "PoseBounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
             text(&self.z)?,
             text(&self.roll)?,
             text(&self.pitch)?,
@@ -193,7 +193,7 @@ impl RockerBogie {
     ///
     /// Returns
     /// -------
-    /// Bounds
+    /// PoseBounds
     ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
     ///     `status` (...).
     ///
