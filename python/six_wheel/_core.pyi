@@ -71,11 +71,11 @@ __all__ = [
     "differentiate",
     "exp",
     "integrate",
-    "kernels",
     "log",
     "reason_bits",
     "rollout",
     "set_default_threads",
+    "simd_levels",
     "unit_questions",
     "without_questions",
     "wrap_angle",
@@ -93,7 +93,7 @@ _Brake: TypeAlias = Literal["locked", "free"]
 _Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
 _Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
-_Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
+_Level: TypeAlias = Literal["scalar", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
     "speeds",
     "steering",
@@ -450,7 +450,7 @@ class Rover:
         out: tuple[_Out, _Out, _Out, _Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> RolloutCost: ...
     def inverse(
         self,
@@ -463,7 +463,7 @@ class Rover:
         out: tuple[_Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
@@ -475,7 +475,7 @@ class Rover:
         out: _Out | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> NDArray[_Real]: ...
     def fit(
         self,
@@ -1075,7 +1075,7 @@ class Suspension:
         max_wheel_speed: float | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> GroundCommand: ...
     def forward(
         self,
@@ -1089,7 +1089,7 @@ class Suspension:
         weights: ArrayLike | None = None,
         out: _Out | tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> GroundMotion: ...
     def traction(
         self,
@@ -1106,7 +1106,7 @@ class Suspension:
         lift_speed: float = 0.01,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> Traction: ...
     def slip(
         self,
@@ -1127,7 +1127,7 @@ class Suspension:
         derivatives: bool = False,
         centre_of_mass: ArrayLike | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> SettledPose: ...
     def stability(
         self,
@@ -1301,7 +1301,7 @@ class RockerBogie(Suspension):
         within: tuple[float, float, float] | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: str | None = None,
+        level: str | None = None,
     ) -> PoseBounds: ...
     def feasible(
         self,
@@ -1598,7 +1598,7 @@ class Mppi:
         frame: str | None = None,
         out: tuple[_Floats, _Floats] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> MppiPlan: ...
     def reset(self) -> None: ...
     def restore(self, state: Mapping[str, Any]) -> None: ...
@@ -1655,7 +1655,7 @@ def integrate(
     out: _Out | None = None,
     dtype: type[_Real] | None = None,
     threads: int | None = None,
-    kernel: _Kernel | None = None,
+    level: _Level | None = None,
 ) -> NDArray[_Real]: ...
 def rollout(
     controls: ArrayLike,
@@ -1670,9 +1670,9 @@ def rollout(
     steering: ArrayLike | None = None,
     delay: float = 0.0,
     threads: int | None = None,
-    kernel: _Kernel | None = None,
+    level: _Level | None = None,
 ) -> NDArray[_Real]: ...
-def kernels() -> list[_Kernel]: ...
+def simd_levels() -> list[_Level]: ...
 def default_threads() -> int: ...
 def set_default_threads(threads: int) -> None: ...
 def differentiate(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from six_wheel import reference
-from six_wheel._core import Rover, integrate, kernels
+from six_wheel._core import Rover, integrate, simd_levels
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -167,7 +167,7 @@ def machine() -> dict[str, str]:
                 break
     return {
         "processor": f"{processor} ({platform.machine()}), {os.cpu_count()} cores",
-        "vectors": kernels()[-1],
+        "vectors": simd_levels()[-1],
         "Python": f"{sys.implementation.name} {platform.python_version()}",
         "NumPy": np.__version__,
     }

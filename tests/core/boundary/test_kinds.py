@@ -78,7 +78,7 @@ WRONG = {
         lambda: ROVER.inverse(np.zeros((9, 3)), threads=True),
         "threads must be a whole number, got True",
     ),
-    "kernel": (lambda: ROVER.inverse(np.zeros((9, 3)), kernel=5), "kernel must be a str, got 5"),
+    "level": (lambda: ROVER.inverse(np.zeros((9, 3)), level=5), "level must be a str, got 5"),
     "a name": (lambda: sw.Rover.preset(5), "name must be a str, got 5"),
     "a method": (lambda: ROVER.fit([0] * 4, [0] * 6, method=5), "method must be a str, got 5"),
     "belly": (lambda: ARM.bounds(GROUND, (9, 9, 0), belly=3), "belly must be four numbers, got 3"),

@@ -133,8 +133,8 @@ def test_on_a_plane_they_hold_the_plane(slope: tuple[float, float]) -> None:
 def test_every_kernel_and_number_of_threads_gives_the_same_to_the_bit() -> None:
     ground = sw.Terrain.yard(30, 0.1, 0.15, seed=5)
     rover, poses = sw.RockerBogie.perseverance(), some(ground, 1003, 5)
-    plain = rover.bounds(ground, poses, kernel="plain")
-    for options in [*({"kernel": kernel} for kernel in sw.kernels()), {"threads": 3}]:
+    plain = rover.bounds(ground, poses, level="scalar")
+    for options in [*({"level": kernel} for kernel in sw.simd_levels()), {"threads": 3}]:
         other = rover.bounds(ground, poses, **options)
         assert np.array_equal(plain.status, other.status)
         for name in QUANTITIES:
@@ -199,7 +199,7 @@ def test_what_is_not_known_is_said() -> None:
         ({"map_error": math.inf}, "map_error must be finite and not negative, got inf"),
         ({"within": (0.2, 0.0, 0.1)}, "rocker must be positive and at most 40 degrees, got 0"),
         ({"belly": (1.0, 0.0, 0.5, 0.5)}, "belly must be rear and front edge in order"),
-        ({"kernel": "abacus"}, "kernel must be one this machine has"),
+        ({"level": "abacus"}, "level must be one this machine has"),
     ],
 )
 def test_bad_input_is_named(options: dict[str, Any], message: str) -> None:

@@ -121,9 +121,9 @@ def test_every_kernel_finds_the_same(make):
     for rover in ROVERS.values():
         ground, *_ = ground_for(rover, make)
         poses = poses_for(rover, 300, seed=6)
-        plain = rover.settle(ground, poses, kernel="plain")
-        for kernel in sw.kernels()[1:]:
-            stand = rover.settle(ground, poses, kernel=kernel)
+        plain = rover.settle(ground, poses, level="scalar")
+        for kernel in sw.simd_levels()[1:]:
+            stand = rover.settle(ground, poses, level=kernel)
             assert (stand.status == plain.status).all()
             # Gaps close to 2e-12 m; a nearly singular stand multiplies that.
             np.testing.assert_allclose(numbers_of(stand), numbers_of(plain), rtol=0, atol=1e-8)

@@ -12,7 +12,7 @@ import six_wheel as sw
 from tests.core.ground.grounds import rocks, scaled
 
 COUNT = 203  # no multiple of any register
-KERNELS = sw.kernels()[1:]
+KERNELS = sw.simd_levels()[1:]
 
 
 def vehicles() -> dict[str, sw.Suspension]:
@@ -134,8 +134,8 @@ def test_forward_is_the_plain_way(name: str, kernel: str) -> None:
             (angles, gaps[0], {"steering_rates": angles, "weights": rng.uniform(0.1, 2, wheels)}),
             (None, speeds, {"weights": np.column_stack([rng.uniform(0.1, 2, wheels), np.zeros(wheels)])}),
         ):
-            plain = arm.forward(stand, steering, given, kernel="plain", **more)
-            found = arm.forward(stand, steering, given, kernel=kernel, **more)
+            plain = arm.forward(stand, steering, given, level="scalar", **more)
+            found = arm.forward(stand, steering, given, level=kernel, **more)
             alike(found, plain, MOTION)
 
 
@@ -143,9 +143,9 @@ def leave_out_what_no_wheel_can(arm: sw.Suspension, stand: Any, commands: np.nda
     """Wheels beside their axis, or with stops, roll at no angle here and there: both ways refuse the same."""
     while True:
         said = []
-        for which in ("plain", kernel):
+        for which in ("scalar", kernel):
             try:
-                arm.inverse(stand, commands, kernel=which)
+                arm.inverse(stand, commands, level=which)
             except sw.InfeasibleMotionError as error:
                 said.append(re.sub(r"got .*", "", str(error)))
         if not said:
@@ -172,8 +172,8 @@ def test_inverse_is_the_plain_way(name: str, kernel: str) -> None:
         for view in ("body", "plan"):
             for more in ({}, {"steering": angles}, {"max_wheel_speed": 0.5}):
                 plain, found = (
-                    arm.inverse(stand, commands, view=view, kernel=which, **more)
-                    for which in ("plain", kernel)
+                    arm.inverse(stand, commands, view=view, level=which, **more)
+                    for which in ("scalar", kernel)
                 )
                 alike(found, plain, COMMAND)
 
@@ -191,8 +191,8 @@ def test_traction_is_the_plain_way(name: str, kernel: str) -> None:
     present = rng.uniform(-0.4, 0.4, (COUNT, steered))
     for more in ({}, {"steering": present}, {"wheel_speeds": rng.uniform(-1, 1, (COUNT, wheels))}):
         plain, found = (
-            arm.traction(speed, None, turning, angles, rates, yaw_rate=turn, kernel=which, **more)
-            for which in ("plain", kernel)
+            arm.traction(speed, None, turning, angles, rates, yaw_rate=turn, level=which, **more)
+            for which in ("scalar", kernel)
         )
         alike(found, plain, TRACTION)
 
@@ -213,7 +213,7 @@ def test_one_row_of_traction_is_the_plain_way(name: str, kernel: str) -> None:
             {"steering": rng.uniform(-0.4, 0.4, steered)},
             {"wheel_speeds": rng.uniform(-1, 1, wheels)},
         ):
-            plain, found = (arm.traction(*given, **turn, **more, kernel=which) for which in ("plain", kernel))
+            plain, found = (arm.traction(*given, **turn, **more, level=which) for which in ("scalar", kernel))
             for number in TRACTION:
                 want = np.asarray(getattr(plain, number), float)
                 np.testing.assert_allclose(
@@ -224,7 +224,7 @@ def test_one_row_of_traction_is_the_plain_way(name: str, kernel: str) -> None:
             np.testing.assert_array_equal(getattr(quick, number), getattr(general, number), err_msg=number)
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_contacts_stay_on_their_side_of_the_rim(kernel: str) -> None:
     """Wheels that lean far may touch with the far side: a little steering changes little there."""
     arm, rng = VEHICLES["perseverance"], np.random.default_rng(8)
@@ -235,9 +235,9 @@ def test_contacts_stay_on_their_side_of_the_rim(kernel: str) -> None:
     stand = SimpleNamespace(**{name: np.array(getattr(settled, name)) for name in vars(told(arm, 1, 0))})
     stand.contact_angles += math.pi * (rng.random((COUNT, 6)) < 0.5)
     command, angles = (0.1, 0.05), stand.steering
-    here, near = (arm.inverse(stand, command, steering=a, kernel=kernel) for a in (angles, angles + 1e-9))
+    here, near = (arm.inverse(stand, command, steering=a, level=kernel) for a in (angles, angles + 1e-9))
     np.testing.assert_allclose(near.speeds, here.speeds, rtol=0, atol=1e-7)
-    back, aside = (arm.forward(stand, a, here.speeds, kernel=kernel) for a in (angles, angles + 1e-9))
+    back, aside = (arm.forward(stand, a, here.speeds, level=kernel) for a in (angles, angles + 1e-9))
     np.testing.assert_allclose(aside.twist, back.twist, rtol=0, atol=1e-7)
 
 
@@ -247,10 +247,10 @@ def test_axles_that_steer_both_their_wheels_are_shared() -> None:
     commands = rng.uniform(-0.2, 0.2, (COUNT, 2))
     level = arm.settle(sw.Terrain(np.zeros((9, 9)), 1.0, (-4, -4)), np.zeros(3))
     still = np.zeros((COUNT, len(arm.free_joints)))
-    for kernel in sw.kernels():
+    for kernel in sw.simd_levels():
         given = (commands[:, 0], None, np.zeros((COUNT, 3)), still, still)
-        blind = arm.traction(*given, yaw_rate=commands[:, 1], kernel=kernel)
-        seen = arm.inverse(level, commands, kernel=kernel)
+        blind = arm.traction(*given, yaw_rate=commands[:, 1], level=kernel)
+        seen = arm.inverse(level, commands, level=kernel)
         np.testing.assert_allclose(blind.steering, seen.steering, rtol=0, atol=1e-12)
         np.testing.assert_allclose(blind.speeds, seen.speeds, rtol=0, atol=1e-11)
 
@@ -262,36 +262,36 @@ def test_a_batch_is_its_rows(kernel: str) -> None:
     stand = told(arm, 4, 20_003)
     rng = np.random.default_rng(5)
     commands = rng.uniform(-0.2, 0.2, (20_003, 2))
-    whole = arm.inverse(stand, commands, kernel=kernel)
-    moved = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel)
+    whole = arm.inverse(stand, commands, level=kernel)
+    moved = arm.forward(stand, stand.steering, whole.speeds, level=kernel)
     drive = (commands[:, 0], commands[:, 1], np.zeros((20_003, 3)), stand.joints, stand.joints)
-    driven = arm.traction(*drive, kernel=kernel)
+    driven = arm.traction(*drive, level=kernel)
     # What is known in some rows only is nothing to their neighbours.
     gappy, rates = (
         np.where(rng.random(rows.shape) < 0.1, math.nan, rows) for rows in (whole.speeds, whole.joint_rates)
     )
-    known = arm.forward(stand, stand.steering, gappy, rates, kernel=kernel)
+    known = arm.forward(stand, stand.steering, gappy, rates, level=kernel)
     for threads in (2, 3):
-        again = arm.inverse(stand, commands, kernel=kernel, threads=threads)
+        again = arm.inverse(stand, commands, level=kernel, threads=threads)
         alike(again, whole, COMMAND, 0)
-        again = arm.forward(stand, stand.steering, whole.speeds, kernel=kernel, threads=threads)
+        again = arm.forward(stand, stand.steering, whole.speeds, level=kernel, threads=threads)
         alike(again, moved, MOTION, 0)
-        alike(arm.traction(*drive, kernel=kernel, threads=threads), driven, TRACTION, 0)
+        alike(arm.traction(*drive, level=kernel, threads=threads), driven, TRACTION, 0)
     for first in (1, 20_000):
         part = SimpleNamespace(**{key: value[first:] for key, value in vars(stand).items()})
         alike(
-            arm.inverse(part, commands[first:], kernel=kernel),
+            arm.inverse(part, commands[first:], level=kernel),
             SimpleNamespace(**{key: getattr(whole, key)[first:] for key in COMMAND}),
             COMMAND,
             0,
         )
-        part = arm.forward(part, part.steering, gappy[first:], rates[first:], kernel=kernel)
+        part = arm.forward(part, part.steering, gappy[first:], rates[first:], level=kernel)
         alike(part, SimpleNamespace(**{key: getattr(known, key)[first:] for key in MOTION}), MOTION, 0)
     fortran = [np.asfortranarray(values) for values in drive]
-    alike(arm.traction(*fortran, kernel=kernel), driven, TRACTION, 0)
+    alike(arm.traction(*fortran, level=kernel), driven, TRACTION, 0)
     lists = [values[:4].tolist() for values in drive]
     head = SimpleNamespace(**{key: getattr(driven, key)[:4] for key in TRACTION})
-    alike(arm.traction(*lists, kernel=kernel), head, TRACTION, 0)
+    alike(arm.traction(*lists, level=kernel), head, TRACTION, 0)
 
 
 @pytest.mark.parametrize("name", VEHICLES)
@@ -329,8 +329,8 @@ def test_nothing_to_do(kernel: str) -> None:
     """An empty batch is one."""
     arm = VEHICLES["perseverance"]
     still = np.empty((0, 3))
-    assert arm.forward(told(arm, 6, 0), None, np.empty((0, 6)), kernel=kernel).twist.shape == (0, 6)
-    assert arm.traction(np.empty(0), np.empty(0), still, still, still, kernel=kernel).speeds.shape == (0, 6)
+    assert arm.forward(told(arm, 6, 0), None, np.empty((0, 6)), level=kernel).twist.shape == (0, 6)
+    assert arm.traction(np.empty(0), np.empty(0), still, still, still, level=kernel).speeds.shape == (0, 6)
 
 
 @pytest.mark.parametrize("threads", [1, 3])

@@ -151,7 +151,7 @@ def test_what_is_read_is_not_written() -> None:
     np.testing.assert_array_equal(speeds, TOLD.speeds)
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_motion_that_is_refused_writes_nothing(kernel: str) -> None:
     """Even if the row that fails is the last one."""
     commands = np.array(COMMANDS)
@@ -169,7 +169,7 @@ def test_a_motion_that_is_refused_writes_nothing(kernel: str) -> None:
     for call, widths in calls:
         outs = rooms(widths)
         with pytest.raises(sw.InfeasibleMotionError, match=r"command\[36\]"):
-            call(out=outs, kernel=kernel)
+            call(out=outs, level=kernel)
         for out in outs:
             assert (out == 7.0).all()
 
@@ -203,14 +203,14 @@ def test_one_pose() -> None:
     assert ARM.forward(stand, None, speeds, out=twist).twist is twist
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_rows_that_are_not_known_are_nan_in_the_given_arrays_too(kernel: str) -> None:
     """Whatever they held: poses off the map, and rows in any order among others."""
     poses = np.array(POSES)
     poses[::3, 0] = -50.0
-    fresh = ARM.bounds(GROUND, poses, kernel=kernel)
+    fresh = ARM.bounds(GROUND, poses, level=kernel)
     widths = CALLS["bounds"][1]
-    ARM.bounds(GROUND, poses, kernel=kernel, out=(outs := rooms(widths)))
+    ARM.bounds(GROUND, poses, level=kernel, out=(outs := rooms(widths)))
     for name, out in zip(widths, outs, strict=True):
         assert np.isnan(out[::3]).all()
         np.testing.assert_array_equal(out, getattr(fresh, name))
@@ -221,5 +221,5 @@ def test_rows_that_are_not_known_are_nan_in_the_given_arrays_too(kernel: str) ->
     ARM.feasible(GROUND, poses, out=(outs := rooms(CALLS["feasible"][1])))
     for out in outs:
         assert np.isnan(out[::3]).all()
-    plain = ARM.bounds(GROUND, poses, kernel="plain")
+    plain = ARM.bounds(GROUND, poses, level="scalar")
     np.testing.assert_array_equal(fresh.bogies, plain.bogies)

@@ -155,7 +155,7 @@ def test_steering_is_the_wheel_equation_of_the_planar_rover(arm, rho, beta, spee
     rover, offset = arm.planar(rho, beta), arm.icr_offset(rho, beta)
     twist = (speed, yaw_rate * offset, yaw_rate)
     command = arm.steer(speed, yaw_rate, rho, beta)
-    steering, speeds = rover.inverse(twist, kernel="plain")
+    steering, speeds = rover.inverse(twist, level="scalar")
     np.testing.assert_array_equal(command.steering, steering)
     np.testing.assert_array_equal(command.wheel_speeds, speeds)
     np.testing.assert_array_equal(command.turning_radius, rover.icr(twist)[1])

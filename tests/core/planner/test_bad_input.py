@@ -88,7 +88,7 @@ def raising(poses, twists):
             "goal must be given, or a path or an extra_cost: without one there is nowhere to go",
         ),
         ({"out": np.zeros(4)}, "out must be a tuple of two arrays, steering and speeds, got ndarray"),
-        ({"kernel": "none"}, "kernel must be one this machine has"),
+        ({"level": "none"}, "level must be one this machine has"),
         ({"threads": 0}, "threads must be at least 1, got 0"),
         (
             {"extra_cost": lambda poses, twists: np.zeros(3)},

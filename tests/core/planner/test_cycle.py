@@ -36,7 +36,7 @@ def begun(rover, drive, how):
 
 
 @pytest.mark.parametrize(("rover", "how"), BEGUN.values(), ids=BEGUN.keys())
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     options = {"noise": (0.6, 0.4, 0.9), "temperature": 5.0, "weights": {"effort": 0.3, "scrub": 0.7}}
     plan = sw.Mppi(
@@ -46,7 +46,7 @@ def test_a_cycle_is_that_of_the_reference(rover, how, kernel):
     twist, steering, setting, loose = begun(rover, drive, how)
     costmap = sw.Costmap(HILLS, lethal=0.97, outside=0.9, **GROUND)
     found = plan.step(
-        START, twist=twist, steering=steering, costmap=costmap, path=PATH, goal=(4.0, 3.0), kernel=kernel
+        START, twist=twist, steering=steering, costmap=costmap, path=PATH, goal=(4.0, 3.0), level=kernel
     )
 
     wishes = components(drive, plan.wishes)
@@ -101,14 +101,14 @@ def test_bits_depend_on_neither_threads_nor_kernels(rover, dtype):
     def run(threads, kernel):
         plan = sw.Mppi(rover, sw.Limits(**LIMITS), horizon=24, samples=333, seed=1, dtype=dtype)
         for _ in range(2):
-            found = plan.step(START, path=path, costmap=costmap, threads=threads, kernel=kernel)
+            found = plan.step(START, path=path, costmap=costmap, threads=threads, level=kernel)
         return plan.costs, found.controls, found.poses, found.steering
 
-    first = run(1, sw.kernels()[-1])
+    first = run(1, sw.simd_levels()[-1])
     for threads, kernel in [
-        (2, sw.kernels()[-1]),
-        (7, sw.kernels()[0]),
-        *((1, name) for name in sw.kernels()[:-1]),
+        (2, sw.simd_levels()[-1]),
+        (7, sw.simd_levels()[0]),
+        *((1, name) for name in sw.simd_levels()[:-1]),
     ]:
         for ours, theirs in zip(run(threads, kernel), first, strict=True):
             np.testing.assert_array_equal(ours, theirs)
@@ -182,7 +182,7 @@ def test_a_state_goes_on_in_another_planner():
 
 
 @ALL_ROVERS
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_rollouts_apart_are_those_of_a_planner(rover, kernel):
     seen = []
     plan = sw.Mppi(rover, sw.Limits(**LIMITS), horizon=30, dt=DT, samples=70, seed=9)
@@ -199,7 +199,7 @@ def test_rollouts_apart_are_those_of_a_planner(rover, kernel):
         limits=sw.Limits(**LIMITS),
         twist=twist,
         steering=steering,
-        kernel=kernel,
+        level=kernel,
     )
     np.testing.assert_allclose(found, seen[0], rtol=0, atol=1e-12)
 

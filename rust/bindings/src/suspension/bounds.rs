@@ -188,7 +188,7 @@ impl RockerBogie {
     ///     or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
+    /// level : str, optional
     ///     Instructions; the result is the same with any, to the bit.
     ///
     /// Returns
@@ -205,7 +205,7 @@ impl RockerBogie {
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
-    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, kernel=None))]
+    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn bounds<'py>(
         &self,
@@ -219,7 +219,7 @@ impl RockerBogie {
         #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
         let mut poses = Rows::read("poses", poses, 3)?;
@@ -230,7 +230,7 @@ impl RockerBogie {
         let leading = poses.leading.as_slice();
         let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
         let (yaw, position) = (kept(&yaw)?, kept(&position)?);
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
         let out = Out::<8>::read(out, RESULTS)?;
