@@ -8,9 +8,9 @@ SOURCES := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.csv
 
 SOAK ?= 50
 SOAKED = $(patsubst %,tests/%,core/oracles/test_batch.py core/oracles/test_rollout.py core/oracles/test_fast.py \
-	core/boundary/test_memory.py core/door/test_storm.py core/laws/test_profiles.py core/laws/test_transitions.py \
-	core/laws/test_controller.py cli/test_exit.py odometry calibration ground/test_bounds.py \
-	ground/test_touching.py ground/test_mujoco.py ground/test_growth.py)
+	core/boundary/test_memory.py core/door/test_storm.py core/control/test_profiles.py core/control/test_transitions.py \
+	core/control/test_controller.py cli/test_exit.py kinematics/odometry calibration core/ground/test_bounds.py \
+	core/ground/test_touching.py core/ground/test_mujoco.py core/ground/test_growth.py)
 
 HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 SANITIZED ?= target/sanitize
@@ -48,7 +48,7 @@ test-python: $(VENV)/installed
 # Where rclpy cannot be had the reason is in $(ROS)/without, and there is nothing to test.
 test-ros: $(ROS)/installed ## the nodes as processes, with rclpy from the package index in an environment of its own
 	@if test -s $(ROS)/without; then echo "test-ros: skipped, no rclpy here: $$(tail -n 1 $(ROS)/without)"; else \
-		$(ROS)/bin/python -m pytest tests/ros -o addopts=-ra -p no:cacheprovider; fi
+		$(ROS)/bin/python -m pytest tests/control_loop/ros2 -o addopts=-ra -p no:cacheprovider; fi
 
 fuzz: $(VENV)/installed ## coverage-guided fuzzing of core, boundary and readers, FUZZ seconds each; finds go to target/fuzz
 	for target in $(FUZZED); do mkdir -p target/fuzz/$$target \
@@ -86,7 +86,7 @@ soak: $(VENV)/installed ## the tests that can go on for long, SOAK times as many
 # Some hours of one core; HOLDING="1e6 --seconds 600" for a look.
 HOLDING ?= 1e8
 holding: $(VENV)/installed ## settled poses against their bounds, so many; ends with the first that is outside
-	$(BIN)/python -m tests.ground.holding $(HOLDING)
+	$(BIN)/python -m tests.core.ground.holding $(HOLDING)
 
 sanitize: $(VENV)/installed ## AddressSanitizer over the quick way of single calls (Linux, with gcc's runtime of it)
 	RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address cargo build --package six-wheel-py --locked \

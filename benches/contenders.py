@@ -13,13 +13,13 @@ from peers.plain import Plain
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.benchmark import FEW_ROWS, Job, Timing
+from six_wheel.cli.benchmark import FEW_ROWS, Job, Timing
 
 RADIUS, STEP = 0.15, 0.01
 ROVER = sw.Rover.six_wheel(d1=0.4, d2=0.5, d3=0.5, d4=0.45, wheel_radius=RADIUS)
 WHEELS = [(wheel.x, wheel.y, wheel.steered) for wheel in ROVER.wheels]
 TWIST = (0.5, 0.0, 0.3)
-LEVELS = sw.kernels()
+LEVELS = sw.simd_levels()
 BEST = LEVELS[-1]
 
 HAS_NUMBA = find_spec("numba") is not None
@@ -200,7 +200,7 @@ def levels(function, *arguments, items, names=LEVELS, **keywords):
     """The core at every level of vectors; the best is called ``"core"``."""
     return {
         "core" if level == BEST else level: Timing.of(
-            function, *arguments, kernel=level, items=items, **keywords
+            function, *arguments, level=level, items=items, **keywords
         )
         for level in reversed(names)
     }

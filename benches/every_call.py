@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.benchmark import Grid, Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Grid, Job, Timing, nanoseconds, round_robin
 
 ROWS = 20_000
 FEW = 200  # of calls that take long

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.benchmark import Grid, Job, Timing, round_robin
+from six_wheel.cli.benchmark import Grid, Job, Timing, round_robin
 
 SIZE = 40.0
 POSES = 10_000

@@ -3,7 +3,7 @@
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.benchmark import Grid, Job, Timing, nanoseconds, round_robin
+from six_wheel.cli.benchmark import Grid, Job, Timing, nanoseconds, round_robin
 
 SIZES = ((2000, 56), (4096, 64))
 
@@ -26,9 +26,9 @@ def cycles():
     for samples, horizon in SIZES:
         for dtype in ("float64", "float32"):
             timings = {}
-            for kernel, threads in (*((name, 1) for name in sw.kernels()[1:]), (sw.kernels()[-1], 2)):
+            for kernel, threads in (*((name, 1) for name in sw.simd_levels()[1:]), (sw.simd_levels()[-1], 2)):
                 plan = sw.Mppi(rover, limits, horizon=horizon, samples=samples, dtype=dtype, correlation=0.0)
-                how = {"kernel": kernel, "threads": threads}
+                how = {"level": kernel, "threads": threads}
                 name = kernel if threads == 1 else "2 threads"
                 steps = samples * horizon
                 timings[name] = Timing.of(plan.step, (12.0, 11.0, 0.3), items=steps, **now, **how)
@@ -40,7 +40,7 @@ def measured(rounds, progress=None):
     """The table."""
     jobs = cycles()
     round_robin(jobs, rounds, progress=progress)
-    kernels = list(reversed(sw.kernels()[1:]))
+    kernels = list(reversed(sw.simd_levels()[1:]))
     grid = Grid("A planner's cycle [ns per step of a rollout]", ["job", *kernels, "2 threads", "of one"])
     for job in jobs:
         shares = job.timings["2 threads"].best / job.timings[kernels[0]].best

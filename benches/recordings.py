@@ -17,10 +17,10 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel.calibration import Calibration
-from six_wheel.evaluation import absolute_error
-from six_wheel.logs import Log, optiodom
-from six_wheel.poses import Floats, between
-from six_wheel.rebuild import with_wheels
+from six_wheel.kinematics.poses import Floats, between
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.log_odometry.evaluation import absolute_error
+from six_wheel.logs import WheelLog, optiodom
 
 TRUTH = np.array([1e-3, 1e-3, 1e-3])  # what motion capture errs by [m, m, rad]
 BOUND = 7.8147  # of chi-squared with three degrees of freedom, 95 %
@@ -34,7 +34,7 @@ class Reckoned:
     nees: float
 
 
-def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, **known: Any) -> Reckoned:
+def reckoned(rover: sw.Rover, log: WheelLog, noise: sw.Noise, **known: Any) -> Reckoned:
     """A run, its first pose given."""
     truth = log.truth
     assert truth is not None
@@ -52,7 +52,7 @@ def reckoned(rover: sw.Rover, log: Log, noise: sw.Noise, **known: Any) -> Reckon
 
 
 def left_out(
-    rovers: list[sw.Rover], logs: list[Log], names: list[str] | None, alone: bool
+    rovers: list[sw.Rover], logs: list[WheelLog], names: list[str] | None, alone: bool
 ) -> Iterator[tuple[list[int], Calibration]]:
     """The runs of every session with what the others say, or of all others with what it says `alone`."""
     how = {} if names is None else {"parameters": names, "cross_validation": False}

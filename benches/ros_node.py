@@ -30,7 +30,7 @@ from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
 
 import six_wheel as sw
-from six_wheel.records import frames
+from six_wheel.logs.mcap import frames
 
 ROVER = (
     "preset: perseverance\nlimits: {speed: 0.5, acceleration: 0.3, steering_rate: 1.0, wheel_speed: 4.0}\n"

@@ -19,7 +19,7 @@ import latency  # noqa: E402
 import memory  # noqa: E402
 import planner  # noqa: E402
 
-from six_wheel.benchmark import Grid, machine, nanoseconds, round_robin  # noqa: E402
+from six_wheel.cli.benchmark import Grid, machine, nanoseconds, round_robin  # noqa: E402
 
 PARTS = ("calls", "batches", "every", "ground", "planner", "growth", "latency", "memory")
 CALLS = ("core", "numba", "plain Python", "wpimath, bare", "wpimath", "NumPy", "reference")

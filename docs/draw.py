@@ -29,16 +29,16 @@ from six_wheel import (
     reference,
 )
 from six_wheel.calibration.files import calibrate_files
-from six_wheel.demo import drive_yard, showing
-from six_wheel.demo.motion import ROVERS, drive_path, load_path
-from six_wheel.drive import ControlledDrive, Loop
+from six_wheel.cli.demo import drive_yard, figures
+from six_wheel.cli.demo.motion import ROVERS, drive_path, load_path
+from six_wheel.cli.report.calibration import before_and_after
+from six_wheel.log_odometry import Settings, reckon
 from six_wheel.logs import Chunk, optiodom
 from six_wheel.logs.columns import TIME
-from six_wheel.logs.opening import example_run
-from six_wheel.plot.drawing import new_figure
-from six_wheel.plot.reckoning import draw_key, draw_path
-from six_wheel.reckoning import Settings, reckon
-from six_wheel.report.calibration import before_and_after
+from six_wheel.logs.detect_reader import example_run
+from six_wheel.plotting.drawing import new_figure
+from six_wheel.plotting.log_odometry import draw_key, draw_path
+from six_wheel.simulation.drive import ControlledDrive, Loop
 
 PICTURES = Path(__file__).parent / "pictures"
 DPI = 100
@@ -207,7 +207,7 @@ def demo() -> Figure:
     """What `make demo` draws first."""
     times, poses = load_path()
     found = [drive_path(Rover.preset(key), name, times, poses) for key, name in ROVERS.items()]
-    return showing.draw(found)
+    return figures.draw(found)
 
 
 def write(name: str, figure: Figure, dpi: int) -> None:

@@ -14,10 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from six_wheel import Limits, Rover
-from six_wheel.drive import Loop, drive
-from six_wheel.records import Record
-from six_wheel.records import rover_record as topics
-from six_wheel.records.layouts import foxglove
+from six_wheel.logs.mcap import Record
+from six_wheel.logs.mcap import rover_record as topics
+from six_wheel.logs.mcap.layouts import foxglove
+from six_wheel.simulation.drive import Loop, drive
 
 NOTHING = 1e-9  # [m/s] slip that is rounding
 MARGIN = (0.035, 0.012, 0.03, 0.035)  # left, right, bottom, top of a panel, in figures

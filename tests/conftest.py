@@ -11,7 +11,7 @@ from hypothesis import settings
 from tests.cli_runs import COMMANDS, ROVER, Run
 
 if TYPE_CHECKING:
-    from six_wheel.parameters import Finding, Parameters
+    from six_wheel.robot_description.parameters import Finding, Parameters
 
     Read = Callable[..., Parameters]
 
@@ -56,7 +56,7 @@ def refused(run: Run) -> Callable[..., str]:
 @pytest.fixture
 def read(tmp_path: Path) -> "Read":
     """What a parameter file with this content says."""
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
 
     def read(content: str | bytes, **options: str) -> "Parameters":
         path = tmp_path / "rover.yaml"
@@ -69,7 +69,7 @@ def read(tmp_path: Path) -> "Read":
 @pytest.fixture
 def findings(read: "Read") -> Callable[..., tuple["Finding", ...]]:
     """The mistakes of a parameter file with this content."""
-    from six_wheel.parameters import ParameterFileError
+    from six_wheel.robot_description.parameters import ParameterFileError
 
     def findings(content: str | bytes, **options: str) -> tuple["Finding", ...]:
         with pytest.raises(ParameterFileError) as caught:

@@ -9,7 +9,7 @@ import six_wheel as sw
 from six_wheel import reference
 
 
-class Log(NamedTuple):
+class WheelLog(NamedTuple):
     """A true motion and what is read along it."""
 
     rover: sw.Rover
@@ -38,7 +38,7 @@ VEHICLES = {
 }
 
 
-def drive(rover: sw.Rover, n: int = 200, dt: float = 0.05, turning: float = 0.5) -> Log:
+def drive(rover: sw.Rover, n: int = 200, dt: float = 0.05, turning: float = 0.5) -> WheelLog:
     """Twists the rover can make, each held with its wheels already steered: exact for any odometry.
 
     Between two twists the wheels steer at rest, as a sample of their own.
@@ -66,7 +66,7 @@ def drive(rover: sw.Rover, n: int = 200, dt: float = 0.05, turning: float = 0.5)
         angles[2 * k + 1, joints] -= scrub * (log_steering[2 * k + 1] - log_steering[2 * k])
         angles[2 * k + 2] = angles[2 * k + 1] + speeds[k] * dt
     poses = np.asarray(reference.integrate(twists, dt))
-    return Log(rover, log_steering, angles, stamps, twists, poses)
+    return WheelLog(rover, log_steering, angles, stamps, twists, poses)
 
 
 def plain(rover: sw.Rover) -> reference.Rover:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.logs import Log, optiodom
+from six_wheel.logs import WheelLog, optiodom
 
 DATA = Path(__file__).parents[2] / "shared" / "data"
 FOLDER = DATA / "optiodom"
@@ -19,11 +19,11 @@ BASELINES: dict = json.loads((DATA / "baselines.json").read_text())["optiodom"] 
 RUNS = {robot: BASELINES[robot]["runs"] if HERE else [] for robot in ROBOTS}
 
 
-def read(run: dict) -> tuple[sw.Rover, Log]:
+def read(run: dict) -> tuple[sw.Rover, WheelLog]:
     return optiodom.read_rover(FOLDER / run["run"]), optiodom.read(FOLDER / run["run"])
 
 
-def reckon(rover: sw.Rover, log: Log) -> np.ndarray:
+def reckon(rover: sw.Rover, log: WheelLog) -> np.ndarray:
     """Dead reckoning in three lines: angles of mid-step, twists by least squares, exact arcs."""
     dt = np.diff(log.stamps)
     steering = np.empty((len(dt), 0)) if log.steering is None else (log.steering[1:] + log.steering[:-1]) / 2

@@ -11,24 +11,21 @@ Axes: x forward, y left, angles counter-clockwise (REP 103). Units: metres, seco
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from six_wheel import profiles
 from six_wheel._core import (
     BodySlip,
-    Bounds,
     Controller,
     ControllerOutput,
     ControllerRun,
     Costmap,
     Encoder,
-    Feasible,
-    Fit,
+    Feasibility,
     FourAxle,
     GroundCommand,
     GroundMotion,
     Gyroscope,
     Limits,
     Link,
-    MarginSlopes,
+    MarginJacobian,
     Mobility,
     Mppi,
     MppiPlan,
@@ -37,16 +34,18 @@ from six_wheel._core import (
     Odometry3,
     Odometry3State,
     OdometryState,
+    PoseBounds,
     Preintegrated,
     RockerBogie,
     Rover,
-    Sensitivity,
+    SettledPose,
     Stability,
-    Stand,
     SteeringCommand,
     Suspension,
     Terrain,
     Traction,
+    TwistFit,
+    TwistJacobian,
     Wheel,
     WheelSlip,
     __version__,
@@ -56,58 +55,56 @@ from six_wheel._core import (
     differentiate,
     exp,
     integrate,
-    kernels,
     log,
     rollout,
     set_default_threads,
+    simd_levels,
     wrap_angle,
 )
-from six_wheel.controller import Reason
-from six_wheel.errors import (
+from six_wheel.kinematics import profiles
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.errors import (
     ArgumentTypeError,
     InfeasibleMotionError,
     SuspiciousUnitsWarning,
     UnderdeterminedError,
 )
-from six_wheel.geometry import Pose, Twist
-from six_wheel.lazy import attach
-from six_wheel.rollouts import RolloutCost
+from six_wheel.kinematics.geometry import Pose, Twist
+from six_wheel.kinematics.lazy import attach
+from six_wheel.kinematics.rollout_cost import RolloutCost
 
 if TYPE_CHECKING:
-    from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
     from six_wheel.calibration import calibrate
-    from six_wheel.evaluation import umbmark
-    from six_wheel.four_axle import FourAxleState, FourAxleStep
-    from six_wheel.logs import Log, Truth
-    from six_wheel.odometry import Health, SlipReport, Track, Track3, dead_reckon
+    from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
+    from six_wheel.kinematics.odometry import OdometryHealth, SlipReport, Track, Track3, dead_reckon
+    from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
+    from six_wheel.log_odometry.evaluation import umbmark
+    from six_wheel.logs import GroundTruth, WheelLog
     from six_wheel.simulation import simulate
-    from six_wheel.standing import SettleStatus
 
 __all__ = [
     "ArgumentTypeError",
     "BodySlip",
-    "BoundStatus",
-    "Bounds",
+    "BoundsStatus",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Costmap",
     "Encoder",
-    "Feasible",
-    "FeasibleReason",
-    "Fit",
+    "Feasibility",
+    "FeasibilityLimits",
+    "FeasibilityReason",
     "FourAxle",
     "FourAxleState",
     "FourAxleStep",
     "GroundCommand",
     "GroundMotion",
+    "GroundTruth",
     "Gyroscope",
-    "Health",
     "InfeasibleMotionError",
     "Limits",
     "Link",
-    "Log",
-    "MarginSlopes",
+    "MarginJacobian",
     "Mobility",
     "Mppi",
     "MppiPlan",
@@ -115,19 +112,19 @@ __all__ = [
     "Odometry",
     "Odometry3",
     "Odometry3State",
+    "OdometryHealth",
     "OdometryState",
     "Pose",
+    "PoseBounds",
     "Preintegrated",
     "Reason",
     "RockerBogie",
     "RolloutCost",
     "Rover",
-    "Sensitivity",
     "SettleStatus",
+    "SettledPose",
     "SlipReport",
     "Stability",
-    "Stand",
-    "StandLimits",
     "SteeringCommand",
     "Suspension",
     "SuspiciousUnitsWarning",
@@ -135,10 +132,12 @@ __all__ = [
     "Track",
     "Track3",
     "Traction",
-    "Truth",
     "Twist",
+    "TwistFit",
+    "TwistJacobian",
     "UnderdeterminedError",
     "Wheel",
+    "WheelLog",
     "WheelSlip",
     "__version__",
     "body_slip",
@@ -149,12 +148,12 @@ __all__ = [
     "differentiate",
     "exp",
     "integrate",
-    "kernels",
     "load",
     "log",
     "profiles",
     "rollout",
     "set_default_threads",
+    "simd_levels",
     "simulate",
     "umbmark",
     "wrap_angle",
@@ -189,19 +188,19 @@ def load(
 
     Raises
     ------
-    six_wheel.descriptions.findings.ParameterFileError
+    six_wheel.robot_description.diagnostics.ParameterFileError
         A `ValueError` that lists every mistake in the file with its line, the rule and a remedy.
     ModuleNotFoundError
         If what reads such files is not installed; the message has the install line.
     """
     if str(path).endswith((".urdf", ".xacro")):
-        from six_wheel.urdf import read_urdf
+        from six_wheel.robot_description.urdf import read_urdf
 
         return read_urdf(path, wheel_radius=wheel_radius).rover
     if wheel_radius is not None:
         raise ValueError(f"wheel_radius must be left out except for a URDF or xacro file, got {wheel_radius}")
     try:
-        from six_wheel.parameters import file
+        from six_wheel.robot_description.parameters import file
     except ModuleNotFoundError as error:
         message = f'parameter files need {error.name}: pip install "six-wheel[cli]"'
         raise ModuleNotFoundError(message, name=error.name) from None
@@ -211,30 +210,21 @@ def load(
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "benchmark": (),
-        "bounding": ("BoundStatus", "FeasibleReason", "StandLimits"),
         "calibration": ("calibrate",),
-        "cluster": (),
-        "demo": (),
-        "descriptions": (),
-        "drive": (),
-        "evaluation": ("umbmark",),
-        "four_axle": ("FourAxleState", "FourAxleStep"),
-        "logs": ("Log", "Truth"),
-        "odometry": ("Health", "SlipReport", "Track", "Track3", "dead_reckon"),
-        "onboard": (),
-        "parameters": (),
-        "plot": (),
-        "reckoning": (),
-        "records": (),
+        "cli": (),
+        "control_loop": (),
+        "kinematics": (),
+        "kinematics.four_axle": ("FourAxleState", "FourAxleStep"),
+        "kinematics.odometry": ("OdometryHealth", "SlipReport", "Track", "Track3", "dead_reckon"),
+        "kinematics.statuses": ("BoundsStatus", "FeasibilityReason", "SettleStatus", "FeasibilityLimits"),
+        "log_odometry": (),
+        "log_odometry.evaluation": ("umbmark",),
+        "logs": ("WheelLog", "GroundTruth"),
+        "maps": (),
+        "parallel": (),
+        "plotting": ("plot",),
         "reference": (),
-        "replay": (),
-        "report": (),
-        "ros": (),
+        "robot_description": (),
         "simulation": ("simulate",),
-        "standing": ("SettleStatus",),
-        "terrain": (),
-        "traverse": (),
-        "urdf": (),
     },
 )

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
 
-from six_wheel.cli.words import INSTALL, PROGRAM, help_text
+from six_wheel.cli.names import INSTALL, PROGRAM, help_text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import TypeVar, disjoint_base
 
-from six_wheel.bounding import BoundStatus, FeasibleReason, StandLimits
-from six_wheel.controller import Reason
-from six_wheel.four_axle import (
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.four_axle import (
     FourAxleMobility,
     FourAxleMotion,
     FourAxleSimulation,
@@ -16,24 +15,22 @@ from six_wheel.four_axle import (
     FourAxleStep,
     TurnSequence,
 )
-from six_wheel.logs import Log
-from six_wheel.odometry.space import Track3
-from six_wheel.odometry.tracks import Health, Track
-from six_wheel.profiles import Peaks, Phase, State, TransitionState
-from six_wheel.rollouts import RolloutCost
-from six_wheel.standing import SettleStatus
+from six_wheel.kinematics.odometry.dead_reckoning3 import Track3
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
+from six_wheel.kinematics.profiles import Peaks, Phase, State, TransitionState
+from six_wheel.kinematics.rollout_cost import RolloutCost
+from six_wheel.kinematics.statuses import BoundsStatus, FeasibilityLimits, FeasibilityReason, SettleStatus
+from six_wheel.logs import WheelLog
 
 __all__ = [
     "BodySlip",
     "BodyTransition",
-    "Bounds",
     "Controller",
     "ControllerOutput",
     "ControllerRun",
     "Costmap",
     "Encoder",
-    "Feasible",
-    "Fit",
+    "Feasibility",
     "FourAxle",
     "GroundCommand",
     "GroundMotion",
@@ -41,7 +38,7 @@ __all__ = [
     "IcrTransition",
     "Limits",
     "Link",
-    "MarginSlopes",
+    "MarginJacobian",
     "Mobility",
     "ModuleTransition",
     "Mppi",
@@ -51,17 +48,19 @@ __all__ = [
     "Odometry3",
     "Odometry3State",
     "OdometryState",
+    "PoseBounds",
     "Preintegrated",
     "Profile",
     "RockerBogie",
     "Rover",
-    "Sensitivity",
+    "SettledPose",
     "Stability",
-    "Stand",
     "SteeringCommand",
     "Suspension",
     "Terrain",
     "Traction",
+    "TwistFit",
+    "TwistJacobian",
     "Wheel",
     "WheelSlip",
     "__version__",
@@ -73,12 +72,12 @@ __all__ = [
     "differentiate",
     "exp",
     "integrate",
-    "kernels",
     "log",
     "reason_bits",
     "rollout",
     "set_default_threads",
     "setting_questions",
+    "simd_levels",
     "unit_questions",
     "without_questions",
     "wrap_angle",
@@ -99,7 +98,7 @@ _Brake: TypeAlias = Literal["locked", "free"]
 _Mode: TypeAlias = Literal["free", "crab", "front_only", "spin"]
 _Align: TypeAlias = Literal["cosine", "hold"]
 _Pair: TypeAlias = Literal["front", "rear"]
-_Kernel: TypeAlias = Literal["plain", "neon", "avx2", "avx512"]
+_Level: TypeAlias = Literal["scalar", "neon", "avx2", "avx512"]
 _Quantity: TypeAlias = Literal[
     "speeds",
     "steering",
@@ -169,7 +168,7 @@ class Wheel:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class Fit:
+class TwistFit:
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -186,7 +185,7 @@ class Fit:
     ) -> str | list[Any]: ...  # name of the wheel with the largest residual; nested lists for a batch
 
 @final
-class Sensitivity:  # what was not asked for is None
+class TwistJacobian:  # what was not asked for is None
     @property
     def twist(self) -> _Floats: ...  # (..., 3)
     @property
@@ -492,7 +491,7 @@ class Rover:
         out: tuple[_Out, _Out, _Out, _Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> RolloutCost: ...
     def inverse(
         self,
@@ -505,7 +504,7 @@ class Rover:
         out: tuple[_Out, _Out] | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> tuple[NDArray[_Real], NDArray[_Real]]: ...
     def forward(
         self,
@@ -517,7 +516,7 @@ class Rover:
         out: _Out | None = None,
         dtype: type[_Real] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> NDArray[_Real]: ...
     def fit(
         self,
@@ -528,7 +527,7 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         allow_underdetermined: bool = False,
         threads: int | None = None,
-    ) -> Fit: ...
+    ) -> TwistFit: ...
     def sensitivity(
         self,
         steering: ArrayLike | None,
@@ -537,7 +536,7 @@ class Rover:
         steering_rates: ArrayLike | None = None,
         quantities: Sequence[_Quantity] | None = None,
         threads: int | None = None,
-    ) -> Sensitivity: ...
+    ) -> TwistJacobian: ...
     def mobility(self, steering: ArrayLike | None = None) -> Mobility: ...
     def admissible(self, twist: ArrayLike, *, threads: int | None = None) -> bool | NDArray[np.bool_]: ...
     def project(
@@ -675,7 +674,7 @@ class OdometryState:
     @property
     def worst_wheel(self) -> str | None: ...
     @property
-    def health(self) -> Health: ...
+    def health(self) -> OdometryHealth: ...
     def covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
     def twist_covariance_6x6(self, unmeasured: float = 1e6) -> _Floats: ...
 
@@ -794,7 +793,7 @@ class Odometry3State:
     @property
     def worst_wheel(self) -> str | None: ...
     @property
-    def health(self) -> Health: ...
+    def health(self) -> OdometryHealth: ...
 
 @final
 class Odometry3:
@@ -868,7 +867,7 @@ class Preintegrated:
     ) -> Preintegrated: ...
     def add(
         self,
-        steering: ArrayLike | Log | None,
+        steering: ArrayLike | WheelLog | None,
         wheel_angles: ArrayLike | None = None,
         stamp: ArrayLike | None = None,
         *,
@@ -1121,7 +1120,7 @@ class Suspension:
     def free_joints(self) -> tuple[str, ...]: ...
     def inverse(
         self,
-        stand: Stand,
+        stand: SettledPose,
         command: ArrayLike,
         *,
         view: Literal["body", "plan"] = "body",
@@ -1129,11 +1128,11 @@ class Suspension:
         max_wheel_speed: float | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> GroundCommand: ...
     def forward(
         self,
-        stand: Stand,
+        stand: SettledPose,
         steering: ArrayLike | None,
         speeds: ArrayLike,
         joint_rates: ArrayLike | None = None,
@@ -1143,7 +1142,7 @@ class Suspension:
         weights: ArrayLike | None = None,
         out: _Out | tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> GroundMotion: ...
     def traction(
         self,
@@ -1160,11 +1159,11 @@ class Suspension:
         lift_speed: float = 0.01,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> Traction: ...
     def slip(
         self,
-        stand: Stand,
+        stand: SettledPose,
         speeds: ArrayLike,
         twist: ArrayLike,
         joint_rates: ArrayLike,
@@ -1181,11 +1180,11 @@ class Suspension:
         derivatives: bool = False,
         centre_of_mass: ArrayLike | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
-    ) -> Stand: ...
+        level: _Level | None = None,
+    ) -> SettledPose: ...
     def stability(
         self,
-        stand: Stand,
+        stand: SettledPose,
         *,
         mass: float,
         centre_of_mass: ArrayLike | None = None,
@@ -1196,7 +1195,7 @@ class Suspension:
     ) -> Stability: ...
 
 @final
-class Bounds:
+class PoseBounds:
     @property
     def z(self) -> _Floats: ...  # (..., 2) [m]
     @property
@@ -1214,14 +1213,14 @@ class Bounds:
     @property
     def wheel_drop(self) -> _Floats: ...  # (..., 2) [m]
     @property
-    def status(self) -> BoundStatus | NDArray[Any]: ...  # (...) BoundStatus
+    def status(self) -> BoundsStatus | NDArray[Any]: ...  # (...) BoundsStatus
 
 @final
-class Feasible:
+class Feasibility:
     @property
     def ok(self) -> bool | NDArray[np.bool_]: ...
     @property
-    def reason(self) -> FeasibleReason | NDArray[Any]: ...  # (...) FeasibleReason
+    def reason(self) -> FeasibilityReason | NDArray[Any]: ...  # (...) FeasibilityReason
     @property
     def reason_codes(self) -> int | NDArray[np.uint8]: ...
     @property
@@ -1246,12 +1245,12 @@ class Stability:
     @property
     def tilt(self) -> float | _Floats: ...  # [rad]
     @property
-    def by_pose(self) -> MarginSlopes | None: ...
+    def by_pose(self) -> MarginJacobian | None: ...
     @property
-    def by_dimension(self) -> MarginSlopes | None: ...
+    def by_dimension(self) -> MarginJacobian | None: ...
 
 @final
-class MarginSlopes:
+class MarginJacobian:
     @property
     def tip_over_angle(self) -> _Floats: ...  # (..., 3) or (..., 16)
     @property
@@ -1262,7 +1261,7 @@ class MarginSlopes:
     def tilt(self) -> _Floats: ...  # (..., 3) or (..., 16)
 
 @final
-class Stand:
+class SettledPose:
     @property
     def status(self) -> SettleStatus | NDArray[Any]: ...  # (...) SettleStatus
     @property
@@ -1355,19 +1354,19 @@ class RockerBogie(Suspension):
         within: tuple[float, float, float] | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-        kernel: str | None = None,
-    ) -> Bounds: ...
+        level: str | None = None,
+    ) -> PoseBounds: ...
     def feasible(
         self,
         ground: Terrain,
         poses: ArrayLike,
-        limits: StandLimits | None = None,
+        limits: FeasibilityLimits | None = None,
         *,
         map_error: float = 0.0,
         belly: tuple[float, float, float, float] | None = None,
         out: tuple[_Out | None, ...] | None = None,
         threads: int | None = None,
-    ) -> Feasible: ...
+    ) -> Feasibility: ...
     def urdf(self, name: str = "rover") -> str: ...
     def icr_offset(
         self,
@@ -1680,7 +1679,7 @@ class Mppi:
         frame: str | None = None,
         out: tuple[_Floats, _Floats] | None = None,
         threads: int | None = None,
-        kernel: _Kernel | None = None,
+        level: _Level | None = None,
     ) -> MppiPlan: ...
     def reset(self) -> None: ...
     def restore(self, state: Mapping[str, Any]) -> None: ...
@@ -1737,7 +1736,7 @@ def integrate(
     out: _Out | None = None,
     dtype: type[_Real] | None = None,
     threads: int | None = None,
-    kernel: _Kernel | None = None,
+    level: _Level | None = None,
 ) -> NDArray[_Real]: ...
 def rollout(
     controls: ArrayLike,
@@ -1752,9 +1751,9 @@ def rollout(
     steering: ArrayLike | None = None,
     delay: float = 0.0,
     threads: int | None = None,
-    kernel: _Kernel | None = None,
+    level: _Level | None = None,
 ) -> NDArray[_Real]: ...
-def kernels() -> list[_Kernel]: ...
+def simd_levels() -> list[_Level]: ...
 def default_threads() -> int: ...
 def set_default_threads(threads: int) -> None: ...
 def differentiate(

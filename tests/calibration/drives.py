@@ -3,7 +3,7 @@
 import numpy as np
 
 import six_wheel as sw
-from six_wheel.logs import Log, Truth
+from six_wheel.logs import GroundTruth, WheelLog
 
 DT = 0.05  # [s]
 
@@ -34,7 +34,7 @@ def drive(
     sensor: tuple[float, float, float] = (0.0, 0.0, 0.0),
     offset: float = 0.0,
     session: str = "",
-) -> Log:
+) -> WheelLog:
     """What a rover reports that is built like `rover`: truth with noise [m, rad], angles rounded [rad].
 
     `slips` times a wheel spins for half a second without effect. `sensor` is what the truth follows in the
@@ -57,4 +57,4 @@ def drive(
         size=poses.shape
     )
     steering = commanded if commanded.shape[1] else None
-    return Log(stamps, steering, angles, Truth(stamps + offset, tracked), f"drive {seed}", session)
+    return WheelLog(stamps, steering, angles, GroundTruth(stamps + offset, tracked), f"drive {seed}", session)

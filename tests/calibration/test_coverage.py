@@ -17,7 +17,7 @@ NOISE = sw.Noise(0.0, 0.0, slip=0.01, side_slip=0.005)
 TIMES = np.linspace(0.0, 20.0, 41)
 
 
-def drives(seed: int) -> list[sw.Log]:
+def drives(seed: int) -> list[sw.WheelLog]:
     """Six drives that turn both ways, each its own."""
     found = []
     for number in range(6):

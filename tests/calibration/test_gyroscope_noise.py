@@ -13,14 +13,14 @@ import six_wheel as sw
 from six_wheel.calibration import calibrate
 from six_wheel.calibration.gyroscope.noise import measure
 from six_wheel.calibration.gyroscope.scale import mistaken, scale
-from six_wheel.logs import Log
+from six_wheel.logs import WheelLog
 
 PAIR = sw.Rover.differential(0.2, 0.042)
 KNOWN = sw.Gyroscope(0.002, bias_noise=0.02, bias_walk=5e-4)
 SOAK = int(os.environ.get("SOAK", "1"))
 
 
-def rest(seed: int, rows: int = 400, dt: float = 0.02) -> Log:
+def rest(seed: int, rows: int = 400, dt: float = 0.02) -> WheelLog:
     """A rover that rests, drives for 20 s and rests: only what it reads at rest is looked at."""
     random = np.random.default_rng(seed)
     stamps = dt * np.arange(2 * rows)
@@ -28,7 +28,7 @@ def rest(seed: int, rows: int = 400, dt: float = 0.02) -> Log:
     steps = KNOWN.bias_walk * np.sqrt(np.diff(stamps)) * random.standard_normal(2 * rows - 1)
     bias = KNOWN.bias_noise * random.standard_normal() + np.append(0.0, np.cumsum(steps))
     angles = np.where(stamps < stamps[rows], 0.0, 50.0)[:, None] * np.ones(2)
-    return Log(stamps, None, angles, yaw_rate=bias + KNOWN.noise * random.standard_normal(2 * rows))
+    return WheelLog(stamps, None, angles, yaw_rate=bias + KNOWN.noise * random.standard_normal(2 * rows))
 
 
 def test_noise_that_was_put_in_is_in_its_intervals():
@@ -69,7 +69,7 @@ def test_what_tells_nothing_is_no_measurement():
         assert measure([one], 0.95) is None
 
 
-def driven(seed: int, factor: float = 1.0, bias: float = 0.02, rest_first: bool = True) -> Log:
+def driven(seed: int, factor: float = 1.0, bias: float = 0.02, rest_first: bool = True) -> WheelLog:
     times = np.linspace(0.0, 40.0, 81)
     twists = np.stack((0.2 + 0 * times, 0 * times, 0.8 * np.sin(0.5 * times + seed)), axis=-1)
     twists[: 8 if rest_first else 0] = 0.0

@@ -17,7 +17,7 @@ NOISE = sw.Noise(0.0, 0.0, slip=0.01)
 ONE = {"parameters": ["wheel_radius"], "cross_validation": False}
 
 
-def drives(count: int, noise: sw.Noise, first: int = 0) -> list[sw.Log]:
+def drives(count: int, noise: sw.Noise, first: int = 0) -> list[sw.WheelLog]:
     """Drives that turn both ways, each its own."""
     found = []
     for seed in range(first, first + count):
@@ -67,7 +67,7 @@ def test_where_nothing_is_known_of_the_truth_it_drives_as_well(known):
     logs, gaps = drives(8, NOISE), []
     for log in logs:
         there = known(log.truth.stamps) | (log.truth.stamps == log.truth.stamps[-1])
-        gaps.append(replace(log, truth=sw.Truth(log.truth.stamps[there], log.truth.poses[there])))
+        gaps.append(replace(log, truth=sw.GroundTruth(log.truth.stamps[there], log.truth.poses[there])))
     whole, found = (calibrate(PAIR, each, **ONE).measured_noise for each in (logs, gaps))
     # The same ends under fits that differ by a little.
     assert found.slip.value == pytest.approx(whole.slip.value, rel=0.25)
@@ -165,7 +165,7 @@ def test_the_guess_errs_on_the_wide_side_for_every_robot(robot):
 def test_a_file_says_what_dimensions_and_noise_may_be_off_by(tmp_path):
     """As the result says it, and new drives end within it."""
     from six_wheel.calibration import calibrate_files
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
     from six_wheel.simulation import write_log
 
     paths = [tmp_path / f"{seed}.csv" for seed in range(5)]
@@ -206,7 +206,7 @@ def slipping(count, left, right):
         rolled = np.abs(np.diff(log.wheel_angles, axis=0)) * 0.1
         slid = np.cumsum(random.normal(size=rolled.shape) * np.sqrt(rolled) * (left, right), axis=0) / 0.1
         readings = log.wheel_angles + np.vstack(([[0.0, 0.0]], slid))
-        found.append(sw.Log(log.stamps, None, readings, log.truth, name=f"run {seed}"))
+        found.append(sw.WheelLog(log.stamps, None, readings, log.truth, name=f"run {seed}"))
     return found
 
 
@@ -230,7 +230,7 @@ def test_a_wheel_that_slips_more_is_told_from_the_other(tmp_path):
 def test_factors_and_the_origin_are_written_as_they_are_read(tmp_path):
     """Of a rover about another origin, with gains: the file means the same errors as the result."""
     from six_wheel.calibration.files import calibrate_files
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
     from six_wheel.simulation import write_log
 
     rover = sw.Rover.tricycle(0.5, 0.3, 0.1)

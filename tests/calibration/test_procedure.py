@@ -8,9 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel import evaluation
-from six_wheel.logs import Log, Truth, optiodom
-from six_wheel.rebuild import with_wheels
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.log_odometry import evaluation
+from six_wheel.logs import GroundTruth, WheelLog, optiodom
 from tests.calibration.drives import drive
 from tests.optiodom_data import REQUIRED, ROBOTS, RUNS, read, reckon
 
@@ -19,7 +19,7 @@ pytest.importorskip("scipy", reason="SciPy is not installed")
 from six_wheel.calibration import calibrate, parameter_names
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _drive_model
-from six_wheel.odometry import dimensions as _parameters
+from six_wheel.kinematics.odometry import dimensions as _parameters
 
 SOAK = int(os.environ.get("SOAK", "0"))
 TRIANGLE = np.array([(0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17)])
@@ -127,7 +127,7 @@ def test_gains_of_the_encoders():
     logs = []
     for seed in range(3):
         log = drive(nominal, seed)
-        logs.append(Log(log.stamps, log.steering / 1.05, log.wheel_angles / 0.97, log.truth))
+        logs.append(WheelLog(log.stamps, log.steering / 1.05, log.wheel_angles / 0.97, log.truth))
     result = quick(nominal, logs, ["steering_gain", "encoder_scale"])
     assert result["steering_gain[front]"].value == pytest.approx(1.05, abs=1e-3)
     assert result["encoder_scale"].value == pytest.approx(0.97, abs=1e-4)
@@ -251,15 +251,15 @@ def test_rows_that_cannot_be_used_are_left_out():
     angles[100, 0] = math.nan
     stamps[200] = stamps[199]  # twice the same
     whole = quick(PAIR, [log], ["wheel_radius", "track_width"])
-    holed = quick(PAIR, [Log(stamps, None, angles, log.truth)], ["wheel_radius", "track_width"])
+    holed = quick(PAIR, [WheelLog(stamps, None, angles, log.truth)], ["wheel_radius", "track_width"])
     assert holed.runs[0].dropped == 2
     assert_allclose(holed.values, whole.values, rtol=1e-3)
 
 
 def test_what_cannot_be_calibrated_is_refused():
     log = drive(PAIR, 1, 10.0)
-    blind = Log(log.stamps, None, log.wheel_angles)
-    still = Log(log.stamps, None, np.zeros_like(log.wheel_angles), log.truth)
+    blind = WheelLog(log.stamps, None, log.wheel_angles)
+    still = WheelLog(log.stamps, None, np.zeros_like(log.wheel_angles), log.truth)
     tricycle = VEHICLES["tricycle"][0]
     for logs, options, rule in (
         ([], {}, "logs must hold one at least"),
@@ -279,7 +279,7 @@ def test_what_cannot_be_calibrated_is_refused():
     with pytest.raises(ValueError, match=r"wheel_angles must have shape \(n, 3\)"):
         calibrate(tricycle, log, parameters="wheelbase")
     with pytest.raises(ValueError, match="stamps must grow"):
-        Truth([0.0, 0.0], np.zeros((2, 3)))
+        GroundTruth([0.0, 0.0], np.zeros((2, 3)))
     assert quick(PAIR, blind, "wheel_radius", truth=log.truth)["wheel_radius"].identified
     assert "track_width" in parameter_names(PAIR)
     assert "steering_gain" in parameter_names(tricycle)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel.logs import Log, Truth
+from six_wheel.logs import GroundTruth, WheelLog
 from tests.calibration.drives import drive
 
 pytest.importorskip("scipy", reason="SciPy is not installed")
@@ -65,7 +65,7 @@ def test_wheels_of_one_kind_are_off_alike_where_drives_do_not_tell():
     twists = np.column_stack((0.2 + 0.05 * np.sin(stamps), 0 * stamps, 0 * stamps))
     speeds = sw.Rover.omni(places, headings, 0.049).inverse(twists[1:])[1]
     angles = np.concatenate((np.zeros((1, 3)), np.cumsum(0.05 * speeds, axis=0)))
-    log = Log(stamps, None, angles, Truth(stamps, sw.integrate(twists[1:], 0.05)), "straight")
+    log = WheelLog(stamps, None, angles, GroundTruth(stamps, sw.integrate(twists[1:], 0.05)), "straight")
     result = calibrate(omni, log, parameters=["wheel_radii"], cross_validation=False)
     # The two are 2 mm off; what is known of one kind holds to a hundredth of that, as wide as its interval.
     assert_allclose(result.values, 0.049, atol=2e-5)

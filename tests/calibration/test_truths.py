@@ -11,8 +11,8 @@ import six_wheel as sw
 from six_wheel.calibration import calibrate
 from six_wheel.calibration import drives as _drives
 from six_wheel.calibration import model as _model
-from six_wheel.logs import Log, Truth
-from six_wheel.odometry import dimensions as _parameters
+from six_wheel.kinematics.odometry import dimensions as _parameters
+from six_wheel.logs import GroundTruth, WheelLog
 from tests.calibration.drives import drive
 
 PAIR = sw.Rover.differential(0.2, 0.042)
@@ -20,12 +20,12 @@ TRUE = sw.Rover.differential(0.206, 0.0415)
 SIZES = {"parameters": ["wheel_radius", "track_width"], "cross_validation": False}
 
 
-def with_truth(log: Log, truth: Truth) -> Log:
+def with_truth(log: WheelLog, truth: GroundTruth) -> WheelLog:
     return replace(log, truth=truth)
 
 
-def positions(log: Log) -> Log:
-    return with_truth(log, Truth(log.truth.stamps, log.truth.poses[:, :2]))
+def positions(log: WheelLog) -> WheelLog:
+    return with_truth(log, GroundTruth(log.truth.stamps, log.truth.poses[:, :2]))
 
 
 @pytest.mark.parametrize("known", [slice(0, 2), slice(2, 3)], ids=["positions", "headings"])
@@ -33,7 +33,7 @@ def test_derivatives_are_those_of_finite_differences(known):
     log = drive(TRUE, 1, 20.0)
     poses = np.full((len(log), 3), np.nan)
     poses[:, known] = log.truth.poses[:, known]
-    log = with_truth(log, Truth(log.stamps, poses))
+    log = with_truth(log, GroundTruth(log.stamps, poses))
     catalogue = _parameters.Catalogue(PAIR, _drives.encoders(PAIR, [log]))
     model = _model.Model(PAIR, catalogue.find(catalogue.names))
     prepared = _drives.prepare(PAIR, log, _drives.default_lengths(PAIR), 0.5, 0)
@@ -67,10 +67,10 @@ def test_nothing_is_made_up_across_a_gap():
     """Between 20 s and 29 s the truth is lost; straight across would be metres off."""
     log = drive(TRUE, 3, 60.0)
     kept = (log.truth.stamps < 20.0) | (log.truth.stamps > 29.0)
-    truth = Truth(log.truth.stamps[kept], log.truth.poses[kept])
+    truth = GroundTruth(log.truth.stamps[kept], log.truth.poses[kept])
     assert np.isnan(truth.at([20.5, 25.0, 28.9])).all()
     assert np.isfinite(truth.at([0.0, 10.0, 19.9, 29.1, 60.0])).all()
-    assert np.isfinite(Truth(truth.stamps, truth.poses, max_gap=10.0).at([25.0])).all()
+    assert np.isfinite(GroundTruth(truth.stamps, truth.poses, max_gap=10.0).at([25.0])).all()
     assert truth.covers([19.0, 19.99, 25.0], margin=0.5).tolist() == [True, False, False]
     result = calibrate(PAIR, with_truth(log, truth), **SIZES)
     np.testing.assert_allclose(result.values, (0.0415, 0.206), rtol=2e-3)
@@ -86,7 +86,7 @@ def test_another_odometry_is_a_truth_over_its_short_stretches():
     wandering = [poses[0]]
     for step in steps:
         wandering.append(sw.compose(wandering[-1], step))
-    result = calibrate(PAIR, with_truth(log, Truth(log.stamps, np.array(wandering))), **SIZES)
+    result = calibrate(PAIR, with_truth(log, GroundTruth(log.stamps, np.array(wandering))), **SIZES)
     np.testing.assert_allclose(result.values, (0.0415, 0.206), rtol=1e-2)
     said = calibrate(PAIR, log, sw.dead_reckon(TRUE, log), **SIZES).observability.messages
     assert any("what both err by alike does not show" in one for one in said)
@@ -101,7 +101,7 @@ def test_a_closed_loop_tells_ratios_and_no_scale():
     laps = begin + 30.0 * np.arange(3)
     poses = log.motion.poses
     at = [np.interp(laps, log.motion.stamps, poses[:, k]) for k in range(3)]
-    seen = sw.Log(log.stamps, None, log.wheel_angles, Truth(laps, np.stack(at, axis=1)))
+    seen = sw.WheelLog(log.stamps, None, log.wheel_angles, GroundTruth(laps, np.stack(at, axis=1)))
     result = calibrate(PAIR, seen, parameters=["track_width"], cross_validation=False)
     assert result["track_width"].value == pytest.approx(0.206, rel=1e-3)
     both = calibrate(PAIR, seen, **SIZES)
@@ -139,7 +139,7 @@ def test_parts_in_which_it_stands_are_said():
     stamps = np.concatenate((log.stamps, log.stamps[-1] + 0.05 * np.arange(1, 401)))
     angles = np.concatenate((log.wheel_angles, np.tile(log.wheel_angles[-1], (400, 1))))
     poses = np.concatenate((log.truth.poses, np.tile(log.truth.poses[-1], (400, 1))))
-    result = calibrate(PAIR, sw.Log(stamps, None, angles, poses), **SIZES)
+    result = calibrate(PAIR, sw.WheelLog(stamps, None, angles, poses), **SIZES)
     np.testing.assert_allclose(result.values, (0.0415, 0.206), rtol=2e-3)
     assert any("stands for 20.0 s of 50.0 s" in message for message in result.observability.messages)
 
@@ -152,13 +152,13 @@ def test_what_a_truth_refuses():
         (np.zeros((3, 4)), r"poses must have shape \(n, 3\)"),
     ):
         with pytest.raises(ValueError, match=message):
-            Truth(stamps, poses)
+            GroundTruth(stamps, poses)
     with pytest.raises(ValueError, match="max_gap must be positive, got 0"):
-        Truth(stamps, np.zeros((3, 3)), max_gap=0.0)
+        GroundTruth(stamps, np.zeros((3, 3)), max_gap=0.0)
 
 
 def _inverse(poses):
-    from six_wheel.poses import inverse
+    from six_wheel.kinematics.poses import inverse
 
     return inverse(poses)
 
@@ -186,7 +186,9 @@ def test_what_dead_reckon_takes_is_calibrated(tmp_path):
 @pytest.mark.parametrize("truth", [5, "truth.csv"])
 def test_what_is_no_truth_is_named(truth):
     """A path was told that nine had been given for one."""
-    with pytest.raises(TypeError, match="truth must be a Truth, poses, a Log that has one or a Track"):
+    with pytest.raises(
+        TypeError, match="truth must be a GroundTruth, poses, a WheelLog that has one or a Track"
+    ):
         calibrate(PAIR, drive(TRUE, 1, 10.0), truth, **SIZES)
 
 

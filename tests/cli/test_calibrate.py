@@ -16,9 +16,9 @@ pytest.importorskip("scipy")
 import six_wheel as sw
 from six_wheel.calibration import Estimate, cross_validation
 from six_wheel.calibration.files import calibrate_files, interval
-from six_wheel.logs.opening import LogOptions, example_run
+from six_wheel.logs.detect_reader import LogOptions, example_run
 from six_wheel.logs.optiodom import example
-from six_wheel.parameters import read_parameters
+from six_wheel.robot_description.parameters import read_parameters
 from tests.calibration.drives import drive as wandering
 from tests.cli_runs import Run
 from tests.odometry_logs import drive

@@ -22,8 +22,8 @@ from six_wheel import __main__, __version__
 from six_wheel.cli import app as cli
 from six_wheel.cli import shared
 from six_wheel.cli.commands.show import left_turn
+from six_wheel.cli.names import COMMANDS
 from six_wheel.cli.shared import Chosen
-from six_wheel.cli.words import COMMANDS
 from tests.cli_runs import ROVER, Run
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -422,7 +422,7 @@ def test_examples_are_files_that_the_commands_take(run: Run, refused: Callable[.
 
 def test_demo_is_given_its_folder(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
-    from six_wheel.demo import running as demo
+    from six_wheel.cli.demo import running as demo
 
     folders = []
     monkeypatch.setattr(demo, "run", lambda directory, *, console: folders.append(directory))
@@ -432,7 +432,7 @@ def test_demo_is_given_its_folder(run: Run, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_bench_compares_both_sides(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from six_wheel import benchmark
+    from six_wheel.cli import benchmark
 
     monkeypatch.setattr(benchmark, "ROWS", 500)
     monkeypatch.setattr(benchmark, "REPEATS", 1)

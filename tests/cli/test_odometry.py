@@ -14,9 +14,9 @@ pytest.importorskip("rich")
 pytest.importorskip("pyarrow")
 
 import six_wheel as sw
-from six_wheel.logs.opening import LogOptions
-from six_wheel.reckoning.running import reckon
-from six_wheel.reckoning.slip import SlipSum
+from six_wheel.log_odometry.run_log import reckon
+from six_wheel.log_odometry.slip import SlipSum
+from six_wheel.logs.detect_reader import LogOptions
 from tests.cli_runs import Run
 from tests.odometry_logs import drive
 from tests.optiodom_data import FOLDER, REQUIRED, RUNS
@@ -232,7 +232,7 @@ def test_a_wheel_that_reads_nothing_cannot_slip() -> None:
     angles = way.angles.copy()
     angles[:, rover.wheel_names.index("rear")] = math.nan
     track = sw.dead_reckon(rover, way.steering, angles, way.stamps)
-    assert not len(track.rows(sw.Health.SLIP))
+    assert not len(track.rows(sw.OdometryHealth.SLIP))
 
 
 # --- logs of every kind ----------------------------------------------------------------------------------

@@ -11,8 +11,8 @@ import numpy as np
 
 import six_wheel as sw
 from six_wheel.logs import CommandTable, LogOptions, TableError, open_log
-from six_wheel.parameters import ParameterFileError, dump, parse_parameters, read_parameters
-from six_wheel.urdf import read_urdf
+from six_wheel.robot_description.parameters import ParameterFileError, dump, parse_parameters, read_parameters
+from six_wheel.robot_description.urdf import read_urdf
 
 ROOT = Path(__file__).parents[2]
 ROVER = sw.Rover.preset("perseverance")

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import six_wheel as sw
-from six_wheel import benchmark
-from six_wheel.benchmark import Grid, Job, Timing, machine, nanoseconds, round_robin
+from six_wheel.cli import benchmark
+from six_wheel.cli.benchmark import Grid, Job, Timing, machine, nanoseconds, round_robin
 
 BENCHES = Path(__file__).parents[2] / "benches"
 
@@ -71,7 +71,7 @@ def test_a_grid_in_markdown_and_for_a_terminal() -> None:
 
 def test_figures() -> None:
     assert [nanoseconds(value) for value in (7.123e-9, 71e-9, 5.5e-6)] == ["7.12", "71", "5,500"]
-    assert machine()["vectors"] == sw.kernels()[-1]
+    assert machine()["vectors"] == sw.simd_levels()[-1]
     assert "cores" in machine()["processor"]
 
 
@@ -84,7 +84,7 @@ def test_batches_agree_whoever_takes_part(monkeypatch: pytest.MonkeyPatch, quick
         "inverse, n = 3,000", "forward, n = 3,000", "integrate, n = 3,000", "rollout, 20 x 8"
     ]  # fmt: skip
     for job in jobs:
-        assert {"core", "copy", "NumPy", *sw.kernels()[:-1]} <= set(job.timings)
+        assert {"core", "copy", "NumPy", *sw.simd_levels()[:-1]} <= set(job.timings)
     assert contenders.goal("inverse, n = 1e5") in (4.5, 8.0, None)
     with pytest.raises(AssertionError, match="a liar"):
         contenders.agree("a liar", [1.0], [1.1])

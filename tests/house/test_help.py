@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import pytest
 
 import six_wheel as sw
-from six_wheel import evaluation, odometry, profiles, reference
+from six_wheel import profiles, reference
+from six_wheel.kinematics import odometry
+from six_wheel.log_odometry import evaluation
 
 PACKAGES = (sw, evaluation, odometry, profiles, reference)
 
@@ -42,7 +44,7 @@ def test_signatures_hold_names_of_types():
 @pytest.mark.parametrize("package", [sw], ids=["six_wheel"])
 def test_dir_shows_what_there_is(package):
     shown = set(dir(package))
-    assert {"calibrate", "dead_reckon", "Log", "Track", "umbmark", "plot", "load"} <= shown
+    assert {"calibrate", "dead_reckon", "WheelLog", "Track", "umbmark", "plot", "load"} <= shown
     assert not {"PathLike", "TYPE_CHECKING", "_LATER", "attach"} & shown
     for name in shown:
         getattr(package, name)

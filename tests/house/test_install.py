@@ -55,7 +55,7 @@ def test_the_bare_package_computes(bare):
     [
         "import six_wheel as sw\nsw.load('rover.yaml')",
         "from six_wheel.__main__ import main\nsys.exit(main(['check', 'rover.yaml']))",
-        "import six_wheel.plot as plot, six_wheel as sw\n"
+        "import six_wheel.plotting as plot, six_wheel as sw\n"
         "plot.show_figure(sw.Rover.preset('perseverance'), (0.5, 0, 0))",
     ],
     ids=["load", "command line", "plot"],

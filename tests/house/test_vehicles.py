@@ -32,7 +32,7 @@ def test_a_vehicle_is_in_the_reference(vehicle):
 @pytest.mark.parametrize("vehicle", VEHICLES)
 def test_a_vehicle_has_a_kind_and_an_example_of_it(vehicle):
     pytest.importorskip("pydantic")
-    from six_wheel.parameters.kinds import KINDS
+    from six_wheel.robot_description.parameters.vehicle_types import KINDS
 
     assert vehicle in KINDS
     examples = [path.read_text(encoding="utf-8") for path in (ROOT / "examples").glob("*.yaml")]

@@ -24,9 +24,11 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from six_wheel.drive import Loop, drive
-from six_wheel.logs import JointLog, bags, read_truth
+from six_wheel.logs import JointLog, read_truth
+from six_wheel.logs.bags.joint_bag import JOINT_STATE
+from six_wheel.logs.bags.messages import POSES
 from six_wheel.logs.columns import TableError
+from six_wheel.simulation.drive import Loop, drive
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES = STORE.types
@@ -45,7 +47,7 @@ def joints(
     stamp: int, names: Sequence[str], positions: Sequence[float] = (), velocities: Sequence[float] = ()
 ) -> Any:
     arrays = (np.array(values, dtype=float) for values in (positions, velocities, ()))
-    return TYPES[bags.JOINT_STATE](header(stamp), list(names), *arrays)
+    return TYPES[JOINT_STATE](header(stamp), list(names), *arrays)
 
 
 def pose_of(kind: str, stamp: int, x: float, y: float, yaw: float) -> Any:
@@ -315,7 +317,7 @@ def test_a_recorder_that_lost_power_leaves_what_is_whole(
 # --- truth -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", bags.POSES)
+@pytest.mark.parametrize("kind", POSES)
 @pytest.mark.parametrize("storage", STORAGES)
 def test_poses_beside_the_joints(tmp_path: Path, kind: str, storage: str) -> None:
     poses = np.array([[0, 0, 0], [1, 0.5, 3.1], [2, 1.5, -3.0]])

@@ -22,11 +22,11 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from six_wheel.log_odometry import Settings
 from six_wheel.logs import JointLog, TableError, read_log
+from six_wheel.logs.detect_reader import LogOptions
 from six_wheel.logs.gyroscope.rates import Passing, Turning, edges_of, upward
 from six_wheel.logs.gyroscope.sources import rate_columns
-from six_wheel.logs.opening import LogOptions
-from six_wheel.reckoning import Settings
 from six_wheel.simulation import write_log
 from tests.cli_runs import Run
 
@@ -37,7 +37,7 @@ for kind in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):  # which came before
     STORE_1.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", kind))
 
 
-def simulated(seed: int = 1, **options: Any) -> sw.Log:
+def simulated(seed: int = 1, **options: Any) -> sw.WheelLog:
     """Rest, a way that winds, rest: 30 s."""
     times = np.arange(0.0, 31.0)
     twists = np.stack((0.3 + 0 * times, 0 * times, 0.8 * np.sin(times)), axis=-1)
@@ -353,7 +353,7 @@ def test_the_file_of_a_calibration_makes_odometry_use_the_gyroscope(run: Run) ->
     assert code == 0, err
     text = Path("found.yaml").read_text()
     assert "gyroscope:" in text
-    found = sw.parameters.read_parameters("found.yaml")
+    found = sw.robot_description.parameters.read_parameters("found.yaml")
     assert found.known_gyroscope.noise == pytest.approx(0.002, rel=0.2)  # 250 readings at rest: 5 %
     assert found.gyroscope["period"] == pytest.approx(0.05)
     code, out, err = run("odometry", "found.yaml", "run0.csv", "-o", "track.csv")
@@ -382,7 +382,7 @@ def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> 
     code, out, err = run("calibrate", "cart.yaml", "log.csv", *find)
     assert code == 0, err
     assert "a gyroscope alone tells turns and no distances" in " ".join(out.split())
-    found = sw.parameters.read_parameters("found.yaml")
+    found = sw.robot_description.parameters.read_parameters("found.yaml")
     assert found.gyroscope["time_offset"] == pytest.approx(0.1, abs=0.01)
     assert not found.truth
     assert found.rover.wheels[0].y == pytest.approx(0.25, rel=0.01)
@@ -390,7 +390,7 @@ def test_a_log_of_a_gyroscope_alone_calibrates_and_keeps_its_clock(run: Run) -> 
         "calibrate", "found.yaml", "log.csv", "--parameters", "time_offset", "-o", "again.yaml"
     )
     assert code == 0, err
-    again = sw.parameters.read_parameters("again.yaml")
+    again = sw.robot_description.parameters.read_parameters("again.yaml")
     assert again.gyroscope["time_offset"] == pytest.approx(found.gyroscope["time_offset"], abs=5e-3)
 
 
@@ -406,7 +406,7 @@ def test_white_noise_is_that_of_the_readings_whatever_their_rate(run: Run) -> No
         assert code == 0, err
         log, _ = read_log("log.csv", CART)
         assert np.std(log.yaw_rate) == pytest.approx(noise, rel=0.15)  # 400 readings: 4 %
-    gyroscope = sw.parameters.read_parameters("cart.yaml").known_gyroscope
+    gyroscope = sw.robot_description.parameters.read_parameters("cart.yaml").known_gyroscope
     settings = Settings(gyroscope=gyroscope, period=0.05)
     with JointLog("log.csv", CART) as opened:
         (chunk,) = opened.chunks()

@@ -14,7 +14,6 @@ pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
 
 from six_wheel._core import Encoder  # noqa: E402
-from six_wheel.drive import drive  # noqa: E402
 from six_wheel.logs import (  # noqa: E402
     JointLog,
     JointRows,
@@ -23,6 +22,7 @@ from six_wheel.logs import (  # noqa: E402
 )
 from six_wheel.logs.columns import TableError  # noqa: E402
 from six_wheel.logs.joint_columns import joint_columns  # noqa: E402
+from six_wheel.simulation.drive import drive  # noqa: E402
 from tests import optiodom_data  # noqa: E402
 from tests.logs.carts import CART, write  # noqa: E402
 

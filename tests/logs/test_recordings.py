@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import six_wheel as sw
-from six_wheel.logs import Log, Truth, optiodom
+from six_wheel.logs import GroundTruth, WheelLog, optiodom
 
 METADATA = "type,diff,\nngear,43.7,\nencRes,64,\nLi,0.2,\nDi,0.084,0.084\n"
 
@@ -35,7 +35,7 @@ def test_a_run_becomes_a_log(folder):
     assert log.session == "day"
     assert log.name == "day_run-01"
     assert_allclose(log.truth.poses[-1], (0.002, 0.0, 0.2))
-    assert repr(log) == "Log('day_run-01', 3 rows, 0.1 s, with truth)"
+    assert repr(log) == "WheelLog('day_run-01', 3 rows, 0.1 s, with truth)"
     assert optiodom.runs(folder) == [path]
 
 
@@ -79,20 +79,20 @@ def test_shapes_that_do_not_fit_are_refused():
         (([0.0, 1.0], None, [(0.0,), (0.0,)], [(0.0, 0.0, 0.0)]), r"poses must have shape \(2, 3\)"),
     ):
         with pytest.raises(ValueError, match=rule):
-            Log(*arguments)
+            WheelLog(*arguments)
     with pytest.raises(ValueError, match="poses must be finite"):
-        Truth([0.0, 1.0], [(0.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
+        GroundTruth([0.0, 1.0], [(0.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
 
 
 def test_a_log_refuses_time_that_is_none_or_runs_backwards():
     angles = np.zeros((3, 2))
     with pytest.raises(ValueError, match="stamps must be finite, got nan in row 1"):
-        Log([0.0, math.nan, 1.0], None, angles)
+        WheelLog([0.0, math.nan, 1.0], None, angles)
     with pytest.raises(ValueError, match=r"stamps must not run backwards, got 0.5 after 1.0 in row 2"):
-        Log([0.0, 1.0, 0.5], None, angles)
+        WheelLog([0.0, 1.0, 0.5], None, angles)
     with pytest.raises(ValueError, match=r"yaw_rate must have shape \(3,\), got \(2,\)"):
-        Log([0.0, 1.0, 2.0], None, angles, yaw_rate=[0.0, 1.0])
-    assert len(Log([0.0, 1.0, 1.0], None, angles)) == 3  # twice the same is for readers to leave out
+        WheelLog([0.0, 1.0, 2.0], None, angles, yaw_rate=[0.0, 1.0])
+    assert len(WheelLog([0.0, 1.0, 1.0], None, angles)) == 3  # twice the same is for readers to leave out
 
 
 @pytest.mark.parametrize(
@@ -108,9 +108,9 @@ def test_a_reading_that_is_missing_costs_no_other(options, columns):
     """One cell without a count ended all that came behind it, and a wheel without an encoder every row."""
     values = np.array([columns[1], columns[1], [math.nan] * 5]).T
     tricycle = sw.Rover.tricycle(1.0, 0.5, 0.2)
-    whole = sw.Log(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
+    whole = sw.WheelLog(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
     values[2, 0] = math.nan
-    found = sw.Log(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
+    found = sw.WheelLog(np.arange(5.0), np.zeros((5, 1)), values, options=options).in_radians(tricycle)
     assert np.isfinite(whole.wheel_angles[:, :2]).all()
     assert np.isnan(found.wheel_angles[:, 2]).all()
     np.testing.assert_array_equal(np.isnan(found.wheel_angles[:, 0]), np.arange(5) == 2)
@@ -126,7 +126,7 @@ def test_an_option_that_is_none_is_refused():
     with pytest.raises(
         ValueError, match="options must be some of readings, wheel_encoders, .* got 'encoders'"
     ):
-        sw.Log([0.0, 1.0], None, [[0, 0], [1, 1]], options={"encoders": sw.Encoder(100)})
+        sw.WheelLog([0.0, 1.0], None, [[0, 0], [1, 1]], options={"encoders": sw.Encoder(100)})
 
 
 def test_what_are_no_numbers_is_named():
@@ -139,8 +139,8 @@ def test_what_are_no_numbers_is_named():
     ):
         keywords = {"stamps": [0, 1], "steering": None, "wheel_angles": [[0, 0], [1, 1]]} | given
         with pytest.raises(TypeError, match=f"{name} must be"):
-            Log(**keywords)
+            WheelLog(**keywords)
     with pytest.raises(TypeError, match="poses must be rows of as many numbers each, got 'ab'"):
-        Truth([0, 1], "ab")
+        GroundTruth([0, 1], "ab")
     with pytest.raises(ValueError, match="max_gap must be positive, got 'a'"):
-        Truth([0, 1], [[0, 0, 0], [1, 1, 1]], max_gap="a")
+        GroundTruth([0, 1], [[0, 0, 0], [1, 1, 1]], max_gap="a")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.odometry import Health
+from six_wheel.kinematics.odometry import OdometryHealth
 from tests.neighbours.vehicles import CART, MARS
 
 
@@ -20,7 +20,7 @@ def test_the_first_reading_after_a_restart_was_a_jump(first):
     state = odometry.update(None, [first, first], 5.0)
     np.testing.assert_array_equal(state.pose, 0.0)
     np.testing.assert_array_equal(state.twist, 0.0)
-    assert state.health & Health.FIRST
+    assert state.health & OdometryHealth.FIRST
     state = odometry.update(None, [first + 1.0, first + 1.0], 6.0)
     np.testing.assert_allclose(state.pose, (0.1, 0.0, 0.0), atol=1e-11)
 

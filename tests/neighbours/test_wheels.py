@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
 from tests.neighbours.vehicles import BICYCLE, CAR, MARS, MECANUM, SWERVE, TRICYCLE
 
 # Swerve

@@ -78,7 +78,7 @@ def test_counters_tick_and_start_over_and_odometry_reads_them():
     assert (log.wheel_angles == np.floor(log.wheel_angles)).all()
     assert log.wheel_angles.max() < 2**8
     track = sw.dead_reckon(PAIR, log)
-    assert len(track.rows(sw.Health.WRAPPED))
+    assert len(track.rows(sw.OdometryHealth.WRAPPED))
     tick = wheels.angle_per_count * 0.1
     # A tick on one side turns the rover by a tick over the track, which 4 m of way swing.
     assert np.abs(track.poses - log.truth.poses).max() < 4.0 * 2 * tick / 0.4
@@ -168,7 +168,7 @@ def test_what_was_read_otherwise_is_written_as_what_was_turned(tmp_path):
     stamps = 0.1 * np.arange(50)
     for readings in ("speeds", "increments"):
         values = np.stack((np.sin(stamps), np.cos(stamps)), axis=-1)
-        log = sw.Log(stamps, None, values, options={"readings": readings})
+        log = sw.WheelLog(stamps, None, values, options={"readings": readings})
         write_log(log, PAIR, tmp_path / "log.csv")
         again = read_log(tmp_path / "log.csv", PAIR)[0]
         np.testing.assert_allclose(again.wheel_angles, log.in_radians(PAIR).wheel_angles, atol=1e-12)

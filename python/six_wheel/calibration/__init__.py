@@ -1,23 +1,23 @@
 """A rover's true dimensions from its logs: what fits them, how well it is known, what they cannot tell.
 
-What `six_wheel.odometry.dimensions` names is calibrated from `drives`; `model` says where these end,
-`fitting` solves, `observability` and `cross_validation` judge, `procedure` joins them to a `result`; `files`
-does it for logs on disk.
+What `six_wheel.kinematics.odometry.dimensions` names is calibrated from `drives`; `model` says where these
+end, `fitting` solves, `observability` and `cross_validation` judge, `run_calibration` joins them to a
+`result`; `files` does it for logs on disk.
 """
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.calibration.cross_validation import Candidate, CrossValidation
+    from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
     from six_wheel.calibration.files import Calibrated, calibrate_files, half_width, interval
     from six_wheel.calibration.fitting import Loss
     from six_wheel.calibration.noise import MeasuredNoise
     from six_wheel.calibration.observability import Observability
-    from six_wheel.calibration.procedure import calibrate, parameter_names
     from six_wheel.calibration.result import Calibration
-    from six_wheel.calibration.values import Estimate, RunErrors, Windows
+    from six_wheel.calibration.run_calibration import calibrate, parameter_names
 
 __all__ = [
     "Calibrated",
@@ -44,13 +44,13 @@ __getattr__, __dir__ = attach(
         "drives": (),
         "files": ("Calibrated", "calibrate_files", "half_width", "interval"),
         "fitting": ("Loss",),
-        "mistakes.readings": (),
-        "mistakes.slips": (),
+        "log_checks.units": (),
+        "log_checks.slip": (),
         "model": (),
         "noise": ("MeasuredNoise",),
         "observability": ("Observability",),
-        "procedure": ("calibrate", "parameter_names"),
+        "run_calibration": ("calibrate", "parameter_names"),
         "result": ("Calibration",),
-        "values": ("Estimate", "RunErrors", "Windows"),
+        "estimates": ("Estimate", "RunErrors", "Windows"),
     },
 )

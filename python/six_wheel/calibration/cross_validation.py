@@ -9,13 +9,13 @@ import numpy as np
 
 from six_wheel._core import Rover
 from six_wheel.calibration.drives import Drive
+from six_wheel.calibration.estimates import RunErrors
 from six_wheel.calibration.fitting import Loss, Problem, quantile, refit, solve
 from six_wheel.calibration.model import Model, with_mounts
-from six_wheel.calibration.values import RunErrors
-from six_wheel.cluster import Journal, collect
-from six_wheel.logs.recordings import Log
-from six_wheel.odometry.dimensions import Catalogue
-from six_wheel.poses import Floats
+from six_wheel.kinematics.odometry.dimensions import Catalogue
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.recordings import WheelLog
+from six_wheel.parallel import Journal, collect
 
 # A set of parameters must predict better than the nominal dimensions by this share to be worth its numbers,
 WORTH = 0.05
@@ -138,7 +138,7 @@ def candidates(catalogue: Catalogue) -> list[tuple[str, ...]]:
     return [radius + shape + frame for radius in radii for shape in shapes for frame in frames]
 
 
-def pieces(log: Log) -> list[Log]:
+def pieces(log: WheelLog) -> list[WheelLog]:
     """A single run cut into parts, as if they were runs."""
     if log.truth is None:
         return [log]
@@ -147,7 +147,7 @@ def pieces(log: Log) -> list[Log]:
     for number, (first, last) in enumerate(zip(edges, edges[1:] + 1, strict=False)):
         steering = None if log.steering is None else log.steering[first:last]
         parts.append(
-            Log(
+            WheelLog(
                 log.stamps[first:last],
                 steering,
                 log.wheel_angles[first:last],

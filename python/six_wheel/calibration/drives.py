@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Rover
-from six_wheel.logs.recordings import Log, Truth
-from six_wheel.odometry.dimensions import size
-from six_wheel.poses import Floats, interpolate
+from six_wheel.kinematics.odometry.dimensions import size
+from six_wheel.kinematics.poses import Floats, interpolate
+from six_wheel.logs.recordings import GroundTruth, WheelLog
 
 Rows = NDArray[np.int64]
 
@@ -45,7 +45,7 @@ class Drive:
     dt: Floats
     speeds: Floats
     steering: Floats
-    truth: Truth
+    truth: GroundTruth
     rows: Rows
     middles: Rows
     lengths: Rows
@@ -64,7 +64,7 @@ class Drive:
         return poses.reshape(*wanted.shape, 3), rates.reshape(*wanted.shape, 3)
 
 
-def encoders(rover: Rover, logs: Sequence[Log]) -> list[bool]:
+def encoders(rover: Rover, logs: Sequence[WheelLog]) -> list[bool]:
     """Which wheels report how far they turn: those with a number somewhere.
 
     Raises
@@ -81,11 +81,11 @@ def encoders(rover: Rover, logs: Sequence[Log]) -> list[bool]:
     return np.any(heard, axis=0).tolist()  # type: ignore[no-any-return]
 
 
-def _who(log: Log, number: int) -> str:
+def _who(log: WheelLog, number: int) -> str:
     return f"logs[{number}]" + (f" ({log.name})" if log.name else "")
 
 
-def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int) -> Drive:
+def prepare(rover: Rover, log: WheelLog, lengths: Floats, margin: float, number: int) -> Drive:
     """The windows of a log.
 
     Parameters
@@ -156,7 +156,7 @@ def prepare(rover: Rover, log: Log, lengths: Floats, margin: float, number: int)
     )
 
 
-def _nothing_known(truth: Truth, stamps: Floats, moved: float) -> str:
+def _nothing_known(truth: GroundTruth, stamps: Floats, moved: float) -> str:
     """What there is of a drive no part of which can be compared."""
     seen, driven = (f"{one[0]:.6g} to {one[-1]:.6g} s" for one in (truth.stamps, stamps))
     if truth.stamps[-1] < stamps[0] or stamps[-1] < truth.stamps[0]:
@@ -167,7 +167,7 @@ def _nothing_known(truth: Truth, stamps: Floats, moved: float) -> str:
     return f"{moved:.3g} m in {driven} and a truth of {len(truth)} rows in {seen}: {gaps}"
 
 
-def moving(rover: Rover, logs: Sequence[Log], margin: float = 0.0) -> list[bool]:
+def moving(rover: Rover, logs: Sequence[WheelLog], margin: float = 0.0) -> list[bool]:
     """In which logs the rover moves while its truth is known; `margin` as for `prepare`.
 
     Raises
@@ -190,7 +190,7 @@ def moving(rover: Rover, logs: Sequence[Log], margin: float = 0.0) -> list[bool]
     return found
 
 
-def heard(log: Log, number: int) -> Log:
+def heard(log: WheelLog, number: int) -> WheelLog:
     """A log without a truth but with a gyroscope, which then tells its headings, less its bias at rest.
 
     Raises
@@ -211,7 +211,7 @@ def heard(log: Log, number: int) -> Log:
     turned = rates - np.average((rates[1:] + rates[:-1])[still] / 2.0, weights=dt[still])
     yaw = np.concatenate(([0.0], np.cumsum((turned[1:] + turned[:-1]) / 2.0 * dt)))
     nowhere = np.full(len(yaw), np.nan)
-    return replace(log, truth=Truth(stamps, np.column_stack((nowhere, nowhere, yaw))))
+    return replace(log, truth=GroundTruth(stamps, np.column_stack((nowhere, nowhere, yaw))))
 
 
 def at_rest(speeds: Floats) -> NDArray[np.bool_]:
@@ -221,7 +221,7 @@ def at_rest(speeds: Floats) -> NDArray[np.bool_]:
     return still
 
 
-def _alone(truth: Truth) -> Floats:
+def _alone(truth: GroundTruth) -> Floats:
     """Stamps of rows of a truth with a gap on both sides, as where a loop closes."""
     apart = np.concatenate(([True], np.diff(truth.stamps) > truth.max_gap, [True]))
     return truth.stamps[apart[1:] & apart[:-1]]
@@ -252,7 +252,7 @@ def _bent(places: Floats, rows: Rows, middles: Rows, along: Floats) -> NDArray[n
     return good
 
 
-def _usable(rover: Rover, log: Log, steering: Floats) -> Rows:
+def _usable(rover: Rover, log: WheelLog, steering: Floats) -> Rows:
     """Rows whose numbers are all there and whose stamps come after those before: the others are left out."""
     driven = np.array([wheel.driven for wheel in rover.wheels])
     silent = ~np.isfinite(log.wheel_angles).any(axis=0) & ~driven

@@ -11,22 +11,22 @@ import numpy as np
 
 from six_wheel._core import Rover, __version__
 from six_wheel.calibration.drives import heard, moving
-from six_wheel.calibration.procedure import calibrate
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.result import Calibration
-from six_wheel.calibration.values import Estimate
-from six_wheel.cluster import Journal
-from six_wheel.descriptions.findings import ParameterFileError
-from six_wheel.evaluation.paths import align
+from six_wheel.calibration.run_calibration import calibrate
+from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
+from six_wheel.kinematics.odometry.dimensions import FRAME
+from six_wheel.kinematics.odometry.gyroscope_errors import ARGUMENTS
+from six_wheel.kinematics.poses import Floats, joined
+from six_wheel.log_odometry.evaluation.paths import align
 from six_wheel.logs.columns import TableError
-from six_wheel.logs.opening import AnyLog, LogOptions, logs_in, read_log
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.detect_reader import AnyLog, LogOptions, logs_in, read_log
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import replacing
-from six_wheel.odometry.dead_reckoning import dead_reckon
-from six_wheel.odometry.dimensions import FRAME
-from six_wheel.odometry.gyroscope import ARGUMENTS
-from six_wheel.parameters.file import Parameters, parse_parameters
-from six_wheel.parameters.mending import text_for
-from six_wheel.poses import Floats, joined
+from six_wheel.parallel import Journal
+from six_wheel.robot_description.diagnostics import ParameterFileError
+from six_wheel.robot_description.parameters.edit_in_place import text_for
+from six_wheel.robot_description.parameters.file import Parameters, parse_parameters
 
 __all__ = ["Calibrated", "calibrate_files", "half_width", "interval", "paths_of"]
 
@@ -41,7 +41,7 @@ class Calibrated:
     gyroscope was all the truth."""
 
     result: Calibration
-    logs: tuple[Log, ...]
+    logs: tuple[WheelLog, ...]
     warnings: tuple[str, ...]
     by_gyroscope: bool = False
 
@@ -165,7 +165,7 @@ def _read_back(text: str, parameters: Parameters | None) -> list[str]:
     return [f"the keys of {was} cannot say what was found: it is written as kind: {written.kind}"]
 
 
-def _check_truth(path: Path, log: Log, truth: Path | None) -> None:
+def _check_truth(path: Path, log: WheelLog, truth: Path | None) -> None:
     if log.truth is None and log.yaw_rate is not None:
         return  # which tells how it turned
     if log.truth is None:

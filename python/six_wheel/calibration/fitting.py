@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from six_wheel.calibration.drives import OVERLAP, STRETCHES, Drive
 from six_wheel.calibration.model import Model
-from six_wheel.poses import Floats
+from six_wheel.kinematics.poses import Floats
 
 try:
     from scipy.optimize import least_squares

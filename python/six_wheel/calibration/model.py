@@ -11,8 +11,7 @@ import numpy as np
 
 from six_wheel._core import Rover, integrate, wrap_angle
 from six_wheel.calibration.drives import Drive
-from six_wheel.logs import Log
-from six_wheel.odometry.dimensions import (
+from six_wheel.kinematics.odometry.dimensions import (
     FRAME,
     PLACE,
     WHEEL_QUANTITIES,
@@ -23,8 +22,9 @@ from six_wheel.odometry.dimensions import (
     prior,
     size,
 )
-from six_wheel.poses import Floats, between, inverse, joined
-from six_wheel.rebuild import with_wheels
+from six_wheel.kinematics.poses import Floats, between, inverse, joined
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.logs import WheelLog
 
 # Below this half-turn per step the derivative of sin(x)/x is its series, good to 1e-16 there.
 SMALL_TURN = 1e-2
@@ -133,7 +133,7 @@ class Model:
         gain = np.ones(drive.steering.shape[1]) + self.change(values) @ self._gains
         return gain * drive.steering, self.value(values, "encoder_scale", 1.0) * drive.speeds
 
-    def corrected(self, log: Log, values: Floats) -> Log:
+    def corrected(self, log: WheelLog, values: Floats) -> WheelLog:
         """The log as its encoders mean it under these values."""
         steering = log.steering
         if steering is not None:

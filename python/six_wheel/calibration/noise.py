@@ -17,11 +17,11 @@ from scipy.optimize import brentq, minimize
 from scipy.special import chdtri, fdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise, Rover, wrap_angle
-from six_wheel.calibration.values import Estimate
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.wheel_noise import told_apart
-from six_wheel.logs import Log
-from six_wheel.odometry import dead_reckon
-from six_wheel.poses import Floats, inverse, joined
+from six_wheel.kinematics.odometry import dead_reckon
+from six_wheel.kinematics.poses import Floats, inverse, joined
+from six_wheel.logs import WheelLog
 
 # What the truth itself is not better than [m, m, rad]: motion capture.
 TRUTH = np.array([1e-3, 1e-3, 1e-3])
@@ -119,7 +119,9 @@ def _bound() -> float:
     return float(chdtri(3, 1.0 - COVERED))
 
 
-def ends(rover: Rover, dimensions: Floats, log: Log, sensor: Floats, offset: float, pieces: int) -> list[End]:
+def ends(
+    rover: Rover, dimensions: Floats, log: WheelLog, sensor: Floats, offset: float, pieces: int
+) -> list[End]:
     """Where dead reckoning of a log ends, against the truth, for each of so many pieces of it."""
     if log.truth is None:
         return []

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from six_wheel.calibration.drives import RESTED, Drive, at_rest
 from six_wheel.calibration.fitting import KNOWN, OPEN, Solution, openness
 from six_wheel.calibration.model import Model
-from six_wheel.poses import Floats
+from six_wheel.kinematics.poses import Floats
 
 # Parts of a direction smaller than this are not worth a word.
 WORTH_A_WORD = 0.1

@@ -8,11 +8,11 @@ import numpy as np
 
 from six_wheel._core import Noise, Rover
 from six_wheel.calibration.cross_validation import CrossValidation
+from six_wheel.calibration.estimates import Estimate, RunErrors, Windows
 from six_wheel.calibration.gyroscope.noise import MeasuredGyroscope
 from six_wheel.calibration.noise import MeasuredNoise
 from six_wheel.calibration.observability import Observability
-from six_wheel.calibration.values import Estimate, RunErrors, Windows
-from six_wheel.poses import Floats
+from six_wheel.kinematics.poses import Floats
 
 
 @dataclass(frozen=True, eq=False)

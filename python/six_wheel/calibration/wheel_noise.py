@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import chdtri, ndtri
 
-from six_wheel.poses import Floats
+from six_wheel.kinematics.poses import Floats
 
 # Wheels are taken to differ where chance alike would seem to say so this seldom,
 CHANCE = 0.05

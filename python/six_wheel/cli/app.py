@@ -20,8 +20,8 @@ from six_wheel.cli.commands.onboard import PASSING, command_filter, node, replay
 from six_wheel.cli.commands.show import show
 from six_wheel.cli.commands.simulate import simulate
 from six_wheel.cli.commands.traverse import traverse
+from six_wheel.cli.names import COMMANDS, INSTALL, PROGRAM, PURPOSE
 from six_wheel.cli.shared import new_console, progress_bar
-from six_wheel.cli.words import COMMANDS, INSTALL, PROGRAM, PURPOSE
 
 EXTRA_MODULES = ("matplotlib", "pyarrow", "pydantic", "rich", "yaml")
 HELP_OPTIONS = ["-h", "--help"]
@@ -41,7 +41,7 @@ def demo(
         Path, typer.Option("-o", "--output", help="Folder for the pictures and tables.")
     ] = Path("six_wheel_demo"),
 ) -> None:
-    from six_wheel.demo.running import run
+    from six_wheel.cli.demo.running import run
 
     run(output, console=new_console())
 
@@ -62,7 +62,7 @@ app.command("filter", help=COMMANDS["filter"], context_settings=PASSING)(command
 
 @app.command(help=COMMANDS["bench"])
 def bench() -> None:
-    from six_wheel import benchmark
+    from six_wheel.cli import benchmark
 
     with progress_bar("timing") as progress:
         results = benchmark.measure(progress=progress)

@@ -8,7 +8,7 @@ import typer
 from six_wheel.cli.shared import Chosen, Reading, choose
 
 if TYPE_CHECKING:
-    from six_wheel.logs.opening import LogOptions
+    from six_wheel.logs.detect_reader import LogOptions
 
 TruthOption = Annotated[
     Path | None,
@@ -49,7 +49,7 @@ ReportOption = Annotated[Path | None, typer.Option(help="Written report, .md, it
 def log_options(chosen: Chosen, given: dict[str, Any]) -> "LogOptions":
     """How to read a log: what the parameter file says of encoders, and over it the arguments of a command."""
     from six_wheel._core import Encoder
-    from six_wheel.logs.opening import LogOptions
+    from six_wheel.logs.detect_reader import LogOptions
 
     encoders = dict(chosen.parameters.encoders) if chosen.parameters else {}
     counts = {key: given[key] for key in ("resolution", "gear", "modulus") if given[key] is not None}
@@ -85,7 +85,7 @@ def choose_with_logs(
         return choose(rover, reading), logs
     if logs:
         raise ValueError(f"LOG must be left out with --example, got {logs[0]}")
-    from six_wheel.logs.opening import example_run, metadata_of
+    from six_wheel.logs.detect_reader import example_run, metadata_of
 
     run = example_run()
     return choose(str(metadata_of(run)) if rover is None else rover, reading), [run]

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from six_wheel._core import Limits, RockerBogie, Rover
-    from six_wheel.descriptions.findings import Finding
-    from six_wheel.parameters.file import Parameters
-    from six_wheel.urdf import Robot
+    from six_wheel.robot_description.diagnostics import Finding
+    from six_wheel.robot_description.parameters.file import Parameters
+    from six_wheel.robot_description.urdf import Robot
 
 SUSPENDED = (
     "perseverance",
@@ -80,7 +80,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
     """The rover of a parameter file or a robot description, or a preset if there is no such file."""
     path = Path(argument)
     if path.suffix in (".urdf", ".xacro"):
-        from six_wheel.urdf import read_urdf
+        from six_wheel.robot_description.urdf import read_urdf
 
         robot = read_urdf(path, wheel_radius=reading.wheel_radius)
         return Chosen(robot.rover, path.name.partition(".")[0], path, robot=robot)
@@ -91,7 +91,7 @@ def choose(argument: str, reading: Reading = Reading()) -> Chosen:  # noqa: B008
 
         return Chosen(read_rover(path), path.stem, path)
     if path.is_file() or path.suffix:
-        from six_wheel.parameters.file import read_parameters
+        from six_wheel.robot_description.parameters.file import read_parameters
 
         parameters = read_parameters(path, node=reading.node, kind=reading.kind)
         return Chosen(parameters.rover, path.stem, path, parameters)

@@ -1,34 +1,35 @@
 """What was recorded, and what is written: tables, bags, recordings, any of them opened by what it is.
 
-`columns` says what a header means; `tables` reads commands, `joints` readings and `truths` where it was, from
-tables (`tolerant` of bad rows) or `bags`; `recordings` are logs in memory, `optiodom` an example of a reader;
-`writing` replaces files.
+`columns` says what a header means; `tables` reads commands, `joints` readings and `ground_truth` where it
+was, from tables (`skip_bad_rows` goes on after a bad one) or `bags`; `gyroscope` is rates in either;
+`recordings` are logs in memory, `optiodom` an example of a reader; `detect_reader` opens any of them;
+`writing` replaces files. `mcap` has the records of a run.
 """
 
 from typing import TYPE_CHECKING
 
-from six_wheel.lazy import attach
+from six_wheel.kinematics.lazy import attach
 
 if TYPE_CHECKING:
     from six_wheel.logs.columns import TableError
+    from six_wheel.logs.detect_reader import LogOptions, open_log, read_log
+    from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.joints import JointLog, JointRows
-    from six_wheel.logs.opening import LogOptions, open_log, read_log
-    from six_wheel.logs.recordings import Log, Truth
+    from six_wheel.logs.recordings import GroundTruth, WheelLog
     from six_wheel.logs.tables import Chunk, CommandTable, RowError
-    from six_wheel.logs.truths import read_truth
     from six_wheel.logs.writing import TableWriter, replacing
 
 __all__ = [
     "Chunk",
     "CommandTable",
+    "GroundTruth",
     "JointLog",
     "JointRows",
-    "Log",
     "LogOptions",
     "RowError",
     "TableError",
     "TableWriter",
-    "Truth",
+    "WheelLog",
     "open_log",
     "read_log",
     "read_truth",
@@ -38,17 +39,17 @@ __all__ = [
 __getattr__, __dir__ = attach(
     __name__,
     {
-        "bag_files": (),
         "bags": (),
         "columns": ("TableError",),
         "joint_columns": (),
         "joints": ("JointLog", "JointRows"),
-        "opening": ("LogOptions", "open_log", "read_log"),
+        "detect_reader": ("LogOptions", "open_log", "read_log"),
         "optiodom": (),
-        "recordings": ("Log", "Truth"),
+        "recordings": ("WheelLog", "GroundTruth"),
         "tables": ("Chunk", "CommandTable", "RowError"),
-        "tolerant": (),
-        "truths": ("read_truth",),
+        "skip_bad_rows": (),
+        "ground_truth": ("read_truth",),
+        "mcap": (),
         "writing": ("TableWriter", "replacing"),
     },
 )

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from six_wheel.errors import FileError
+from six_wheel.kinematics.errors import FileError
 
 __all__ = [
     "BRACKETS",

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.logs.bag_files import BAGS
+from six_wheel.logs.bags.bag_files import BAGS
 from six_wheel.logs.columns import Column, TableError
+from six_wheel.logs.ground_truth import TRUTH, poses_of, read_truth
 from six_wheel.logs.gyroscope.rates import RATES, Turning, about_z, edges_of, upward
-from six_wheel.logs.gyroscope.sources import RateBag, rate_table, readings_of
+from six_wheel.logs.gyroscope.sources import rate_table, readings_of
 from six_wheel.logs.joint_columns import Reading, joint_columns
-from six_wheel.logs.recordings import Log, Truth
-from six_wheel.logs.tolerant import (
+from six_wheel.logs.recordings import GroundTruth, WheelLog
+from six_wheel.logs.skip_bad_rows import (
     Batch,
     Finding,
     Findings,
@@ -31,7 +32,6 @@ from six_wheel.logs.tolerant import (
     seconds_since,
     whole_second,
 )
-from six_wheel.logs.truths import TRUTH, poses_of, read_truth
 
 __all__ = ["Finding", "JointLog", "JointRows", "Reading"]
 
@@ -141,7 +141,8 @@ class JointLog:
         self._in_rows = False
         bagged = self.path.is_dir() or self.path.suffix.lower() in BAGS
         if bagged:
-            from six_wheel.logs.bags import JointBag
+            from six_wheel.logs.bags.imu_bag import RateBag
+            from six_wheel.logs.bags.joint_bag import JointBag
 
             bag = JointBag(self.path, rover, reading, topics)
             self._source, self.reading, self._names = bag, bag.reading, bag.names
@@ -211,7 +212,8 @@ class JointLog:
 
     def _rates_of_bag(self, frame: str) -> Source | None:
         """The gyroscope of a bag, if there is one; what is not known of it is said."""
-        from six_wheel.logs.bags import OWN_FRAMES, Bag
+        from six_wheel.logs.bags.imu_bag import RateBag
+        from six_wheel.logs.bags.messages import OWN_FRAMES, Bag
 
         keys, bag = self._gyroscope, Bag(self.path)
         try:
@@ -289,7 +291,7 @@ class JointLog:
         truth_topic: str | None = None,
         session: str = "",
         progress: Callable[[int, int], None] | None = None,
-    ) -> Log:
+    ) -> WheelLog:
         """The whole log, named after its file, with the truth if there is one.
 
         Parameters
@@ -323,16 +325,16 @@ class JointLog:
             if truth is not None:
                 options: Any = {"columns": truth_columns, "topic": truth_topic, "progress": progress}
                 times, poses, findings = read_truth(truth, origin=self.origin, **options)
-                known = Truth(times, poses)
+                known = GroundTruth(times, poses)
                 self.truth_findings = findings
             elif parts[0].truth is not None:
                 poses = np.concatenate([p.truth for p in parts])
                 there = np.isfinite(poses).all(axis=1)
-                known = Truth(stamps[there], poses[there]) if there.any() else None
+                known = GroundTruth(stamps[there], poses[there]) if there.any() else None
             rates = None if parts[0].yaw_rate is None else np.concatenate([p.yaw_rate for p in parts])
             heard = rates is not None and bool(np.isfinite(rates).any())
             rates = rates if heard else None
-            return Log(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
+            return WheelLog(stamps, steering, angles, known, self.path.stem, session, yaw_rate=rates)
         except TableError:
             raise
         except ValueError as error:

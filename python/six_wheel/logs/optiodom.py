@@ -1,7 +1,7 @@
 """OptiOdom recordings: an example of a reader for a format of one's own.
 
-A reader turns files into `Rover` and `Log`; everything else works on those. This one reads the data set of
-Sousa, Petry, Moreira & Costa (doi 10.1007/s10846-022-01630-3): four laboratory robots, their encoders
+A reader turns files into `Rover` and `WheelLog`; everything else works on those. This one reads the data set
+of Sousa, Petry, Moreira & Costa (doi 10.1007/s10846-022-01630-3): four laboratory robots, their encoders
 against an OptiTrack motion capture system. A run is a CSV file without header, one row per sample,
 
     time, x, y, heading, reading 1, reading 2, ...
@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 
 from six_wheel._core import Rover
-from six_wheel.logs.recordings import Log
-from six_wheel.poses import Floats
-from six_wheel.rebuild import with_wheels
+from six_wheel.kinematics.poses import Floats
+from six_wheel.kinematics.rover_edit import with_wheels
+from six_wheel.logs.recordings import WheelLog
 
 __all__ = ["ROBOTS", "Robot", "example", "read", "read_rover", "runs"]
 
@@ -106,7 +106,7 @@ def read_rover(path: str | Path) -> Rover:
     return robot.rover(metadata)
 
 
-def read(path: str | Path) -> Log:
+def read(path: str | Path) -> WheelLog:
     """One run: stamps, wheel angles as running totals, steering angles, and the truth.
 
     Parameters
@@ -130,7 +130,7 @@ def read(path: str | Path) -> Log:
     turned = table[:, 4 : 4 + len(robot.wheels)] * np.array(robot.signs) * (2.0 * math.pi / per_turn)
     increments = np.full((len(table), len(rover.wheels)), math.nan)  # NaN: a wheel without encoder
     increments[:, [rover.wheel_names.index(name) for name in robot.wheels]] = turned
-    return Log.from_increments(
+    return WheelLog.from_increments(
         table[:, 0],
         table[:, -1:] if robot.steered else None,
         increments,
@@ -145,9 +145,9 @@ def runs(folder: str | Path) -> list[Path]:
     return sorted(path for path in Path(folder).rglob("*_run-*.csv") if _metadata_of(path).exists())
 
 
-def example() -> tuple[Rover, Log]:
+def example() -> tuple[Rover, WheelLog]:
     """The nominal robot and the run that come with this package: a tricycle driven freely."""
-    folder = resources.files("six_wheel") / "data" / "optiodom"
+    folder = resources.files("six_wheel.logs") / "data" / "optiodom"
     with resources.as_file(folder) as real:
         (path,) = runs(real)
         return read_rover(path), read(path)

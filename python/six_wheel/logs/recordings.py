@@ -14,20 +14,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Encoder, Rover
-from six_wheel.errors import ArgumentTypeError
-from six_wheel.poses import Floats, as_poses, interpolate
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.kinematics.poses import Floats, as_poses, interpolate
 
 if TYPE_CHECKING:
-    from six_wheel.odometry.tracks import Track
+    from six_wheel.kinematics.odometry.tracks import Track
 
-__all__ = ["Log", "Truth", "as_truth"]
+__all__ = ["GroundTruth", "WheelLog", "as_truth"]
 
 Rows: TypeAlias = NDArray[np.int64]
 OPTIONS = ("readings", "wheel_encoders", "steering_encoders")
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class GroundTruth:
     """Poses, positions or headings measured from outside, with stamps of their own.
 
     Parameters
@@ -105,11 +105,11 @@ class Truth:
         return len(self.stamps)
 
     def __repr__(self) -> str:
-        return f"Truth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
+        return f"GroundTruth({len(self)} poses, {self.stamps[-1] - self.stamps[0]:.1f} s)"
 
 
 @dataclass(frozen=True, eq=False)
-class Log:
+class WheelLog:
     """What the encoders of one drive said, and the truth if it is known.
 
     Parameters
@@ -122,7 +122,7 @@ class Log:
         How far each wheel has turned since anywhere: running totals, in the rover's order [rad]. NaN all the
         way down where a passive wheel has no encoder; NaN in a row, here or in `steering`, is a reading that
         is missing: `dead_reckon` flags that row, `calibrate` leaves it out.
-    truth : Truth, or array_like of shape (n, 3), optional
+    truth : GroundTruth, or array_like of shape (n, 3), optional
         The reference; bare poses are taken to be measured at `stamps`.
     name, session : str
         What to call the drive, and which drives belong together: same day, same floor, same load.
@@ -142,7 +142,7 @@ class Log:
     stamps: Floats
     steering: Floats | None
     wheel_angles: Floats
-    truth: Truth | None = None
+    truth: GroundTruth | None = None
     name: str = ""
     session: str = field(default="")
     yaw_rate: Floats | None = None
@@ -163,8 +163,8 @@ class Log:
                 f"steering must have shape ({len(stamps)}, steered wheels), got {steering.shape}"
             )
         truth = self.truth
-        if truth is not None and not isinstance(truth, Truth):
-            truth = Truth(stamps, truth)
+        if truth is not None and not isinstance(truth, GroundTruth):
+            truth = GroundTruth(stamps, truth)
         _freeze(self, stamps=stamps, steering=steering, wheel_angles=angles, truth=truth)
         if not isinstance(self.options, Mapping):
             raise ArgumentTypeError(f"options must be a mapping, got {self.options!r}")
@@ -183,7 +183,7 @@ class Log:
         stamps: ArrayLike,
         steering: ArrayLike | None,
         increments: ArrayLike,
-        truth: Truth | ArrayLike | None = None,
+        truth: GroundTruth | ArrayLike | None = None,
         *,
         name: str = "",
         session: str = "",
@@ -192,7 +192,7 @@ class Log:
         angles = np.cumsum(np.asarray(increments, dtype=np.float64), axis=0)
         return cls(stamps, steering, angles, truth, name, session)  # type: ignore[arg-type]
 
-    def in_radians(self, rover: Rover) -> Log:
+    def in_radians(self, rover: Rover) -> WheelLog:
         """The same log as running totals and angles in radians, as `options` say how to read it.
 
         Counters that start over are followed the shorter way; speeds change evenly from row to row;
@@ -236,11 +236,11 @@ class Log:
         return f"{type(self).__name__}({self.name!r}, {len(self)} rows, {self.duration:.1f} s, {known})"
 
 
-Reference: TypeAlias = "Truth | Log | Track"
+Reference: TypeAlias = "GroundTruth | WheelLog | Track"
 
 
-def as_truth(given: object) -> Truth:
-    """What something tells as a reference: a `Truth`, the truth of a `Log`, or another track's poses.
+def as_truth(given: object) -> GroundTruth:
+    """The reference in an object: a `GroundTruth`, the truth of a `WheelLog`, or the poses of a track.
 
     Raises
     ------
@@ -249,17 +249,17 @@ def as_truth(given: object) -> Truth:
     TypeError
         If it tells no poses with their stamps.
     """
-    if isinstance(given, Log):
+    if isinstance(given, WheelLog):
         if given.truth is None:
             raise ValueError(f"truth must be known, got a log without one: {given!r}")
         return given.truth
-    if isinstance(given, Truth):
+    if isinstance(given, GroundTruth):
         return given
     try:
-        return Truth(given.stamps, given.poses)  # type: ignore[attr-defined]
+        return GroundTruth(given.stamps, given.poses)  # type: ignore[attr-defined]
     except AttributeError:
         kind = type(given).__name__
-        raise TypeError(f"truth must be a Truth, a Log with one, or a Track, got {kind}") from None
+        raise TypeError(f"truth must be a GroundTruth, a WheelLog with one, or a Track, got {kind}") from None
 
 
 def encoders_of(argument: str, given: Any, names: Sequence[str]) -> list[Encoder]:

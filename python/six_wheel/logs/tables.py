@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from six_wheel.errors import FileError
+from six_wheel.kinematics.errors import FileError
 from six_wheel.logs.columns import TIME_UNITS, Column, TableError, find_columns, is_number
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from six_wheel._core import Rover, differentiate
-from six_wheel.errors import ArgumentTypeError
+from six_wheel.kinematics.errors import ArgumentTypeError
 
 Floats = NDArray[np.float64]
 

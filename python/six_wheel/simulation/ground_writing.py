@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import RockerBogie
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.tables import FORMATS, table_format
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.simulation.ground import GroundSimulation
+from six_wheel.simulation.on_terrain import GroundSimulation
 from six_wheel.simulation.writing import BAG, BODY, POSE, WORLD, Messages, joint_columns, reckoned, record_of
 
 __all__ = ["write_ground"]
@@ -123,7 +123,7 @@ def _write_bag(run: GroundSimulation, arm: RockerBogie, path: Path) -> None:
 
 
 def _wheel_transforms(
-    turned: Log, run: GroundSimulation, arm: RockerBogie
+    turned: WheelLog, run: GroundSimulation, arm: RockerBogie
 ) -> dict[str, list[tuple[Floats, Floats]]]:
     """Place and quaternion in the body of every wheel, turned as far as it has rolled, row by row."""
     assert run.stand is not None

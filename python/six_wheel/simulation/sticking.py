@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from six_wheel._core import Controller, Limits, Noise, Rover
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
+from six_wheel.simulation.controlled import Controlled
 from six_wheel.simulation.course import Course
-from six_wheel.simulation.motion import Floats, Motion, Slip, follow_joints
+from six_wheel.simulation.planar import Floats, Motion, Slip, follow_joints
 
 __all__ = ["Controlled", "Stick", "drive_stuck"]
 
@@ -50,43 +50,6 @@ class Stick:
             known = ", ".join(rover.steering_joints) or "none"
             raise ValueError(f"stick must name a steering joint, {known}, got {self.joint!r}")
         return list(rover.steered_names).index(wheel)
-
-
-@dataclass(frozen=True, eq=False)
-class Controlled:
-    """What a controller did.
-
-    Attributes
-    ----------
-    limits : Limits
-        Those it kept.
-    times : ndarray, shape (n,)
-        Of its steps, since the first command [s].
-    values : ndarray, shape (n, 6 + 2 steered + wheels)
-        Commanded and limited twists, commanded steering angles, their rates and wheel speeds.
-    reasons : ndarray, shape (n,)
-        Bits of `Reason`.
-    joint : str or None
-        The joint that it found stuck.
-    found : float or None
-        When, since the first command [s].
-    error : float or None
-        Reading less command of that joint then [rad].
-    """
-
-    limits: Limits
-    times: Floats
-    values: Floats
-    reasons: NDArray[np.uint32]
-    joint: str | None = None
-    found: float | None = None
-    error: float | None = None
-
-    @property
-    def shares(self) -> dict[str, float]:
-        """Share of the steps, 0 to 1, of every reason there was."""
-        counts = {str(each.name): np.count_nonzero(self.reasons & each.value) for each in Reason}
-        return {name: count / len(self.reasons) for name, count in counts.items() if count}
 
 
 def drive_stuck(

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from six_wheel._core import Odometry, Rover
-from six_wheel.logs.recordings import Log
+from six_wheel.logs.mcap.rover_record import PARAMETERS, TRUTH
+from six_wheel.logs.mcap.writer import RecordWriter, libraries
+from six_wheel.logs.recordings import WheelLog
 from six_wheel.logs.writing import TableWriter, replacing
-from six_wheel.onboard.settings import text_of
-from six_wheel.records.rover_record import PARAMETERS, TRUTH
-from six_wheel.records.writer import RecordWriter, libraries
+from six_wheel.robot_description.parameters.writing import text_of
 
 Floats = NDArray[np.float64]
 
@@ -21,12 +21,12 @@ BAG = ".mcap"
 WORLD, BODY = "map", "base_link"
 
 
-def write_log(log: Log, rover: Rover, path: str | Path) -> None:
+def write_log(log: WheelLog, rover: Rover, path: str | Path) -> None:
     """Write a log: .csv or .parquet, its truth in columns x, y and yaw; or .mcap, for viewers.
 
     Parameters
     ----------
-    log : Log
+    log : WheelLog
         Joints in the rover's order. The truth is written at the stamps of the log. Counts stay counts, in
         a bag too, whose messages have no units: what reads it has to know the encoders.
     rover : Rover
@@ -69,7 +69,7 @@ def write_log(log: Log, rover: Rover, path: str | Path) -> None:
 POSE = (("x", "m"), ("y", "m"), ("yaw", "rad"))
 
 
-def joint_columns(log: Log, rover: Rover) -> dict[str, Floats]:
+def joint_columns(log: WheelLog, rover: Rover) -> dict[str, Floats]:
     """Readings by the names of the joints; without wheels that have none."""
     columns = {}
     for joint, wheel in rover.steering_joints.items():
@@ -82,7 +82,7 @@ def joint_columns(log: Log, rover: Rover) -> dict[str, Floats]:
     return columns
 
 
-def _write_bag(log: Log, rover: Rover, path: Path) -> None:
+def _write_bag(log: WheelLog, rover: Rover, path: Path) -> None:
     columns = joint_columns(log, rover)
     rows = np.stack(list(columns.values()), axis=-1)
     with replacing(path) as place, record_of(place, rover) as writer:
@@ -111,7 +111,7 @@ def upright(yaw: float) -> Floats:
     return np.array((0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
 
 
-def reckoned(log: Log, rover: Rover) -> list[tuple[Floats, Floats, Floats, Floats]]:
+def reckoned(log: WheelLog, rover: Rover) -> list[tuple[Floats, Floats, Floats, Floats]]:
     """What odometry makes of the readings from the first true pose on: pose, twist and their covariances
     (6, 6), row by row."""
     odometry = Odometry(rover, **log.options)

@@ -1,4 +1,4 @@
-//! How batches are worked through: the options `threads=` and `kernel=`, and the default of the former.
+//! How batches are worked through: the options `threads=` and `level=`, and the default of the former.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,18 +14,18 @@ const BATCH: usize = 8;
 static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 
 /// What a call of so many rows is to be worked through with.
-pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
-    let workers = any_workers(threads, kernel)?;
-    Ok(match kernel {
+pub fn workers(rows: usize, threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
+    let workers = any_workers(threads, level)?;
+    Ok(match level {
         None if rows < BATCH => Workers { level: Level::Plain, ..workers },
         _ => workers,
     })
 }
 
 /// The same where there are kernels for any number of rows.
-pub fn any_workers(threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
+pub fn any_workers(threads: Option<i64>, level: Option<&str>) -> PyResult<Workers> {
     let threads = threads.map_or_else(|| Ok(DEFAULT_THREADS.load(Ordering::Relaxed)), count)?;
-    let level = match kernel {
+    let level = match level {
         Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
         None => Level::best(),
     };
@@ -37,14 +37,14 @@ fn count(threads: i64) -> PyResult<usize> {
     positive.ok_or_else(|| refuse("threads", "be at least 1", &threads.to_string()))
 }
 
-/// Kernels this machine has, the best last: what `kernel=` takes.
+/// SIMD levels this machine has, the best last: what `level=` takes.
 ///
 /// Returns
 /// -------
 /// list of str
-///     Some of ``"plain"`` (row by row), ``"neon"``, ``"avx2"`` and ``"avx512"``.
+///     Some of ``"scalar"`` (row by row), ``"neon"``, ``"avx2"`` and ``"avx512"``.
 #[pyfunction]
-pub fn kernels() -> Vec<&'static str> {
+pub fn simd_levels() -> Vec<&'static str> {
     Level::available().into_iter().map(Level::name).collect()
 }
 

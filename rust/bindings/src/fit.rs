@@ -1,4 +1,4 @@
-//! `six_wheel.Fit`, a twist with everything the wheels say about it, and `Rover.fit`.
+//! `six_wheel.TwistFit`, a twist with everything the wheels say about it, and `Rover.fit`.
 
 use std::str::FromStr;
 
@@ -14,7 +14,7 @@ use crate::kinematics::unseen;
 use crate::rover::Rover;
 
 /// Twist fitted to the readings of all wheels, with what speaks for and against it.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "TwistFit")]
 pub struct Fit {
     /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
     #[pyo3(get)]
@@ -40,7 +40,7 @@ impl Fit {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
-            "Fit(twist={}, residual={}, rank={}, sigma_min={}, weights={}, worst_wheel={})",
+            "TwistFit(twist={}, residual={}, rank={}, sigma_min={}, weights={}, worst_wheel={})",
             text(&self.twist)?,
             text(&self.residual)?,
             text(&self.rank)?,
@@ -102,7 +102,7 @@ impl Rover {
     ///
     /// Returns
     /// -------
-    /// Fit
+    /// TwistFit
     ///     `twist`, `residual` [m/s], `rank`, `sigma_min`, `weights`, `worst_wheel`.
     ///
     /// Raises

@@ -37,8 +37,8 @@ pub use course::Course;
 ///     float32 for a result of single precision, default float64; it is computed in double precision.
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-/// kernel : str, optional
-///     One of `kernels()`, default the best.
+/// level : str, optional
+///     One of `simd_levels()`, default the best.
 ///
 /// Returns
 /// -------
@@ -53,8 +53,8 @@ pub use course::Course;
 /// Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, ch. 2.
 #[pyfunction]
 #[pyo3(
-    signature = (twists, dt, start=None, *, out=None, dtype=None, threads=None, kernel=None),
-    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, kernel=None)"
+    signature = (twists, dt, start=None, *, out=None, dtype=None, threads=None, level=None),
+    text_signature = "(twists, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, threads=None, level=None)"
 )]
 #[allow(clippy::too_many_arguments)] // they are keywords
 pub fn integrate<'py>(
@@ -65,11 +65,11 @@ pub fn integrate<'py>(
     out: Option<&Bound<'py, PyAny>>,
     dtype: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-    #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+    #[pyo3(from_py_with = given::level)] level: Option<&str>,
 ) -> PyResult<AnyArray<'py>> {
     let twists = Blocks::read("twists", twists, 3)?;
     let course = Course::read("twists", twists, dt, start)?;
-    poses_along(py, &course, (out, dtype), (threads, kernel))
+    poses_along(py, &course, (out, dtype), (threads, level))
 }
 
 /// Poses of a sampling planner's rollouts: `integrate` for many short logs that start from one pose.
@@ -99,8 +99,8 @@ pub fn integrate<'py>(
 ///     How long it goes on as it does before a control has an effect [s].
 /// threads : int, optional
 ///     Threads at most, default `default_threads()`: logs are shared out among them. No result depends on it.
-/// kernel : str, optional
-///     One of `kernels()`, default the best.
+/// level : str, optional
+///     One of `simd_levels()`, default the best.
 ///
 /// Returns
 /// -------
@@ -113,8 +113,8 @@ pub fn integrate<'py>(
 ///     If a value is not finite or a duration is negative.
 #[pyfunction]
 #[pyo3(
-    signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None),
-    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, kernel=None)"
+    signature = (controls, dt, start=None, *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None),
+    text_signature = "(controls, dt, start=(0.0, 0.0, 0.0), *, out=None, dtype=None, rover=None, limits=None, twist=None, steering=None, delay=0.0, threads=None, level=None)"
 )]
 #[allow(clippy::too_many_arguments)] // they are keywords
 pub fn rollout<'py>(
@@ -130,7 +130,7 @@ pub fn rollout<'py>(
     steering: Option<&Bound<'py, PyAny>>,
     #[pyo3(from_py_with = given::delay)] delay: f64,
     #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-    #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+    #[pyo3(from_py_with = given::level)] level: Option<&str>,
 ) -> PyResult<AnyArray<'py>> {
     let course = Course::read_controls(controls, dt, start)?;
     let Some(rover) = rover else {
@@ -143,7 +143,7 @@ pub fn rollout<'py>(
         if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
             return Err(refuse(name, "come with a rover", "none"));
         }
-        return poses_along(py, &course, (out, dtype), (threads, kernel));
+        return poses_along(py, &course, (out, dtype), (threads, level));
     };
     let dt = number("dt", dt)?;
     let twist = Rows::read_beside("twist", twist, 3, &[])?;
@@ -158,7 +158,7 @@ pub fn rollout<'py>(
         }
     };
     let mut poses = course.poses(py, "out", out, Precision::read(py, dtype, out)?)?;
-    let workers = any_workers(threads, kernel)?;
+    let workers = any_workers(threads, level)?;
     let present = Present {
         twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),
         steering: steering.as_ref().map(Rows::flat),
@@ -179,12 +179,12 @@ fn poses_along<'py>(
     py: Python<'py>,
     course: &Course<'py>,
     (out, dtype): (Option<&Bound<'py, PyAny>>, Option<&Bound<'py, PyAny>>),
-    (threads, kernel): (Option<i64>, Option<&str>),
+    (threads, level): (Option<i64>, Option<&str>),
 ) -> PyResult<AnyArray<'py>> {
     let precision = Precision::read(py, dtype, out)?;
     let mut poses = course.poses(py, "out", out, precision)?;
     let rows = course.twists.count();
-    let workers = Workers { fresh: poses.is_unseen(), ..workers(rows, threads, kernel)? };
+    let workers = Workers { fresh: poses.is_unseen(), ..workers(rows, threads, level)? };
     let (twists, steps, starts) = (course.twists.table(), course.durations(), course.starts());
     let (count, target) = (course.count, poses.triples());
     compute(py, rows, || batch::integrate(twists, count, steps, starts, target, workers))

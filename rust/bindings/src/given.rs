@@ -39,7 +39,7 @@ macro_rules! named {
 
 named! {
     align align_tolerance allow_underdetermined arm belly castor correlation costmap covariances cover delay
-    derivatives discretise driven errors false_alarm following_error following_time frame front gravity ground gyroscope history in_space inflate kernel
+    derivatives discretise driven errors false_alarm following_error following_time frame front gravity ground gyroscope history in_space inflate level
     lift_angle lift_speed limits map_error mass max_step method mode name noise other period readings rear residuals
     roughness rover shape slips smoothing spacing stand steer steered synchronise temperature threads timeout unmeasured view
     wheels_per_side within
@@ -247,5 +247,5 @@ kinds! {
     Limits, "Limits", value => made("Limits", "speed", value);
     Costmap, "a Costmap", _ => "sw.Costmap(costs, spacing=...)".into();
     Preintegrated, "a Preintegrated", _ => String::new();
-    Stand, "a Stand", _ => "what settle(...) has returned".into();
+    Stand, "a SettledPose", _ => "what settle(...) has returned".into();
 }

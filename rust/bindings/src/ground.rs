@@ -1,4 +1,4 @@
-//! `Suspension.settle` and `six_wheel.Stand`: chains on ground.
+//! `Suspension.settle` and `six_wheel.SettledPose`: chains on ground.
 
 mod quick;
 mod stand;
@@ -54,12 +54,12 @@ impl Suspension {
     ///     In the body [m]; default the mean of the wheel centres, on a rocker-bogie at the height of the rocker axis.
     /// threads : int, optional
     ///     How many threads work at most; default `default_threads()`. Results do not depend on it.
-    /// kernel : str, optional
-    ///     One of `kernels()`; default the best. Results differ by rounding.
+    /// level : str, optional
+    ///     One of `simd_levels()`; default the best. Results differ by rounding.
     ///
     /// Returns
     /// -------
-    /// Stand
+    /// SettledPose
     ///     With a status for every pose; numbers are NaN where it does not stand.
     ///
     /// Raises
@@ -69,7 +69,7 @@ impl Suspension {
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
     /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
-    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, kernel=None))]
+    #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn settle(
         slf: &Bound<'_, Self>,
@@ -80,7 +80,7 @@ impl Suspension {
         #[pyo3(from_py_with = given::derivatives)] derivatives: bool,
         centre_of_mass: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<Stand> {
         let chain = &slf.get().chain;
         let poses = Rows::read("poses", poses, 3)?;
@@ -92,7 +92,7 @@ impl Suspension {
             centre.check_finite("centre_of_mass")?;
             settler.balance = centre.triples()[0].into();
         }
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         settler.level = workers.level;
         let rows = poses.triples();
         let nothing = ground::Stand::nothing(Status::NotConverged);

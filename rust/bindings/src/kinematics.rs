@@ -151,8 +151,8 @@ impl Rover {
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-    /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
     ///
     /// Returns
     /// -------
@@ -171,8 +171,8 @@ impl Rover {
     ///
     /// Source: R. Siegwart, I. Nourbakhsh, D. Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed., ch. 3.
     #[pyo3(
-        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None),
-        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None)"
+        signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None),
+        text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, level=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     pub fn inverse<'py>(
@@ -187,7 +187,7 @@ impl Rover {
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
@@ -234,7 +234,7 @@ impl Rover {
             previous_speeds: rolling.as_ref().map(Blocks::table),
             steering_rates: rates.as_ref().map(Blocks::table),
         };
-        let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, kernel)? };
+        let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, level)? };
         let (angles, rotations) = (steering.flat(), speeds.flat());
         compute(py, count, || batch::inverse(&self.core, rows, beside, angles, rotations, workers))
             .map_err(|error| raise(error, &leading))?;
@@ -259,9 +259,9 @@ impl Rover {
     ///     float32 for results of single precision, default float64; they are computed in double precision.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`; under 20000 rows it is one. No result depends on it.
-    /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
-    ///     wheels' rows: the largest singular value over `Fit.sigma_min`.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14, times the condition number of the
+    ///     wheels' rows: the largest singular value over `TwistFit.sigma_min`.
     ///
     /// Returns
     /// -------
@@ -274,7 +274,7 @@ impl Rover {
     ///     If the wheels do not determine the twist.
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
-    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, kernel=None))]
+    #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
@@ -286,7 +286,7 @@ impl Rover {
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<AnyArray<'py>> {
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
@@ -294,7 +294,7 @@ impl Rover {
         let fresh = twists.is_unseen();
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
-        let workers = Workers { fresh, ..any_workers(threads, kernel)? };
+        let workers = Workers { fresh, ..any_workers(threads, level)? };
         compute(py, target.len(), || batch::forward(&self.core, tables, unseen, target, workers))
             .map_err(|error| raise(error, leading))?;
         twists.finish_any()

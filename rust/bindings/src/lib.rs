@@ -96,7 +96,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     controller::install(module.py())?;
     module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
-    module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::simd_levels, module)?)?;
     module.add_function(wrap_pyfunction!(batch::default_threads, module)?)?;
     module.add_function(wrap_pyfunction!(batch::set_default_threads, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;

@@ -170,8 +170,8 @@ impl Mppi {
     ///     Arrays for the plan's `steering` and `speeds`.
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`.
-    /// kernel : str, optional
-    ///     One of `kernels()`, default the best.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best.
     ///
     /// Returns
     /// -------
@@ -184,8 +184,8 @@ impl Mppi {
     ///     If a value is not finite, a shape does not fit, there is nowhere to go, the rover is not on the map, or no
     ///     rollout is left possible. The planner stays as it was, and nothing is written.
     #[pyo3(
-        signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None),
-        text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None)"
+        signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None),
+        text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, level=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn step<'py>(
@@ -202,7 +202,7 @@ impl Mppi {
         #[pyo3(from_py_with = given::frame)] frame: Option<&str>,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<MppiPlan> {
         if !more.is_empty() {
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
@@ -218,7 +218,7 @@ impl Mppi {
         let map = costmap.as_ref().map(|map| &map.get().core);
         check_frame(costmap.as_ref(), frame.or(seen.frame.as_deref()))?;
         let mut outputs = self.outputs(py, out)?;
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let situation = Situation {
             pose: pose.triples()[0],
             twist: twist.as_ref().map_or([0.0; 3], |rows| rows.triples()[0]),

@@ -1,4 +1,4 @@
-//! `six_wheel.profiles`: profiles of values, and the transitions of a rover built on them.
+//! `six_wheel.kinematics.profiles`: profiles of values, and the transitions of a rover built on them.
 
 mod arguments;
 mod made;
@@ -18,9 +18,9 @@ pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 
 /// The course of one value or of several over time, with three derivatives.
 ///
-/// Made by `linear`, `trapezoid`, `s_curve` and `time_optimal` of `six_wheel.profiles`. Immutable, hashable,
+/// Made by `linear`, `trapezoid`, `s_curve` and `time_optimal` of `six_wheel.kinematics.profiles`. Immutable, hashable,
 /// comparable, picklable.
-#[pyclass(frozen, module = "six_wheel.profiles")]
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
 pub struct Profile {
     core: core::Profile,
     /// Whether it has an axis of values, or is one number.

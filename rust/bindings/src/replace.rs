@@ -16,7 +16,7 @@ use crate::wheel::Wheel;
 
 /// The value with some arguments of the call that makes it given anew: by that call, which `__reduce__` has.
 pub fn replaced<'py>(value: &Bound<'py, PyAny>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-    let module = value.py().import("six_wheel.rebuild")?;
+    let module = value.py().import("six_wheel.kinematics.rover_edit")?;
     module.call_method(intern!(value.py(), "replace"), (value,), changes)
 }
 

@@ -39,8 +39,8 @@ impl Rover {
     /// threads : int, optional
     ///     Threads at most, default `default_threads()`: rollouts are shared out among them. No result depends on
     ///     it.
-    /// kernel : str, optional
-    ///     One of `kernels()`, default the best: they agree to 5 ulp or 1e-14.
+    /// level : str, optional
+    ///     One of `simd_levels()`, default the best: they agree to 5 ulp or 1e-14.
     ///
     /// Returns
     /// -------
@@ -57,8 +57,8 @@ impl Rover {
     ///
     /// Source: G. Williams et al., Information-theoretic model predictive control, IEEE T-RO 34(6), 2018.
     #[pyo3(
-        signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, kernel=None),
-        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, kernel=None)"
+        signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, level=None),
+        text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, level=None)"
     )]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn rollout_cost<'py>(
@@ -71,7 +71,7 @@ impl Rover {
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
@@ -93,7 +93,7 @@ impl Rover {
             scrub: scrub.flat(),
         };
         let rows = course.twists.count();
-        let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, kernel)? };
+        let workers = Workers { fresh: out.is_none(), ..workers(rows, threads, level)? };
         let (controls, steps, starts) = (course.twists.table(), course.durations(), course.starts());
         let (count, target) = (course.count, poses.triples());
         let previous = previous.as_ref().map(Rows::flat);
@@ -113,7 +113,7 @@ impl Rover {
 fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     static RESULT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let class = RESULT.get_or_try_init(py, || {
-        let module = py.import("six_wheel.rollouts")?;
+        let module = py.import("six_wheel.kinematics.rollout_cost")?;
         module.getattr("RolloutCost").map(Bound::unbind)
     })?;
     class.bind(py).call1(arrays)

@@ -170,7 +170,7 @@ pub fn unit_questions(rover: &Rover) -> Vec<(&'static str, String, String)> {
     listed(units::dimensions(&rover.core))
 }
 
-/// What is odd about settings of `Limits`, `Noise` or `StandLimits`, a dict by name: as [`unit_questions`].
+/// What is odd about settings of `Limits`, `Noise` or `FeasibilityLimits`, a dict by name: as [`unit_questions`].
 #[pyfunction]
 pub fn setting_questions(settings: &Bound<'_, PyDict>) -> Vec<(&'static str, String, String)> {
     listed(odd_settings(settings))
@@ -294,7 +294,7 @@ impl Rover {
     ///     If a wheel is none that a URDF can hold: with rollers.
     #[pyo3(signature = (name="rover"))]
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
-        let module = slf.py().import("six_wheel.urdf")?;
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("rover_urdf", (slf, name))?.extract()
     }
 
@@ -329,7 +329,7 @@ impl Rover {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let changes = changes.cloned().unwrap_or_else(|| PyDict::new(py));
-        py.import("six_wheel.rebuild")?.call_method1("replace_in_rover", (slf, wheel, changes))
+        py.import("six_wheel.kinematics.rover_edit")?.call_method1("replace_in_rover", (slf, wheel, changes))
     }
 
     /// `replace`, for `copy.replace`.

@@ -1,4 +1,4 @@
-//! `six_wheel.Sensitivity`, the derivatives of an estimated twist, and `Rover.sensitivity`.
+//! `six_wheel.TwistJacobian`, the derivatives of an estimated twist, and `Rover.sensitivity`.
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -32,7 +32,7 @@ const NAMES: [(&str, Quantity); 12] = [
 /// A twist with its derivatives: rows ``vx, vy, omega``, one column per wheel or steered wheel.
 ///
 /// What was not asked for is None.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "TwistJacobian")]
 #[derive(Default)]
 pub struct Sensitivity {
     twist: Option<Py<PyAny>>,
@@ -128,7 +128,7 @@ impl Sensitivity {
 
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
-        format!("Sensitivity(of the twist by {})", names.join(", "))
+        format!("TwistJacobian(of the twist by {})", names.join(", "))
     }
 }
 
@@ -175,7 +175,7 @@ impl Rover {
     ///
     /// Returns
     /// -------
-    /// Sensitivity
+    /// TwistJacobian
     ///     `twist` (..., 3) and one array (..., 3, wheels or steered wheels) per quantity.
     ///
     /// Raises

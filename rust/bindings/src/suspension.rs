@@ -343,7 +343,7 @@ impl RockerBogie {
     ///     Rockers, bogies, steering and wheels as links and joints; the base link is the rover's frame R.
     #[pyo3(signature = (name="rover"))]
     fn urdf(slf: &Bound<'_, Self>, name: &str) -> PyResult<String> {
-        let module = slf.py().import("six_wheel.urdf")?;
+        let module = slf.py().import("six_wheel.robot_description.urdf")?;
         module.call_method1("suspension_urdf", (slf, name))?.extract()
     }
 

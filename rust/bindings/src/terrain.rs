@@ -188,7 +188,7 @@ impl Terrain {
         for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
             options.set_item(name, value)?;
         }
-        let module = path.py().import("six_wheel.terrain")?;
+        let module = path.py().import("six_wheel.maps")?;
         module.call_method("read", (path,), Some(&options))
     }
 
@@ -240,7 +240,7 @@ impl Terrain {
                 options.set_item(name, value)?;
             }
         }
-        py.import("six_wheel.terrain")?.call_method("yard", (), Some(&options))
+        py.import("six_wheel.maps")?.call_method("yard", (), Some(&options))
     }
 
     /// The heights [m], shape (rows, columns), as a fresh array.

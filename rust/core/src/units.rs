@@ -66,7 +66,7 @@ pub struct Question {
     pub likely: String,
 }
 
-/// Settings that have a plausible range, by the names that `Limits`, `Noise` and `StandLimits` have for them.
+/// Settings that have a plausible range, by the names that `Limits`, `Noise` and `FeasibilityLimits` have for them.
 const SETTINGS: [(&str, Quantity); 9] = [
     ("steering_limit", Quantity::SteeringAngle),
     ("steering_rate", Quantity::Rate),

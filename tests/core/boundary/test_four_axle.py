@@ -133,7 +133,7 @@ def test_bad_states_steps_and_paces(car):
 
 def test_the_picture_shows_both_pairs_and_every_place_of_action(car):
     pytest.importorskip("matplotlib")
-    from six_wheel.plot.four_axle import four_axle_figure
+    from six_wheel.plotting.four_axle import four_axle_figure
 
     ahead = car.drive(STRAIGHT, 0.5, 4.0)
     plan = car.turn_sequence(ahead.end, 0.7)

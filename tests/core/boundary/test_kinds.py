@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.simulation.motion import Slip
+from six_wheel.simulation.planar import Slip
 
 ROVER = sw.Rover.preset("perseverance")
 ARM = sw.RockerBogie.perseverance()
@@ -58,11 +58,11 @@ WRONG = {
     ),
     "its stand": (
         lambda: ARM.stability(5, mass=1.0),
-        "stand must be a Stand, got 5: give what settle(...) has returned",
+        "stand must be a SettledPose, got 5: give what settle(...) has returned",
     ),
     "a stand": (
         lambda: ARM.inverse(5, (0.1, 0)),
-        "stand must be a Stand, got 5: give what settle(...) has returned",
+        "stand must be a SettledPose, got 5: give what settle(...) has returned",
     ),
     "a number": (lambda: ARM.stability(STAND, mass="1"), "mass must be a number, got '1'"),
     "a time": (lambda: sw.Controller(ROVER, timeout="0.5"), "timeout must be a number, got '0.5'"),
@@ -78,7 +78,7 @@ WRONG = {
         lambda: ROVER.inverse(np.zeros((9, 3)), threads=True),
         "threads must be a whole number, got True",
     ),
-    "kernel": (lambda: ROVER.inverse(np.zeros((9, 3)), kernel=5), "kernel must be a str, got 5"),
+    "level": (lambda: ROVER.inverse(np.zeros((9, 3)), level=5), "level must be a str, got 5"),
     "a name": (lambda: sw.Rover.preset(5), "name must be a str, got 5"),
     "a method": (lambda: ROVER.fit([0] * 4, [0] * 6, method=5), "method must be a str, got 5"),
     "belly": (lambda: ARM.bounds(GROUND, (9, 9, 0), belly=3), "belly must be four numbers, got 3"),

@@ -31,11 +31,14 @@ BOUNDS = {
     "Noise(yaw_rate)": (EIGHT, lambda value: sw.Noise(yaw_rate=value)),
     "Noise.replace": (0.5, lambda value: sw.Noise().replace(steering=value)),
     **{
-        f"StandLimits({name})": (QUARTER, lambda value, name=name: sw.StandLimits(**{name: value}))
+        f"FeasibilityLimits({name})": (
+            QUARTER,
+            lambda value, name=name: sw.FeasibilityLimits(**{name: value}),
+        )
         for name in ("roll", "pitch", "tilt", "rocker", "bogie")
     },
-    "StandLimits, by place": (QUARTER, lambda value: sw.StandLimits(value)),
-    "StandLimits.replace": (QUARTER, lambda value: sw.StandLimits().replace(tilt=value)),
+    "FeasibilityLimits, by place": (QUARTER, lambda value: sw.FeasibilityLimits(value)),
+    "FeasibilityLimits.replace": (QUARTER, lambda value: sw.FeasibilityLimits().replace(tilt=value)),
     "Wheel": (math.pi, wheel),
     "Wheel, a pair": (math.pi, lambda value: wheel((-value, 0.5))),
     "Wheel.replace": (math.pi, lambda value: wheel(1.0).replace(steering_limit=value)),
@@ -73,7 +76,7 @@ def test_without_a_limit_nothing_is_asked(value):
         wheel(value)
         sw.Rover.swerve(CORNERS, 0.1, steering_limit=value)
         six(value)
-        sw.StandLimits(tilt=math.inf)
+        sw.FeasibilityLimits(tilt=math.inf)
         sw.Limits(angular_acceleration=1e3, steering_acceleration=1e3, wheel_speed=1e3)
 
 
@@ -95,7 +98,7 @@ def test_the_line_is_the_callers_through_any_of_our_own():
 
 def test_a_file_is_warned_of_at_its_lines(tmp_path):
     pytest.importorskip("pydantic", reason="needs what reads parameter files")
-    from six_wheel.parameters import read_parameters
+    from six_wheel.robot_description.parameters import read_parameters
 
     path = tmp_path / "rover.yaml"
     lines = [

@@ -12,7 +12,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel import profiles
-from six_wheel.four_axle import FourAxleState, FourAxleStep
+from six_wheel.kinematics.four_axle import FourAxleState, FourAxleStep
 
 ARM = sw.RockerBogie.rocky7()
 SIX = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 0.15, steering_limit=1.2)
@@ -75,8 +75,8 @@ VALUES = {
             "frame": "odom",
         },
     ),
-    sw.StandLimits: (
-        sw.StandLimits(),
+    sw.FeasibilityLimits: (
+        sw.FeasibilityLimits(),
         {
             "roll": 0.1, "pitch": 0.2, "tilt": 0.3, "rocker": 0.4, "bogie": 0.5, "clearance": 0.6,
             "wheel_drop": 0.7,

@@ -16,7 +16,7 @@ CALLS = {
     "inverse, broadcast": "ROVER.inverse(HUGE(10**12, 3))",
     "inverse, centre": "ROVER.inverse((0.1, 0.0, 0.0), centre=HUGE(10**12, 2))",
     "inverse, previous": "ROVER.inverse((0.1, 0.0, 0.0), previous=HUGE(10**12, 4))",
-    "inverse, float32": "ROVER.inverse(np.zeros((6 * 10**7, 3), np.float32), kernel='plain')",
+    "inverse, float32": "ROVER.inverse(np.zeros((6 * 10**7, 3), np.float32), level='scalar')",
     "forward": "ROVER.forward(HUGE(10**12, 4), HUGE(10**12, 6))",
     "fit": "ROVER.fit(HUGE(10**12, 4), HUGE(10**12, 6))",
     "fit, names": "ROVER.fit([0.0] * 4, HUGE(3 * 10**7, 6))",

@@ -7,7 +7,7 @@ import pytest
 
 import six_wheel as sw
 from six_wheel import reference
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
 from tests.limits import only
 
 ROVER = sw.Rover.preset("perseverance")
@@ -221,8 +221,8 @@ def test_the_reference_shares_rows_alike():
         # Headings that count as the same are those of the first wheel.
         atol = 1e-12 + (2 * heading if 0.0 < heading < 2e-9 else 0.0)
         np.testing.assert_allclose(rover.forward(None, speeds), plain.forward(None, speeds), atol=atol)
-        for kernel in sw.kernels():
-            many = rover.forward(None, np.tile(speeds, (9, 1)), kernel=kernel)
+        for kernel in sw.simd_levels():
+            many = rover.forward(None, np.tile(speeds, (9, 1)), level=kernel)
             np.testing.assert_allclose(many[4], rover.forward(None, speeds), atol=1e-12)
 
 
@@ -255,14 +255,14 @@ def test_kernels_agree_as_the_condition_allows():
             ]
         )
         steering, speeds = generator.normal(size=(200, 1)), generator.normal(size=(200, 3)) * 10
-        plain = rover.forward(steering, speeds, kernel="plain")
+        plain = rover.forward(steering, speeds, level="scalar")
         fit = rover.fit(steering, speeds)
         largest = math.sqrt(2 * 3 * (1.0 + 2.0))  # of six rows no longer than that
         condition = largest / fit.sigma_min
         scale = np.abs(speeds).max(axis=1) * 0.1 * 3
         allowed = np.maximum(5 * np.spacing(scale), 1e-14) * condition
-        for kernel in sw.kernels():
-            found = rover.forward(steering, speeds, kernel=kernel)
+        for kernel in sw.simd_levels():
+            found = rover.forward(steering, speeds, level=kernel)
             assert (np.abs(found - plain).max(axis=1) <= allowed).all()
 
 

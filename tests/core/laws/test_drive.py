@@ -1,4 +1,4 @@
-"""Laws of a drive whose command changes at every step: it starts, it makes its way, and what it does not do it says.
+"""Laws of a drive whose command changes at every step: it starts, makes its way, and gives its reasons.
 
 Before, a rover at rest stayed there for ever if each command differed from the one before, be it by 1e-8.
 """
@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import six_wheel as sw
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
 
 SWERVE = [[0.3, 0.25], [0.3, -0.25], [-0.3, 0.25], [-0.3, -0.25]]
 CAR = {"wheelbase": 0.6, "track_width": 0.4, "wheel_radius": 0.1}
@@ -58,7 +58,7 @@ KINDS = ["noise1e-10", "noise1e-8", "noise1e-4", "noise0.01", "noise0.1", "ramp"
 
 
 def earliest(rover: sw.Rover, limits: dict[str, float], twists: np.ndarray, times: np.ndarray) -> float:
-    """First time [s] at which joints driven from 0 at their limits could be where the command of then needs them."""
+    """First time [s] at which joints driven from 0 at their limits could be where that time's command wants them."""
     angles, _ = rover.inverse(twists, previous=np.zeros(len(rover.steered_names)))
     far = np.max(np.abs(angles), axis=1)
     rate, change = limits["steering_rate"], limits.get("steering_acceleration", math.inf)
@@ -143,7 +143,7 @@ def test_no_rover_rests_longer_than_its_joints_take(
 
 
 def test_a_goal_that_moves_slower_than_the_joints_is_met():
-    """Steering that is asked for at 0.5 and 0.9 of the joints' rate, from 0.5 rad ahead; at 1.1 there is no promise."""
+    """Steering asked for at 0.5 and 0.9 of the joints' rate, 0.3 rad ahead; faster ones have no promise."""
     rover = sw.Rover.ackermann(**CAR, steering_limit=1.5)
     for share in (0.5, 0.9):
         controller = sw.Controller(rover, sw.Limits(acceleration=0.5, steering_rate=0.2), timeout=None)
@@ -152,7 +152,8 @@ def test_a_goal_that_moves_slower_than_the_joints_is_met():
         twists = np.stack([0.3 * np.cos(angle), 0 * times, 0.3 * np.sin(angle) / 0.6], axis=1)
         run = controller.run(times, twists, times)
         moving = np.nonzero(np.any(run.twist, axis=1))[0]
-        assert moving.size and times[moving[0]] <= 1.1 * 0.3 / (0.2 * (1 - share)) + 0.25 + 0.03
+        assert moving.size
+        assert times[moving[0]] <= 1.1 * 0.3 / (0.2 * (1 - share)) + 0.25 + 0.03
 
 
 @pytest.mark.parametrize(("step", "stops"), [(0.29, False), (0.31, True)])
@@ -166,7 +167,8 @@ def test_goals_on_both_sides_of_what_counts_as_near(step, stops):
     controller = sw.Controller(rover, sw.Limits(steering_rate=1.0, acceleration=0.5), timeout=None)
     times = np.arange(0.0, 4.0, 0.01)
     controller.run([0.0, 2.0], [twist(0.2), (0.0, 0.0, 0.0)], times)
-    assert controller.stopped and controller.steering[0] == pytest.approx(0.2)
+    assert controller.stopped
+    assert controller.steering[0] == pytest.approx(0.2)
     controller.command(twist(0.2 + step), 4.0)
     first, second = controller.step(4.01), controller.step(4.02)
     assert bool(second.twist[0] == 0.0) == stops

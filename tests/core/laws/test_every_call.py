@@ -5,7 +5,7 @@ from types import ModuleType
 
 import pytest
 
-from six_wheel import benchmark
+from six_wheel.cli import benchmark
 
 BENCHES = Path(__file__).parents[3] / "benches"
 

@@ -115,9 +115,9 @@ def test_the_same_stamp_twice_moves_nothing():
     np.testing.assert_array_equal(sw.integrate(twists, 0.0), np.zeros((4, 3)))
     many = np.tile(twists, (1000, 1))  # side by side, and over threads
     steps = np.tile([0.1, 0.0, 0.2], 1000)
-    for kernel in sw.kernels():
+    for kernel in sw.simd_levels():
         np.testing.assert_allclose(
-            sw.integrate(many, steps, kernel=kernel), sw.reference.integrate(many, steps), rtol=0, atol=1e-9
+            sw.integrate(many, steps, level=kernel), sw.reference.integrate(many, steps), rtol=0, atol=1e-9
         )
 
 

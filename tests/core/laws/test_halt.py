@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import six_wheel as sw
-from six_wheel.controller import Reason
+from six_wheel.kinematics.controller import Reason
 
 OSR = sw.Rover.preset("open_source_rover")
 LIMITS = sw.Limits(speed=1.0, acceleration=0.5, steering_rate=1.0, halt_deceleration=2.0)
@@ -57,7 +57,8 @@ def test_a_stuck_joint_is_named_in_time_and_not_pressed_against(align):
             assert out.worst_joint in out.commands
     assert told - beyond == pytest.approx(0.5, abs=3 * DT)
     assert out.reasons == Reason.HALTED | Reason.JOINT_STUCK
-    assert robot.controller.halted and robot.controller.stopped
+    assert robot.controller.halted
+    assert robot.controller.stopped
     assert out.steering[1] == 0.0
     assert not np.any(out.speeds)
 

@@ -43,9 +43,12 @@ def test_a_rover_keeps_the_order_it_was_given():
 
 
 def test_flags_print_their_names():
-    assert str(sw.Health(0)) == "GOOD"
-    assert str(sw.Health.LEFT_OUT) == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
-    assert f"{sw.Health.DUPLICATE:>12}|{sw.Health.DUPLICATE:d}" == "   DUPLICATE|32"
+    assert str(sw.OdometryHealth(0)) == "GOOD"
+    assert (
+        str(sw.OdometryHealth.LEFT_OUT)
+        == "NOT_FINITE|DUPLICATE|BACKWARDS|JUMP|UNDETERMINED|OVERTURNED|OFF_GROUND"
+    )
+    assert f"{sw.OdometryHealth.DUPLICATE:>12}|{sw.OdometryHealth.DUPLICATE:d}" == "   DUPLICATE|32"
 
 
 def test_reasons_have_texts_of_their_own():

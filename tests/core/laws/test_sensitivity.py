@@ -117,7 +117,7 @@ def test_only_what_is_asked_for():
     found = ROVERS["differential"].sensitivity(None, [1.0, 2.0], quantities=["radius", "y"])
     assert found.radius.shape == found.y.shape == (3, 2)
     assert found.x is None
-    assert repr(found) == "Sensitivity(of the twist by radius, y)"
+    assert repr(found) == "TwistJacobian(of the twist by radius, y)"
     with pytest.raises(ValueError, match="quantities must name some of speeds, .*, got 'size'"):
         ROVERS["differential"].sensitivity(None, [1.0, 2.0], quantities=["size"])
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import six_wheel as sw
 from six_wheel import RockerBogie  # noqa: F401  (the name that a repr refers to)
-from six_wheel.reference import suspension as reference
+from six_wheel.reference.ground import suspension as reference
 
 ROCKY = sw.RockerBogie.rocky7()
 PRESETS = {name: getattr(sw.RockerBogie, name)() for name in ("rocky7", "perseverance", "curiosity")}
@@ -155,7 +155,7 @@ def test_steering_is_the_wheel_equation_of_the_planar_rover(arm, rho, beta, spee
     rover, offset = arm.planar(rho, beta), arm.icr_offset(rho, beta)
     twist = (speed, yaw_rate * offset, yaw_rate)
     command = arm.steer(speed, yaw_rate, rho, beta)
-    steering, speeds = rover.inverse(twist, kernel="plain")
+    steering, speeds = rover.inverse(twist, level="scalar")
     np.testing.assert_array_equal(command.steering, steering)
     np.testing.assert_array_equal(command.wheel_speeds, speeds)
     np.testing.assert_array_equal(command.turning_radius, rover.icr(twist)[1])

@@ -73,18 +73,18 @@ def compared(generator: np.random.Generator, name: str) -> Iterator[tuple[str, s
     previous = generator.normal(size=(len(twists), len(rover.steered_names)))
     controls = np.clip(random_twists(generator, BLOCK), -1e3, 1e3).reshape(-1, STEPS, 3)
     each = {
-        "inverse": (twists, lambda kernel: np.hstack(rover.inverse(twists, kernel=kernel))),
+        "inverse": (twists, lambda kernel: np.hstack(rover.inverse(twists, level=kernel))),
         "inverse, previous": (
             np.hstack([twists, previous]),
-            lambda kernel: np.hstack(rover.inverse(twists, previous=previous, kernel=kernel)),
+            lambda kernel: np.hstack(rover.inverse(twists, previous=previous, level=kernel)),
         ),
         "forward": (
             np.hstack([steering, speeds]),
-            lambda kernel: rover.forward(steering, speeds, kernel=kernel),
+            lambda kernel: rover.forward(steering, speeds, level=kernel),
         ),
         "rollout": (
             controls.reshape(-1, 3),
-            lambda kernel: sw.rollout(controls, 0.1, kernel=kernel)[:, 1:].reshape(-1, 3),
+            lambda kernel: sw.rollout(controls, 0.1, level=kernel)[:, 1:].reshape(-1, 3),
         ),
     }
     fastest = np.abs(speeds).max(axis=1, keepdims=True) * max(wheel.radius for wheel in rover.wheels)
@@ -92,7 +92,7 @@ def compared(generator: np.random.Generator, name: str) -> Iterator[tuple[str, s
     way = 0.1 * np.cumsum(np.abs(controls).max(axis=2), axis=1) * np.maximum(np.arange(1, STEPS + 1) / 5, 1.0)
     scales = {"forward": fastest * len(rover.wheels), "rollout": way.reshape(-1, 1)}
     for call, (inputs, ask) in each.items():
-        expected, scale = ask("plain"), scales.get(call, np.zeros((len(inputs), 1)))
+        expected, scale = ask("scalar"), scales.get(call, np.zeros((len(inputs), 1)))
         for kernel in KERNELS:
             found = ask(kernel)
             share = shares(found, expected, scale)

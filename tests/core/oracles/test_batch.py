@@ -16,7 +16,7 @@ from tests.strategies import any_twists, layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
 ROWS = 20_000 * SOAK
-KERNELS = [name for name in sw.kernels() if name != "plain"]
+KERNELS = [name for name in sw.simd_levels() if name != "scalar"]
 ALL_KERNELS = pytest.mark.parametrize("kernel", KERNELS)
 SIZES = [0.0, -0.0, 5e-324, 1e-310, 1e-200, 1e-120, 1e-30, 1e-9, 0.1, 1.0, 3.0, 1e9, 1e90, 1e120, 1e300]
 
@@ -99,8 +99,8 @@ def worst(found: np.ndarray, expected: np.ndarray, scale: np.ndarray | float = 0
 def test_inverse(kernel, rover):
     generator = np.random.default_rng(1)
     twists = possible(rover, np.concatenate([corners(rover), random_twists(generator, ROWS)]))
-    expected = rover.inverse(twists, kernel="plain")
-    found = rover.inverse(twists, kernel=kernel)
+    expected = rover.inverse(twists, level="scalar")
+    found = rover.inverse(twists, level=kernel)
     shares = [worst(*pair) for pair in zip(found, expected, strict=True)]
     print(f"inverse {kernel}: {len(twists)} rows, worst {max(shares):.2f} of 4 ulp or 1e-14")
     assert max(shares) <= 1.0
@@ -117,8 +117,8 @@ def test_forward(kernel, rover):
     speeds[odd] *= 10.0 ** generator.uniform(-320, 300, (odd.sum(), 1))
     steering[odd] *= 10.0 ** generator.uniform(-320, 300, (odd.sum(), 1))
     speeds[generator.random(speeds.shape) < 0.05] = 0.0
-    expected = rover.forward(steering, speeds, kernel="plain")
-    found = rover.forward(steering, speeds, kernel=kernel)
+    expected = rover.forward(steering, speeds, level="scalar")
+    found = rover.forward(steering, speeds, level=kernel)
     # What is summed may cancel: 5 ulp of the summands, not of what is left of them.
     scale = np.abs(speeds).max(axis=1, keepdims=True) * max(w.radius for w in rover.wheels)
     share = worst(found, expected, scale * wheels)
@@ -133,8 +133,8 @@ def test_integrate(kernel, dt):
     twists = random_twists(generator, ROWS)
     twists = np.where(np.abs(twists) < 1e3, twists, 1.0)
     each = np.full(ROWS, dt)
-    expected = sw.integrate(twists, dt, (1.0, -2.0, 300.0), kernel="plain")
-    found = sw.integrate(twists, each, (1.0, -2.0, 300.0), kernel=kernel)
+    expected = sw.integrate(twists, dt, (1.0, -2.0, 300.0), level="scalar")
+    found = sw.integrate(twists, each, (1.0, -2.0, 300.0), level=kernel)
     # Rounding grows with the way driven, not with the place it leads to.
     way = np.concatenate([[3.0], 3.0 + np.cumsum(np.abs(twists).max(axis=1) * dt)])
     shares = [worst(found[:, :2], expected[:, :2], way[:, None]), worst(found[:, 2], expected[:, 2], 300.0)]
@@ -146,11 +146,11 @@ def test_integrate(kernel, dt):
 @given(layouts(), st.lists(any_twists(), min_size=8, max_size=80))
 def test_inverse_of_any_layout(kernel, rover, twists):
     twists = rover.project(twists)
-    expected = rover.inverse(twists, kernel="plain")
-    found = rover.inverse(twists, kernel=kernel)
+    expected = rover.inverse(twists, level="scalar")
+    found = rover.inverse(twists, level=kernel)
     assert max(worst(*pair) for pair in zip(found, expected, strict=True)) <= 1.0
-    back = rover.forward(*expected, kernel=kernel)
-    np.testing.assert_allclose(back, rover.forward(*expected, kernel="plain"), rtol=0, atol=1e-12)
+    back = rover.forward(*expected, level=kernel)
+    np.testing.assert_allclose(back, rover.forward(*expected, level="scalar"), rtol=0, atol=1e-12)
 
 
 @ALL_KERNELS
@@ -164,9 +164,9 @@ def test_a_failed_inverse_writes_nothing_and_says_what_the_plain_core_says(kerne
     twists[row] = bad
     out = np.full((131, 4), 7.0), np.full((131, 6), 7.0)
     with pytest.raises(ValueError, match=rf"^twist\[{row}\] must") as plain:
-        rover.inverse(twists, kernel="plain")
+        rover.inverse(twists, level="scalar")
     with pytest.raises(type(plain.value)) as found:
-        rover.inverse(twists, out=out, kernel=kernel)
+        rover.inverse(twists, out=out, level=kernel)
     assert str(found.value) == str(plain.value)
     assert all((array == 7.0).all() for array in out)
 
@@ -180,7 +180,7 @@ def test_a_failed_forward_writes_nothing(kernel, value, row):
     out = np.full((131, 3), 7.0)
     rover = sw.Rover.six_wheel(0.4, 0.5, 0.5, 0.45, 150.0)
     with pytest.raises(ValueError, match=rf"^speeds\[{row}\] must be"):
-        rover.forward(steering, speeds, out=out, kernel=kernel)
+        rover.forward(steering, speeds, out=out, level=kernel)
     assert (out == 7.0).all()
 
 
@@ -190,7 +190,7 @@ def test_a_failed_rollout_writes_nothing(kernel, bad):
     controls, out = np.ones((5, 20, 3)), np.full((5, 21, 3), 7.0)
     controls[3, 11] = bad
     with pytest.raises(ValueError, match=r"^controls\[3, 11\] must"):
-        sw.rollout(controls, 10.0, out=out, kernel=kernel)
+        sw.rollout(controls, 10.0, out=out, level=kernel)
     assert (out == 7.0).all()
 
 
@@ -202,26 +202,26 @@ def test_wheels_without_encoder(kernel):
     steering, speeds = generator.normal(size=(200, joints)), generator.normal(size=(200, wheels))
     passive = [i for i, w in enumerate(rover.wheels) if not w.driven]
     speeds[50:120, passive] = math.nan
-    expected = rover.forward(steering, speeds, kernel="plain")
-    assert worst(rover.forward(steering, speeds, kernel=kernel), expected, 10.0) <= 1.0
+    expected = rover.forward(steering, speeds, level="scalar")
+    assert worst(rover.forward(steering, speeds, level=kernel), expected, 10.0) <= 1.0
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 @pytest.mark.parametrize("threads", [2, 3, 7])
 def test_threads_change_no_bit(kernel, threads):
     rover = ROVERS["perseverance"]
     twists = random_twists(np.random.default_rng(5), 25_001)
     twists[:, 1] = 0.0
     twists = twists[np.abs(twists).max(axis=1) < 1e300]
-    one = rover.inverse(twists, kernel=kernel, threads=1)
-    many = rover.inverse(twists, kernel=kernel, threads=threads)
+    one = rover.inverse(twists, level=kernel, threads=1)
+    many = rover.inverse(twists, level=kernel, threads=threads)
     for ours, theirs in zip(one, many, strict=True):
         np.testing.assert_array_equal(ours, theirs)
-    back = rover.forward(*one, kernel=kernel, threads=1)
-    np.testing.assert_array_equal(rover.forward(*one, kernel=kernel, threads=threads), back)
+    back = rover.forward(*one, level=kernel, threads=1)
+    np.testing.assert_array_equal(rover.forward(*one, level=kernel, threads=threads), back)
     controls = np.random.default_rng(6).normal(size=(400, 64, 3))
-    poses = sw.rollout(controls, 0.1, kernel=kernel, threads=1)
-    np.testing.assert_array_equal(sw.rollout(controls, 0.1, kernel=kernel, threads=threads), poses)
+    poses = sw.rollout(controls, 0.1, level=kernel, threads=1)
+    np.testing.assert_array_equal(sw.rollout(controls, 0.1, level=kernel, threads=threads), poses)
 
 
 @ALL_KERNELS
@@ -237,12 +237,12 @@ def test_what_is_too_large_for_the_caches_is_its_parts(kernel, threads):
         memory[first : first + 4 * count].reshape(count, 4),
         memory[first + 4 * count : first + 10 * count].reshape(count, 6),
     )
-    rover.inverse(twists, out=out, kernel=kernel, threads=threads)
+    rover.inverse(twists, out=out, level=kernel, threads=threads)
     assert np.isposinf(memory[:first]).all()
     assert np.isposinf(memory[first + 10 * count :]).all()
     for k in range(0, count, 100_003):
         rows = slice(k, k + 100_003)
-        parts = rover.inverse(twists[rows], kernel=kernel)
+        parts = rover.inverse(twists[rows], level=kernel)
         assert all(np.array_equal(whole[rows], part) for whole, part in zip(out, parts, strict=True))
 
 
@@ -254,23 +254,23 @@ def test_the_first_bad_row_is_named_whatever_the_threads(threads):
         ROVERS["perseverance"].inverse(twists, threads=threads)
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_rollout_is_its_logs(kernel):
     generator = np.random.default_rng(7)
     controls, starts = generator.normal(size=(5, 13, 3)), generator.normal(size=(5, 3))
-    poses = sw.rollout(controls, 0.1, starts, kernel=kernel)
+    poses = sw.rollout(controls, 0.1, starts, level=kernel)
     for k in range(5):
-        np.testing.assert_array_equal(poses[k], sw.integrate(controls[k], 0.1, starts[k], kernel=kernel))
-    same = sw.rollout(controls, np.full(13, 0.1), starts[0], kernel=kernel)
+        np.testing.assert_array_equal(poses[k], sw.integrate(controls[k], 0.1, starts[k], level=kernel))
+    same = sw.rollout(controls, np.full(13, 0.1), starts[0], level=kernel)
     np.testing.assert_array_equal(same[0], poses[0])
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_long_closed_circle_ends_where_it_began(kernel):
     count, radius = min(1_000_000 * SOAK, 100_000_000), 5.0
     twists = np.empty((count, 3))
     twists[:] = radius * 2 * math.pi / count * 100, 0.0, 2 * math.pi / count * 100  # a hundred rounds
-    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 1e3 * 2 * math.pi), kernel=kernel)
+    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 1e3 * 2 * math.pi), level=kernel)
     way = 100 * 2 * math.pi * radius
     turn = poses[-1, 2] - poses[0, 2] - 100 * 2 * math.pi
     print(f"circle {kernel}: {count} steps, off by {np.hypot(*poses[-1, :2]) / way:.1e} of the way")
@@ -279,11 +279,11 @@ def test_a_long_closed_circle_ends_where_it_began(kernel):
     assert abs(turn) <= 1e-9
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 def test_a_heading_of_many_turns_loses_no_digits(kernel):
     # Two hundred million turns, where yaws lie 2e-7 rad apart, and then once round in 64 steps of 1 m.
     twists = np.tile([1.0, 0.0, 2 * math.pi / 64], (64, 1))
-    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 2.0**30), kernel=kernel)
+    poses = sw.integrate(twists, 1.0, (0.0, 0.0, 2.0**30), level=kernel)
     assert np.spacing(poses[-1, 2]) > 2e-7
     np.testing.assert_allclose(poses[-1, :2], 0, rtol=0, atol=1e-13)
 
@@ -346,14 +346,14 @@ def test_leading_axes_in_any_order(order, leading):
     np.testing.assert_array_equal(sw.integrate(moved, 0.1), sw.integrate(twists, 0.1))
 
 
-@pytest.mark.parametrize("kernel", sw.kernels())
+@pytest.mark.parametrize("kernel", sw.simd_levels())
 @pytest.mark.parametrize("threads", [1, 3])
 def test_whatever_is_returned_fresh_is_checked(kernel, threads):
     twists = np.tile([0.5, 0.0, 0.2], (50_000, 1))
     twists[[33_333, 44_444], 0] = math.nan
     steering, speeds = np.zeros((50_000, 4)), np.ones((50_000, 6))
     speeds[44_444, 5] = math.inf
-    options = {"kernel": kernel, "threads": threads}
+    options = {"level": kernel, "threads": threads}
     for form in (twists, twists.astype("f4"), np.asfortranarray(twists)):
         with pytest.raises(ValueError, match=r"^twist\[33333\] must be finite"):
             ROVERS["perseverance"].inverse(form, **options)
@@ -371,9 +371,9 @@ def test_whatever_is_returned_fresh_is_checked(kernel, threads):
 
 def test_options():
     rover, twists = ROVERS["perseverance"], np.zeros((9, 3))
-    assert sw.kernels()[0] == "plain"
-    with pytest.raises(ValueError, match=r"^kernel must be one this machine has \(\"plain\".*got \"mmx\""):
-        rover.inverse(twists, kernel="mmx")
+    assert sw.simd_levels()[0] == "scalar"
+    with pytest.raises(ValueError, match=r"^level must be one this machine has \(\"scalar\".*got \"mmx\""):
+        rover.inverse(twists, level="mmx")
     for call in (lambda: sw.integrate(twists, 0.1, threads=0), lambda: sw.set_default_threads(0)):
         with pytest.raises(ValueError, match="^threads must be at least 1, got 0"):
             call()

@@ -68,7 +68,7 @@ def test_one_call_is_a_row_of_the_plain_core(rover):
     twists = possible(rover, np.concatenate([corners(rover)[::5], random_twists(generator, 2000)]))[:4000]
     previous = generator.normal(size=(len(twists), len(rover.steered_names))) * 2
     for given_ in (None, previous):
-        expected = rover.inverse(twists, previous=given_, kernel="plain")
+        expected = rover.inverse(twists, previous=given_, level="scalar")
         found = [
             rover.inverse(twist, previous=None if given_ is None else given_[k])
             for k, twist in enumerate(map(tuple, twists.tolist()))
@@ -86,7 +86,7 @@ def test_inverse_of_any_layout(rover, twists, data):
     for twist in twists:
         twist = tuple(rover.project(twist, keep="nearest").tolist())
         for options in ({}, {"previous": previous}, {"previous": np.array(previous)}):
-            expected = rover.inverse(twist, kernel="plain", **options)
+            expected = rover.inverse(twist, level="scalar", **options)
             for ours, theirs in zip(rover.inverse(twist, **options), expected, strict=True):
                 assert worst(ours, theirs) <= 1.0
             out = outputs(rover)
@@ -105,7 +105,7 @@ def test_forward_of_any_layout(rover, data):
         data.draw(numbers(len(rover.steered_names), 7)),
         data.draw(numbers(len(rover.wheels), 30)),
     )
-    expected = rover.forward(steering, rates, kernel="plain")
+    expected = rover.forward(steering, rates, level="scalar")
     # 5 ulp of the summands: the wheels' speeds, and as yaw rates at the pivots' spread, over the wheels.
     pivots = np.array([(wheel.x, wheel.y) for wheel in rover.wheels])
     spread = math.sqrt(((pivots - pivots.mean(axis=0)) ** 2).sum(axis=1).mean())
@@ -161,7 +161,7 @@ def test_present_angles(rover, scale):
         previous = generator.choice(angles, size=shape)
     else:
         previous = generator.normal(size=shape) * scale
-    expected = rover.inverse(twists, previous=previous, kernel="plain")
+    expected = rover.inverse(twists, previous=previous, level="scalar")
     found = rover.inverse(twists, previous=previous)
     share = max(worst(*pair) for pair in zip(found, expected, strict=True))
     print(f"inverse with present angles: {len(twists)} rows, worst {share:.2f} of 5 ulp or 1e-14")
@@ -201,7 +201,7 @@ def test_a_loop_may_write_over_its_own_angles():
     for angle in np.linspace(0, 12, 400):
         twist = (math.cos(angle), math.sin(angle), 0.1)
         assert SWERVE.inverse(twist, previous=out[0], out=out)[0] is out[0]
-        expected = SWERVE.inverse(twist, previous=expected[0], kernel="plain")
+        expected = SWERVE.inverse(twist, previous=expected[0], level="scalar")
         assert worst(out[0], expected[0]) <= 1.0
         assert worst(out[1], expected[1]) <= 1.0
 

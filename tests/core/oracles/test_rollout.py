@@ -15,7 +15,7 @@ from six_wheel import reference
 from tests.strategies import layouts
 
 SOAK = int(os.environ.get("SOAK", "1"))
-ALL_KERNELS = pytest.mark.parametrize("kernel", sw.kernels())
+ALL_KERNELS = pytest.mark.parametrize("kernel", sw.simd_levels())
 SIX = {"d1": 0.4, "d2": 0.5, "d3": 0.5, "d4": 0.45, "wheel_radius": 0.15}
 ROVERS = {
     "perseverance": sw.Rover.preset("perseverance"),
@@ -53,7 +53,7 @@ def test_costs_are_those_of_the_reference(kernel, rover, given):
     previous = np.linspace(-0.5, 0.4, len(rover.steered_names)) if given else None
     twin = reference.Rover([reference_wheel(wheel) for wheel in rover.wheels])
     poses, expected = reference.rollout_cost(twin, controls, 0.1, start, previous)
-    found = rover.rollout_cost(controls, 0.1, start, previous=previous, kernel=kernel)
+    found = rover.rollout_cost(controls, 0.1, start, previous=previous, level=kernel)
     np.testing.assert_allclose(found.poses, poses, rtol=0, atol=1e-13)
     # The slack of a wheel near the end of its range, 1e-9 rad, is an error of the angle in either.
     np.testing.assert_allclose(costs(found), expected, rtol=1e-12, atol=1e-11)
@@ -66,7 +66,7 @@ def reference_wheel(wheel: sw.Wheel) -> reference.Wheel:
     return reference.Wheel(**fields, steered=wheel.steered, steering_limit=steered)
 
 
-@pytest.mark.parametrize("kernel", [name for name in sw.kernels() if name != "plain"])
+@pytest.mark.parametrize("kernel", [name for name in sw.simd_levels() if name != "scalar"])
 @ALL_ROVERS
 @pytest.mark.parametrize("dt", ["constant", "each"])
 def test_kernels_agree_with_the_plain_core(kernel, rover, dt):
@@ -77,8 +77,8 @@ def test_kernels_agree_with_the_plain_core(kernel, rover, dt):
     controls[6, :, 1] = 5.0 * controls[6, :, 0]
     dts = 0.1 if dt == "constant" else np.random.default_rng(3).uniform(0.05, 0.2, 37)
     previous = np.full(len(rover.steered_names), 0.2)
-    expected = rover.rollout_cost(controls, dts, previous=previous, kernel="plain")
-    found = rover.rollout_cost(controls, dts, previous=previous, kernel=kernel)
+    expected = rover.rollout_cost(controls, dts, previous=previous, level="scalar")
+    found = rover.rollout_cost(controls, dts, previous=previous, level=kernel)
     for ours, theirs in zip(found[1:], expected[1:], strict=True):
         close(ours, theirs)
     way = 1.0 + np.abs(controls).max(axis=2).sum(axis=1)[:, None, None] * 0.2
@@ -89,17 +89,17 @@ def test_kernels_agree_with_the_plain_core(kernel, rover, dt):
 @given(layouts(), st.integers(0, 2**32 - 1))
 def test_any_layout(kernel, rover, seed):
     controls = samples(seed, 9, 10)
-    expected = rover.rollout_cost(controls, 0.1, kernel="plain")
-    close(costs(rover.rollout_cost(controls, 0.1, kernel=kernel)), costs(expected))
+    expected = rover.rollout_cost(controls, 0.1, level="scalar")
+    close(costs(rover.rollout_cost(controls, 0.1, level=kernel)), costs(expected))
 
 
 @ALL_KERNELS
 @ALL_ROVERS
 def test_possible_controls_cost_what_the_inverse_says(kernel, rover):
     controls = rover.project(samples(4, 12, 9))
-    found = rover.rollout_cost(controls, 0.1, kernel=kernel)
+    found = rover.rollout_cost(controls, 0.1, level=kernel)
     assert found.scrub.max() < 1e-9
-    np.testing.assert_array_equal(found.poses, sw.rollout(controls, 0.1, kernel=kernel))
+    np.testing.assert_array_equal(found.poses, sw.rollout(controls, 0.1, level=kernel))
     speeds, steering = np.zeros(len(rover.wheels)), np.zeros(len(rover.steered_names))
     fastest, widest, quickest = [], [], []
     for twist in controls[7]:
@@ -117,7 +117,7 @@ def test_what_impossible_controls_cost(kernel):
     rover = ROVERS["perseverance"]
     controls = np.zeros((9, 3, 3))
     controls[:, :, 0], controls[:, 1, 1] = 1.0, 0.25
-    sideways = rover.rollout_cost(controls, 0.5, kernel=kernel)
+    sideways = rover.rollout_cost(controls, 0.5, level=kernel)
     # The middle wheels cannot steer: they slide with the whole of vy. The others just point there.
     np.testing.assert_allclose(sideways.scrub, 0.25, rtol=1e-15)
     np.testing.assert_allclose(sideways.steering_angle, math.atan2(0.25, 1.0), rtol=1e-15)
@@ -125,7 +125,7 @@ def test_what_impossible_controls_cost(kernel):
     radius = min(wheel.radius for wheel in rover.wheels)
     np.testing.assert_allclose(sideways.wheel_speed, math.hypot(1.0, 0.25) / radius, rtol=1e-15)
     previous = np.full(len(rover.steered_names), 0.5)
-    turned = rover.rollout_cost(controls[:, :1], 0.5, previous=previous, kernel=kernel)
+    turned = rover.rollout_cost(controls[:, :1], 0.5, previous=previous, level=kernel)
     np.testing.assert_allclose(turned.steering_rate, 1.0, rtol=1e-15)
 
 
@@ -133,7 +133,7 @@ def test_what_impossible_controls_cost(kernel):
 def test_at_rest_the_wheels_hold_their_angles(kernel):
     rover = ROVERS["limited"]
     previous = np.array([0.1, -0.2, 0.3, -0.4])
-    found = rover.rollout_cost(np.zeros((10, 9, 3)), 0.1, previous=previous, kernel=kernel)
+    found = rover.rollout_cost(np.zeros((10, 9, 3)), 0.1, previous=previous, level=kernel)
     np.testing.assert_array_equal(costs(found), np.tile([0.0, 0.4, 0.0, 0.0], (10, 1)))
 
 
@@ -141,8 +141,8 @@ def test_at_rest_the_wheels_hold_their_angles(kernel):
 @pytest.mark.parametrize("threads", [2, 3, 7])
 def test_threads_change_no_bit(kernel, threads):
     rover, controls = ROVERS["limited"], samples(5, 450, 50)
-    one = rover.rollout_cost(controls, 0.1, kernel=kernel, threads=1)
-    many = rover.rollout_cost(controls, 0.1, kernel=kernel, threads=threads)
+    one = rover.rollout_cost(controls, 0.1, level=kernel, threads=1)
+    many = rover.rollout_cost(controls, 0.1, level=kernel, threads=threads)
     for ours, theirs in zip(one, many, strict=True):
         np.testing.assert_array_equal(ours, theirs)
 
@@ -161,14 +161,14 @@ def test_a_result_can_be_written_again():
 def test_shapes(kernel):
     rover, controls = ROVERS["limited"], samples(8, 24, 6).reshape(2, 12, 6, 3)
     starts = np.random.default_rng(9).normal(size=(2, 12, 3))
-    found = rover.rollout_cost(controls, 0.1, starts, kernel=kernel)
+    found = rover.rollout_cost(controls, 0.1, starts, level=kernel)
     assert found.poses.shape == (2, 12, 7, 3)
     assert found.scrub.shape == (2, 12)
-    one = rover.rollout_cost(controls[1], 0.1, starts[1], kernel=kernel)
+    one = rover.rollout_cost(controls[1], 0.1, starts[1], level=kernel)
     np.testing.assert_array_equal(found.poses[1], one.poses)
     np.testing.assert_array_equal(found.steering_rate[1], one.steering_rate)
     for empty in ((0, 6, 3), (12, 0, 3)):
-        nothing = rover.rollout_cost(np.zeros(empty), 0.1, kernel=kernel)
+        nothing = rover.rollout_cost(np.zeros(empty), 0.1, level=kernel)
         assert not costs(nothing).any()
 
 
@@ -180,7 +180,7 @@ def test_a_failure_writes_nothing(kernel, bad):
     out = sw.RolloutCost(np.full((12, 10, 3), 7.0), *(np.full(12, 7.0) for _ in range(4)))
     for target in (out, None):
         with pytest.raises(ValueError, match=r"^controls\[7, 5\] must"):
-            rover.rollout_cost(controls, 0.1, out=target, kernel=kernel)
+            rover.rollout_cost(controls, 0.1, out=target, level=kernel)
     assert all((array == 7.0).all() for array in out)
 
 

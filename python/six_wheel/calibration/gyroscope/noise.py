@@ -16,10 +16,10 @@ from scipy.special import chdtri, ndtri
 
 from six_wheel._core import Gyroscope, Noise
 from six_wheel.calibration.drives import RESTED, at_rest
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.noise import MeasuredNoise
-from six_wheel.calibration.values import Estimate
-from six_wheel.logs.recordings import Log
-from six_wheel.poses import Floats
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.recordings import WheelLog
 
 # Readings at rest of which two numbers can be told.
 FEWEST = 10
@@ -78,7 +78,7 @@ class MeasuredGyroscope:
 Rests = list[tuple[Floats, Floats]]
 
 
-def resting(log: Log) -> Iterator[tuple[Floats, Floats]]:
+def resting(log: WheelLog) -> Iterator[tuple[Floats, Floats]]:
     """Stamps and readings of a gyroscope in each stretch in which no wheel turns for a second or more."""
     if log.yaw_rate is None:
         return
@@ -95,7 +95,7 @@ def resting(log: Log) -> Iterator[tuple[Floats, Floats]]:
             yield log.stamps[inside], log.yaw_rate[inside]
 
 
-def measure(logs: Sequence[Log], confidence: float) -> MeasuredGyroscope | None:
+def measure(logs: Sequence[WheelLog], confidence: float) -> MeasuredGyroscope | None:
     """White noise and wandering with intervals by the profile of the likelihood; None if nothing rests."""
     rests: Rests = []
     for log in logs:

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from six_wheel._core import Rover
+from six_wheel.calibration.estimates import Estimate
 from six_wheel.calibration.gyroscope.noise import resting
-from six_wheel.calibration.values import Estimate
-from six_wheel.logs.recordings import Log
-from six_wheel.odometry.dead_reckoning import dead_reckon
-from six_wheel.poses import Floats
+from six_wheel.kinematics.odometry.dead_reckoning import dead_reckon
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.recordings import WheelLog
 
 STRETCH = 1.0  # [s] over which turns are compared
 PARTS = 3  # of a log, between which errors may differ
@@ -24,7 +24,7 @@ DEGREE = np.pi / 180.0
 Turns = tuple[Floats, Floats]
 
 
-def scale(logs: Sequence[Log], offset: float, confidence: float) -> Estimate | None:
+def scale(logs: Sequence[WheelLog], offset: float, confidence: float) -> Estimate | None:
     """The factor that makes turns by the gyroscope those of the truth; None where that does not tell.
 
     Logs, or thirds of few of them, are left out one after another for the interval.
@@ -49,7 +49,7 @@ def scale(logs: Sequence[Log], offset: float, confidence: float) -> Estimate | N
     return Estimate("gyroscope.scale", "", 1.0, float(value), std, (value - half, value + half))
 
 
-def mistaken(rover: Rover, logs: Sequence[Log]) -> list[str]:
+def mistaken(rover: Rover, logs: Sequence[WheelLog]) -> list[str]:
     """Sentences about a gyroscope that does not turn as the wheels do, with the remedy."""
     turns = [found for log in logs if (found := _turns(log, _wheel_headings(rover, log))) is not None]
     if not turns:
@@ -72,7 +72,7 @@ def mistaken(rover: Rover, logs: Sequence[Log]) -> list[str]:
     return said
 
 
-def _turns(log: Log, headings: Floats) -> Turns | None:
+def _turns(log: WheelLog, headings: Floats) -> Turns | None:
     """Turns over stretches of a log, where both are known."""
     if log.yaw_rate is None:
         return None
@@ -106,14 +106,14 @@ def _stretches(stamps: Floats, whole: Floats) -> Iterator[tuple[int, int]]:
             first = row
 
 
-def _true_headings(log: Log, offset: float) -> Floats:
+def _true_headings(log: WheelLog, offset: float) -> Floats:
     """Those of a truth with poses: headings alone may be the gyroscope's own."""
     if log.truth is None or not (log.truth.has_headings and log.truth.has_positions):
         return np.full(len(log), np.nan)
     return log.truth.at(log.stamps + offset)[:, 2]
 
 
-def _wheel_headings(rover: Rover, log: Log) -> Floats:
+def _wheel_headings(rover: Rover, log: WheelLog) -> Floats:
     """Headings by the wheels alone, NaN in rows that cannot be used."""
     track = dead_reckon(rover, log.steering, log.wheel_angles, log.stamps, covariances=False, residuals=False)
     headings = track.poses[:, 2].copy()

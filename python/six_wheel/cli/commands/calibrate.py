@@ -23,8 +23,8 @@ from six_wheel.cli.log_options import (
     choose_with_logs,
     log_options,
 )
+from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import AsOption, NodeOption, RadiusOption, Reading, grid, new_console, progress_bar
-from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
     from six_wheel.calibration.files import Calibrated
@@ -101,7 +101,7 @@ def calibrate(
     chosen, paths = choose_with_logs(rover, list(logs or []), example, Reading(node, as_, wheel_radius))
     # After the file of the rover is known to be good: SciPy takes its time.
     from six_wheel.calibration.files import calibrate_files
-    from six_wheel.report.pages import CALIBRATION_PICTURES, reporting
+    from six_wheel.cli.report.markdown import CALIBRATION_PICTURES, reporting
 
     names: Any = [name.strip() for name in parameters.split(",") if name.strip()]
     options = {
@@ -123,7 +123,7 @@ def calibrate(
 
         def finish(done: "Calibrated") -> None:
             if pages is not None:
-                from six_wheel.report.calibration import write_calibration
+                from six_wheel.cli.report.calibration import write_calibration
 
                 write_calibration(pages, done, title, output)
 

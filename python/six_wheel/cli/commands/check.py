@@ -21,8 +21,8 @@ from six_wheel.cli.shared import (
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits, Rover, Wheel
-    from six_wheel.drive.abilities import Bound
-    from six_wheel.urdf import Robot
+    from six_wheel.robot_description.urdf import Robot
+    from six_wheel.simulation.drive.performance import Bound
 
 GROUPS = ("encoders", "steering_encoders", "odometry", "gyroscope", "truth")
 GUESSED = (
@@ -170,7 +170,7 @@ def _written(value: Any) -> str:
 
 def abilities(chosen: Chosen) -> list[tuple[str, object]]:
     """What a rover can do, as rows for `grid`."""
-    from six_wheel.rebuild import joints_as_given
+    from six_wheel.kinematics.rover_edit import joints_as_given
 
     rover, parameters = chosen.rover, chosen.parameters
     steering, traction = joints_as_given(rover)
@@ -221,7 +221,7 @@ def _described(robot: "Robot") -> list[tuple[str, object]]:
 
 def within(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     """What a rover can do within limits, as rows for `grid`; nothing without any."""
-    from six_wheel.drive.abilities import bound, halt_from, stop_from, time_to_full_lock
+    from six_wheel.simulation.drive.performance import bound, halt_from, stop_from, time_to_full_lock
 
     rows: list[tuple[str, object]] = []
     if limits == type(limits)():
@@ -257,7 +257,7 @@ SOURCES = {
 
 def filled_in(rover: "Rover", limits: "Limits") -> list[tuple[str, object]]:
     """The limits that are defaults, as a row for `grid`."""
-    from six_wheel.drive.abilities import defaults
+    from six_wheel.simulation.drive.performance import defaults
 
     found = defaults(rover, limits)
     listed = ", ".join(f"{name} {value:.4g} ({SOURCES[name]})" for name, value in found.items())
@@ -272,8 +272,8 @@ def _words(bound: "Bound") -> str:
 def draw_limits(chosen: Chosen, plot: Path) -> None:
     """Write the picture of the limits."""
     from six_wheel.logs.writing import replacing
-    from six_wheel.plot.limits import limits_figure
-    from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plotting.limits import limits_figure
+    from six_wheel.plotting.saving import picture_path, save
 
     with replacing(picture_path(plot), [chosen.path] if chosen.path else []) as picture:
         save(limits_figure(chosen.rover, chosen.limits, title=chosen.name), picture)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
     AsOption,
     Chosen,
@@ -20,13 +21,12 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
-from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
     from six_wheel._core import Limits
-    from six_wheel.drive.controlled import ControlledDrive, Loop
-    from six_wheel.drive.direct import Drive
-    from six_wheel.drive.engine import Peak, Summary
+    from six_wheel.simulation.drive.closed_loop import ControlledDrive, Loop
+    from six_wheel.simulation.drive.feedforward import Drive
+    from six_wheel.simulation.drive.run_commands import Peak, Summary
 
 ROUNDING = 1e-9  # of a value that is a difference over a step: within it a limit is kept
 
@@ -88,8 +88,8 @@ def drive(
     chosen = choose(rover, Reading(node, as_, wheel_radius))
     loop = None if direct else _loop(chosen, rate, halt)
     # After the file of the rover is known to be good: Arrow takes its time.
-    from six_wheel.drive.running import drive as drive_table
-    from six_wheel.report.pages import reporting
+    from six_wheel.cli.report.markdown import reporting
+    from six_wheel.simulation.drive.run_file import drive as drive_table
 
     sources = [chosen.path] if chosen.path else []
     with (
@@ -99,7 +99,7 @@ def drive(
 
         def draw(engine: "Drive | ControlledDrive") -> None:
             if pages is not None:
-                from six_wheel.plot.drive import engine_figure
+                from six_wheel.plotting.drive import engine_figure
 
                 pages.write([("", engine_figure(engine, title=commands.name))])
 
@@ -128,7 +128,7 @@ def _loop(chosen: Chosen, rate: float | None, halt: float | None) -> "Loop | Non
     control = chosen.parameters.control if chosen.parameters else {}
     if rate is None and halt is None and limits == Limits() and not control:
         return None
-    from six_wheel.drive.controlled import Loop
+    from six_wheel.simulation.drive.closed_loop import Loop
 
     return Loop(limits, rate, control, halt)
 

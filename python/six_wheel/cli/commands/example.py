@@ -17,7 +17,7 @@ def example(
         Path | None, typer.Option("-o", "--output", help="Where it goes. Default: its name, in this folder.")
     ] = None,
 ) -> None:
-    folder = resources.files("six_wheel") / "data" / "examples"
+    folder = resources.files("six_wheel.cli") / "data" / "examples"
     known = sorted(file.name for file in folder.iterdir() if not file.name.endswith(".md"))
     if name is None:
         print(*known, sep="\n")

@@ -24,6 +24,7 @@ from six_wheel.cli.log_options import (
     choose_with_logs,
     log_options,
 )
+from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
     AsOption,
     Chosen,
@@ -34,10 +35,9 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
-from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
-    from six_wheel.reckoning.running import Reckoned
+    from six_wheel.log_odometry.run_log import Reckoned
 
 NOISE = {
     "speed_noise": "speed",
@@ -119,9 +119,9 @@ def odometry(
     if cluster is not None:
         raise ValueError(f"--cluster is for several logs or a folder of them, got {path}")
     # After the file of the rover is known to be good: Arrow takes its time.
-    from six_wheel.reckoning.running import reckon
-    from six_wheel.report.pages import reporting
-    from six_wheel.report.reckoning import facts, judged, slipped, written
+    from six_wheel.cli.report.log_odometry import facts, judged, slipped, written
+    from six_wheel.cli.report.markdown import reporting
+    from six_wheel.log_odometry.run_log import reckon
 
     sources = [chosen.path] if chosen.path else []
     with (
@@ -131,7 +131,7 @@ def odometry(
 
         def finish(result: "Reckoned") -> None:
             if pages is not None:
-                from six_wheel.plot.reckoning import reckoning_figure
+                from six_wheel.plotting.log_odometry import reckoning_figure
 
                 figure = reckoning_figure(result, title=result.name)
                 pages.write([("", figure)], lambda names: written(result, names[0]))
@@ -159,7 +159,7 @@ def odometry(
 
 def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> None:
     """A track for every log, and what failed; exit code 1 where some did."""
-    from six_wheel.reckoning.fleet import FleetLog, reckon_all
+    from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
 
     if given["output"] is None:
         raise ValueError(f"several logs need a folder for their tracks: give -o, got {len(paths)} paths")
@@ -206,7 +206,7 @@ def _reckon_all(chosen: Chosen, paths: list[Path], given: dict[str, Any]) -> Non
 def _settings(chosen: Chosen, given: dict[str, Any]) -> Any:
     """How to reckon: what the parameter file says, and over it the arguments."""
     from six_wheel._core import Noise
-    from six_wheel.reckoning.running import Settings
+    from six_wheel.log_odometry.run_log import Settings
 
     noise = dict(chosen.parameters.noise) if chosen.parameters else {}
     noise |= {key: given[option] for option, key in NOISE.items() if given[option] is not None}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
     AsOption,
     Chosen,
@@ -19,11 +20,10 @@ from six_wheel.cli.shared import (
     new_console,
     progress_bar,
 )
-from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
-    from six_wheel.onboard import Settings
-    from six_wheel.replay import Difference
+    from six_wheel.control_loop import Settings
+    from six_wheel.control_loop.replay import Difference
 
 PASSING = {"allow_extra_args": True, "ignore_unknown_options": True}
 
@@ -52,17 +52,17 @@ def _run(kind: Literal["node", "filter"], context: typer.Context, chosen: Chosen
     arguments = list(context.args)
     if arguments and arguments[0] != "--ros-args":
         raise ValueError(f"arguments of ROS must follow --ros-args, got {arguments[0]}")
-    from six_wheel.ros.loading import rclpy
+    from six_wheel.control_loop.ros2.loading import rclpy
 
     rclpy()  # what is missing should be said before anything else
-    from six_wheel.ros.running import run
+    from six_wheel.control_loop.ros2.running import run
 
     return run(kind, settings_of(chosen), arguments)
 
 
 def settings_of(chosen: Chosen) -> "Settings":
     """What a loop is told, from a parameter file or a preset."""
-    from six_wheel.onboard import Settings
+    from six_wheel.control_loop import Settings
 
     if chosen.parameters is not None:
         return Settings.of_parameters(chosen.parameters)
@@ -84,9 +84,9 @@ def replay(
     plot: Annotated[Path | None, typer.Option(help="Picture of both runs: .png, .svg or .pdf.")] = None,
 ) -> None:
     changes = _changes(change or [])
+    from six_wheel.control_loop.replay import compare
+    from six_wheel.control_loop.replay import replay as run_again
     from six_wheel.logs.writing import replacing
-    from six_wheel.replay import compare
-    from six_wheel.replay import replay as run_again
 
     if not record.is_file():
         raise ValueError(f"{record}: no such file")
@@ -96,14 +96,14 @@ def replay(
         progress = stack.enter_context(progress_bar(f"replaying {record.name}"))
         picture = None
         if plot is not None:
-            from six_wheel.plot.saving import picture_path
+            from six_wheel.plotting.saving import picture_path
 
             picture = stack.enter_context(replacing(picture_path(plot), [record]))
         target = None if output is None else stack.enter_context(replacing(output, [record]))
         result = run_again(record, changes, target, progress=progress)
         if picture is not None:
-            from six_wheel.plot.replay import replay_figure
-            from six_wheel.plot.saving import save
+            from six_wheel.plotting.replay import replay_figure
+            from six_wheel.plotting.saving import save
 
             save(replay_figure(result, title=record.name), picture)
     for warning in result.warnings:
@@ -121,7 +121,7 @@ def _changes(given: list[str]) -> dict[str, Any]:
         key, equals, value = text.partition("=")
         if not (key.strip() and equals and value.strip()):
             raise ValueError(f'change must be KEY=VALUE, such as "limits.speed=0.3", got "{text}"')
-        from six_wheel.onboard.settings import read_value
+        from six_wheel.control_loop.settings import read_value
 
         changes[key.strip()] = read_value(value.strip())
     return changes

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from six_wheel.cli.names import PROGRAM
 from six_wheel.cli.shared import (
     AsOption,
     Chosen,
@@ -15,7 +16,6 @@ from six_wheel.cli.shared import (
     choose,
     choose_suspension,
 )
-from six_wheel.cli.words import PROGRAM
 
 if TYPE_CHECKING:
     pass
@@ -61,10 +61,10 @@ def show(
         print(_write_layout(rover, Reading(node, as_, wheel_radius), layout))
         return
     from six_wheel.logs.writing import replacing
-    from six_wheel.plot.saving import picture_path, save
+    from six_wheel.plotting.saving import picture_path, save
 
     if side:
-        from six_wheel.plot.ground.side import side_figure
+        from six_wheel.plotting.ground.side import side_figure
 
         arm, name = choose_suspension(rover, Reading(node, as_, wheel_radius))
         target = picture_path(output or Path(f"{name}_from_the_side.png"))
@@ -74,7 +74,7 @@ def show(
         print(target.resolve())
         return
     chosen = choose(rover, Reading(node, as_, wheel_radius))
-    from six_wheel.plot.twist import show_figure
+    from six_wheel.plotting.twist import show_figure
 
     target = picture_path(output or Path(f"{chosen.name}_from_above.png"))
     if twist is None:
@@ -124,16 +124,16 @@ def _demands(chosen: Chosen, motion: tuple[float, ...]) -> list[tuple[str, float
 
 def _write_layout(rover: str, reading: Reading, target: Path) -> Path:
     """Write a layout for the rover of a parameter file, a preset or a record; where it is."""
+    from six_wheel.logs.mcap import layouts
     from six_wheel.logs.writing import replacing
-    from six_wheel.records import layouts
 
     record = Path(rover) if Path(rover).suffix.lower() == ".mcap" else None
     if record is None:
         chosen = choose(rover, reading)
         shown, source = chosen.rover, chosen.path
     else:
-        from six_wheel.records import Record
-        from six_wheel.replay.again import settings_of
+        from six_wheel.control_loop.replay.rerun import settings_of
+        from six_wheel.logs.mcap import Record
 
         if not record.is_file():
             raise ValueError(f"{record}: no such file")

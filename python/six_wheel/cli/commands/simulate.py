@@ -22,7 +22,7 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
-    from six_wheel.simulation.running import Simulation
+    from six_wheel.simulation.run_simulation import Simulation
     from six_wheel.simulation.sticking import Controlled, Stick
 
 
@@ -87,7 +87,7 @@ def simulate(
     chosen = choose(rover, reading) if ground is None else None
     suspended = choose_suspension(rover, reading) if ground is not None else None
     if plot is not None or speeds is not None:
-        from six_wheel.plot.saving import picture_path
+        from six_wheel.plotting.saving import picture_path
 
         for path in filter(None, (plot, speeds)):
             picture_path(path)
@@ -119,8 +119,8 @@ def _way(commands: Path, start: tuple[float, float, float] | None, speed: float)
     import numpy as np
 
     from six_wheel.logs.columns import TableError
+    from six_wheel.logs.ground_truth import read_truth
     from six_wheel.logs.tables import CommandTable
-    from six_wheel.logs.truths import read_truth
 
     try:
         with CommandTable(commands) as table:
@@ -150,9 +150,9 @@ def _on_a_plane(
     import numpy as np
 
     from six_wheel._core import Encoder, Noise
-    from six_wheel.evaluation.paths import path_distance
-    from six_wheel.odometry.gyroscope import with_readings_apart
-    from six_wheel.simulation.running import simulate as run
+    from six_wheel.kinematics.odometry.gyroscope_errors import with_readings_apart
+    from six_wheel.log_odometry.evaluation.paths import path_distance
+    from six_wheel.simulation.run_simulation import simulate as run
     from six_wheel.simulation.writing import write_log
 
     said = chosen.parameters
@@ -201,9 +201,9 @@ def _on_a_plane(
 
 def _draw(chosen: Chosen, done: "Simulation", plot: Path) -> None:
     """The path; and what the controller did, where there was one."""
-    from six_wheel.drive.course import Course
-    from six_wheel.plot import path_figure, save
-    from six_wheel.plot.drive import drive_figure
+    from six_wheel.plotting import path_figure, save
+    from six_wheel.plotting.drive import drive_figure
+    from six_wheel.simulation.drive.min_max_thinning import Course
 
     assert done.motion is not None
     there, ran = done.motion.at(done.stamps), done.controlled
@@ -255,10 +255,10 @@ def _over_ground(
     speeds: Path | None,
 ) -> list[tuple[str, object]]:
     from six_wheel._core import Terrain
-    from six_wheel.report.ground import ground_facts
-    from six_wheel.simulation.ground import GroundSimulation
+    from six_wheel.cli.report.ground import ground_facts
     from six_wheel.simulation.ground_writing import write_ground
-    from six_wheel.simulation.running import simulate as run
+    from six_wheel.simulation.on_terrain import GroundSimulation
+    from six_wheel.simulation.run_simulation import simulate as run
 
     land = Terrain.read(ground)
     start = way.start or (*_middle(land), 0.0)
@@ -267,7 +267,7 @@ def _over_ground(
     if output is not None:
         write_ground(done, arm, output)
     if plot is not None or speeds is not None:
-        from six_wheel.plot import ground_figure, save, speeds_figure
+        from six_wheel.plotting import ground_figure, save, speeds_figure
 
         title = f"{name} over {ground.name}"
         if plot is not None:

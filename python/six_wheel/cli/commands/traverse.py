@@ -10,7 +10,7 @@ import typer
 from six_wheel.cli.shared import SUSPENDED, choose_suspension, grid, new_console, progress_bar
 
 if TYPE_CHECKING:
-    from six_wheel.bounding import StandLimits
+    from six_wheel.kinematics.statuses import FeasibilityLimits
 
 ANGLES = ("roll", "pitch", "tilt", "rocker", "bogie")
 UNITS = {"": 1.0, "rad": 1.0, "deg": math.radians(1.0)}
@@ -51,10 +51,10 @@ def traverse(
     if not output.parent.is_dir():
         raise ValueError(f"{output}: there is no folder {output.parent}")
     if plot is not None:
-        from six_wheel.plot.saving import picture_path
+        from six_wheel.plotting.saving import picture_path
 
         picture_path(plot)
-    from six_wheel.traverse import traverse as run
+    from six_wheel.maps.traversability import traverse as run
 
     limits = _limits(limit or [])
     begin = time.monotonic()
@@ -71,7 +71,7 @@ def traverse(
             tell=lambda done, total: update(done, total),
         )
     if plot is not None:
-        from six_wheel.plot import save, traverse_figure
+        from six_wheel.plotting import save, traverse_figure
 
         layers = done.picture
         save(traverse_figure(layers.safe, layers.tilt, done.extent, f"{name} on {map.name}"), plot)
@@ -85,18 +85,18 @@ def traverse(
     new_console().print(grid(rows))
 
 
-def _limits(texts: list[str]) -> "StandLimits":
-    from six_wheel.bounding import StandLimits
+def _limits(texts: list[str]) -> "FeasibilityLimits":
+    from six_wheel.kinematics.statuses import FeasibilityLimits
 
     found = dict[str, float]()
     for text in texts:
         name, _, value = text.partition("=")
-        if name not in StandLimits._fields:
-            raise ValueError(f"limit must be one of {', '.join(StandLimits._fields)}, got {text!r}")
+        if name not in FeasibilityLimits._fields:
+            raise ValueError(f"limit must be one of {', '.join(FeasibilityLimits._fields)}, got {text!r}")
         number, unit = (value[:-3], value[-3:]) if name in ANGLES else (value, "")
         try:
             found[name] = float(number) * UNITS[unit]
         except (KeyError, ValueError):
             rule = "be an angle such as 15deg or 0.26rad" if name in ANGLES else "be a number"
             raise ValueError(f"limit {name} must {rule}, got {text!r}") from None
-    return StandLimits(**found)
+    return FeasibilityLimits(**found)

@@ -1,1 +1,1 @@
-"""A gyroscope in a log: `sources` are its columns or messages, `rates` what it says at the rows."""
+"""A gyroscope in a log: `sources` reads it, `links` says how it is mounted, `rates` brings it to the rows."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from six_wheel.reference.ground.chain import Chain, Posture
-from six_wheel.reference.ground.settle import Stand, attitude
+from six_wheel.reference.ground.settle import SettledPose, attitude
 from six_wheel.reference.ground.terrain import Floats
 
 __all__ = ["Contacts", "Forward", "Inverse", "Traction", "forward", "inverse", "touch", "traction"]
@@ -36,7 +36,7 @@ class Contacts:
     steered: Floats  # (wheels, 2) what a rate of the wheel's own steering adds to normal and left
 
 
-def touch(chain: Chain, stand: Stand, steering: ArrayLike | None = None) -> Contacts:
+def touch(chain: Chain, stand: SettledPose, steering: ArrayLike | None = None) -> Contacts:
     """The contacts of a stand, or those of other steering angles on the tangent planes it stands on."""
     assert stand.joints is not None
     assert stand.steering is not None
@@ -85,7 +85,7 @@ class Forward:
 
 def forward(
     chain: Chain,
-    stand: Stand,
+    stand: SettledPose,
     speeds: ArrayLike,
     *,
     steering_rates: ArrayLike | None = None,
@@ -152,7 +152,7 @@ def rest_offset(chain: Chain) -> float:
     return -float(np.mean(fixed)) if fixed else 0.0
 
 
-def rigid(chain: Chain, stand: Stand, told: Sequence[tuple[ArrayLike, float]]) -> Floats:
+def rigid(chain: Chain, stand: SettledPose, told: Sequence[tuple[ArrayLike, float]]) -> Floats:
     """Twist and joint rates with every touching wheel on the ground, and three rows that say the rest."""
     contacts = touch(chain, stand)
     rows = [contacts.normal[k] for k in contacts.touching] + [np.asarray(row, float) for row, _ in told]
@@ -166,7 +166,7 @@ def rigid(chain: Chain, stand: Stand, told: Sequence[tuple[ArrayLike, float]]) -
 
 def inverse(
     chain: Chain,
-    stand: Stand,
+    stand: SettledPose,
     speed: float,
     yaw_rate: float,
     *,
@@ -198,7 +198,7 @@ def inverse(
     return Inverse(angles, touch(chain, stand, angles).along @ motion, motion[:6], motion[6:])
 
 
-def _heading(chain: Chain, stand: Stand, motion: Floats, wheel: int) -> float:
+def _heading(chain: Chain, stand: SettledPose, motion: Floats, wheel: int) -> float:
     """The angle at which a steered wheel's touching point has no velocity along its axle, and so rolls.
 
     Half a turn on it goes to the other side: every half turn has such an angle. It is looked for about the

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from six_wheel.reference.ground.chain import Chain, Posture, axis_turn
 from six_wheel.reference.ground.terrain import Floats, Terrain
 
-__all__ = ["Gap", "Stand", "attitude", "gap", "gaps", "place", "settle"]
+__all__ = ["Gap", "SettledPose", "attitude", "gap", "gaps", "place", "settle"]
 
 SAMPLES = 1440  # of a rim: a quarter of a degree apart
 NEAR = 0.01  # [m] a sampled minimum this far above the least is looked at too
@@ -31,7 +31,7 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Stand:
+class SettledPose:
     """Where a rover stands: ``x, y, yaw`` were given, all else follows from the ground.
 
     `status` is ``settled``, ``at_stop``, ``off_map``, ``unknown_cells`` or ``not_converged``.
@@ -241,22 +241,24 @@ def candidates(
                         yield free, stopped, hanging
 
 
-def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike | None = None) -> Stand:
+def settle(ground: Terrain, chain: Chain, pose: ArrayLike, steering: ArrayLike | None = None) -> SettledPose:
     """Where the rover stands at ``x, y, yaw``."""
     pose = np.asarray(pose, float)
     angles = np.zeros(len(chain.steered)) if steering is None else np.asarray(steering, float)
     free = place(ground, chain, pose, steering)
     if free is None:
-        return Stand(_why_not(ground, chain, pose), pose)
+        return SettledPose(_why_not(ground, chain, pose), pose)
     found = tuple(gaps(ground, chain, pose, free, steering))
     if not stops(chain, free):
-        return Stand("settled", pose, float(free[0]), float(free[1]), float(free[2]), free[3:], angles, found)
+        return SettledPose(
+            "settled", pose, float(free[0]), float(free[1]), float(free[2]), free[3:], angles, found
+        )
     standing = next(candidates(ground, chain, pose, steering, free), None)
     if standing is None:
-        return Stand("not_converged", pose)
+        return SettledPose("not_converged", pose)
     free, stopped, hanging = standing
     found = tuple(gaps(ground, chain, pose, free, steering))
-    return Stand(
+    return SettledPose(
         "at_stop",
         pose,
         float(free[0]),

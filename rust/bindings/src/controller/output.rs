@@ -60,7 +60,7 @@ fn reason(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyAny>> {
         return Ok(found);
     }
     let class = CLASS.get_or_try_init(py, || {
-        let module = py.import("six_wheel.controller")?;
+        let module = py.import("six_wheel.kinematics.controller")?;
         module.getattr("Reason").map(Bound::unbind)
     })?;
     let made = class.bind(py).call1((bits,))?;

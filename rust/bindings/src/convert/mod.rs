@@ -30,9 +30,9 @@ pub use out::Out;
 pub use output::{Asked, Output, Precision, scalar_or_array};
 pub use scalars::Scalars;
 
-import_exception!(six_wheel.errors, ArgumentTypeError);
-import_exception!(six_wheel.errors, InfeasibleMotionError);
-import_exception!(six_wheel.errors, UnderdeterminedError);
+import_exception!(six_wheel.kinematics.errors, ArgumentTypeError);
+import_exception!(six_wheel.kinematics.errors, InfeasibleMotionError);
+import_exception!(six_wheel.kinematics.errors, UnderdeterminedError);
 
 /// Rows from which a call lets other Python threads run meanwhile.
 pub const DETACH_ROWS: usize = 32;
@@ -149,7 +149,7 @@ pub fn ask(py: Python<'_>, questions: impl IntoIterator<Item = Question>) -> PyR
     if texts.is_empty() {
         return Ok(());
     }
-    let category = py.import("six_wheel.errors")?.getattr("SuspiciousUnitsWarning")?;
+    let category = py.import("six_wheel.kinematics.errors")?.getattr("SuspiciousUnitsWarning")?;
     PyErr::warn(py, &category, &CString::new(texts.join(". "))?, callers_level(py)?)
 }
 

@@ -1,4 +1,4 @@
-//! States, steps and results of `six_wheel.four_axle`: plain values of Python, read and written.
+//! States, steps and results of `six_wheel.kinematics.four_axle`: plain values of Python, read and written.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -7,9 +7,9 @@ use six_wheel_core::four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace
 
 use crate::convert::{ArgumentTypeError, Array, items, memory, number, numbers, raise, refuse};
 
-/// A class of `six_wheel.four_axle`.
+/// A class of `six_wheel.kinematics.four_axle`.
 pub fn value<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
-    py.import("six_wheel.four_axle")?.getattr(class)
+    py.import("six_wheel.kinematics.four_axle")?.getattr(class)
 }
 
 /// Fails unless an argument is one of those classes.

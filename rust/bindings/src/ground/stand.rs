@@ -1,4 +1,4 @@
-//! `six_wheel.Stand`: settled poses.
+//! `six_wheel.SettledPose`: settled poses.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::suspension::{RockerBogie, Suspension};
 /// Arrays have the leading axes of the poses, and are made when they are asked for. Numbers are NaN where the
 /// rover does not stand, and for wheels over which nothing is known. Wheels are in the order of
 /// `Suspension.wheel_names`.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "SettledPose")]
 pub struct Stand {
     /// Of whom.
     pub suspension: Py<Suspension>,
@@ -110,7 +110,7 @@ impl Stand {
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let codes = self.stands.iter().map(|stand| stand.status.told() as i64);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        py.import("six_wheel.standing")?.call_method1("statuses", (codes,))
+        py.import("six_wheel.kinematics.statuses")?.call_method1("settle_statuses", (codes,))
     }
 
     /// Why the rover does not stand at the pose, or an array of such words, shape (...); empty where it does. What has not
@@ -318,7 +318,7 @@ impl Stand {
         if self.leading.is_empty() {
             let text = |value: Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
             return Ok(format!(
-                "Stand(status={}, z={}, roll={}, pitch={}, joints={})",
+                "SettledPose(status={}, z={}, roll={}, pitch={}, joints={})",
                 self.status(py)?,
                 text(self.z(py)?)?,
                 text(self.roll(py)?)?,
@@ -333,6 +333,6 @@ impl Stand {
                 counts.push(format!("{count} {}", status.name()));
             }
         }
-        Ok(format!("Stand(<{}>)", counts.join(", ")))
+        Ok(format!("SettledPose(<{}>)", counts.join(", ")))
     }
 }

@@ -35,7 +35,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     What `settle` says, shape (...). Rows that did not settle give NaN.
     /// command : array_like, shape (..., 2) or (2,)
     ///     Forward speed [m/s] and yaw rate [rad/s].
@@ -50,8 +50,8 @@ impl Suspension {
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
-    ///     Instructions, one of `kernels`; default the best for so many rows.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -66,7 +66,7 @@ impl Suspension {
     ///     If a number is not finite or a shape does not fit.
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
-    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, kernel=None))]
+    #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn inverse<'py>(
         &self,
@@ -78,7 +78,7 @@ impl Suspension {
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -106,7 +106,7 @@ impl Suspension {
                 return Err(refuse("max_wheel_speed", "be positive", &got));
             }
         }
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let out = Out::<5>::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
         let result = |k, width: Option<usize>| out.result(py, k, &with(&leading, width), true);
         let mut outputs = [
@@ -142,7 +142,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     What `settle` says, at the steering angles of the moment, shape (...). Rows that did not settle give NaN.
     /// steering : array_like, shape (..., steered wheels) or None
     ///     Steering angles [rad], where they are not those of the stand; contacts are then moved on the planes the
@@ -162,8 +162,8 @@ impl Suspension {
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
-    ///     Instructions, one of `kernels`; default the best for so many rows.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -176,7 +176,7 @@ impl Suspension {
     ///     If a number is not finite, a weight negative or a shape does not fit.
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
-    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, kernel=None))]
+    #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
@@ -190,7 +190,7 @@ impl Suspension {
         weights: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -218,7 +218,7 @@ impl Suspension {
         }
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
         let count = speeds.count();
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let out = Out::<3>::read_or_first(out, ["twist", "joint_rates", "residual"])?;
         let mut outputs = [
             out.result(py, 0, &joined(&leading, 6), false)?,

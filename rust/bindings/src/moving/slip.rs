@@ -34,7 +34,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     What `settle` says, at the steering angles of the moment, shape (...).
     /// speeds : array_like, shape (..., wheels)
     ///     Measured speed of every wheel against the link that carries it [rad/s].

@@ -16,7 +16,7 @@ pub enum Stands<'py> {
     Told(Box<Attributes<'py>>),
 }
 
-/// Attributes of an object like `Stand`.
+/// Attributes of an object like `SettledPose`.
 pub struct Attributes<'py> {
     leading: Vec<usize>,
     roll: Scalars<'py>,
@@ -35,7 +35,7 @@ impl<'py> Attributes<'py> {
         let rows = |name: &str, width| Rows::read(&format!("stand.{name}"), &stand.getattr(name)?, width);
         if !stand.hasattr("contact_angles")? {
             let remedy = "what settle(...) has returned";
-            return Err(other_kind("stand", "a Stand", stand, remedy));
+            return Err(other_kind("stand", "a SettledPose", stand, remedy));
         }
         let angles = rows("contact_angles", wheels)?;
         let leading = angles.leading.clone();

@@ -140,8 +140,8 @@ impl Suspension {
     ///     a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
-    ///     Instructions, one of `kernels`; default the best for so many rows.
+    /// level : str, optional
+    ///     Instructions, one of `simd_levels`; default the best for so many rows.
     ///
     /// Returns
     /// -------
@@ -157,7 +157,7 @@ impl Suspension {
     ///
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
     #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
-                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, kernel=None))]
+                        wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn traction<'py>(
         &self,
@@ -174,7 +174,7 @@ impl Suspension {
         #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
@@ -218,7 +218,7 @@ impl Suspension {
             }
         }
         let lift = Lift { angle: lift_angle.min(std::f64::consts::FRAC_PI_2), speed: lift_speed };
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let out = Out::<3>::read(out, ["speeds", "steering", "contact_angles"])?;
         let result = |k, width| out.result(py, k, &joined(&leading, width), true);
         let mut outputs = [result(0, wheels)?, result(1, steered)?, result(2, wheels)?];

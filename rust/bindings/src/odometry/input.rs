@@ -183,10 +183,10 @@ fn column<'py>(argument: &str, value: &Bound<'py, PyAny>, leading: &[usize]) -> 
     column.fit_exactly(argument, leading).map(|()| column)
 }
 
-/// The track of `six_wheel.odometry` under this name.
+/// The track of `six_wheel.kinematics.odometry` under this name.
 pub fn build_track<'py>(keywords: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let py = keywords.py();
-    py.import(intern!(py, "six_wheel.odometry"))?.getattr(name)?.call((), Some(keywords))
+    py.import(intern!(py, "six_wheel.kinematics.odometry"))?.getattr(name)?.call((), Some(keywords))
 }
 
 /// The readings of one joint kind, a single row.

@@ -116,7 +116,7 @@ impl Preintegrated {
     ///
     /// Parameters
     /// ----------
-    /// steering : array_like, shape (steered wheels,) or (n, steered wheels), or Log
+    /// steering : array_like, shape (steered wheels,) or (n, steered wheels), or WheelLog
     ///     As for `Odometry.update`; None for a rover that does not steer. A log stands for this and the next two.
     /// wheel_angles : array_like, shape (wheels,) or (n, wheels)
     ///     As for `Odometry.update`.

@@ -248,10 +248,10 @@ impl OdometryState {
         Some(PyString::new(py, &self.rover.get().core.wheels()[worst].name))
     }
 
-    /// Flags of the sample, a `Health`.
+    /// Flags of the sample, an `OdometryHealth`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
+        py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,))
     }
 
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).

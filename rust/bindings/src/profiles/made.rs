@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// A function of `six_wheel.profiles` and what it was called with.
+/// A function of `six_wheel.kinematics.profiles` and what it was called with.
 pub struct Made {
     pub maker: &'static str,
     pub arguments: Py<PyTuple>,
@@ -11,9 +11,9 @@ pub struct Made {
     pub keywords: Py<PyDict>,
 }
 
-/// A class or function of `six_wheel.profiles`.
+/// A class or function of `six_wheel.kinematics.profiles`.
 pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    py.import("six_wheel.profiles")?.getattr(name)
+    py.import("six_wheel.kinematics.profiles")?.getattr(name)
 }
 
 impl Made {

@@ -1,4 +1,4 @@
-//! `six_wheel.profiles`: transitions of a rover, and what its wheels do during them.
+//! `six_wheel.kinematics.profiles`: transitions of a rover, and what its wheels do during them.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -30,7 +30,7 @@ macro_rules! value_methods {
 }
 
 /// The body's twist follows a profile; the wheels follow the twist. Made by `profiles.body_transition`.
-#[pyclass(frozen, module = "six_wheel.profiles")]
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
 pub struct BodyTransition {
     core: core::BodyTransition,
     made: Made,
@@ -140,7 +140,7 @@ impl BodyTransition {
 }
 
 /// Every steering angle and wheel speed follows its own profile. Made by `profiles.module_transition`.
-#[pyclass(frozen, module = "six_wheel.profiles")]
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
 pub struct ModuleTransition {
     core: core::ModuleTransition,
     made: Made,
@@ -270,7 +270,7 @@ impl ModuleTransition {
 }
 
 /// All wheels keep one centre of rotation at every instant. Made by `profiles.icr_transition`.
-#[pyclass(frozen, module = "six_wheel.profiles")]
+#[pyclass(frozen, module = "six_wheel.kinematics.profiles")]
 pub struct IcrTransition {
     core: core::IcrTransition,
     made: Made,

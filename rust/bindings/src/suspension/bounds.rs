@@ -16,7 +16,7 @@ use crate::terrain::Terrain;
 /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
 ///
 /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "PoseBounds")]
 pub struct Bounds {
     /// Height of the origin of the rover's frame, shape (..., 2) [m].
     #[pyo3(get)]
@@ -49,19 +49,19 @@ pub struct Bounds {
 
 #[pymethods]
 impl Bounds {
-    /// What the intervals are worth, shape (...): `six_wheel.BoundStatus`.
+    /// What the intervals are worth, shape (...): `six_wheel.BoundsStatus`.
     #[getter]
     fn status(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let codes = self.worth.iter().map(|worth| *worth as u8);
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
-        let module = py.import("six_wheel.bounding")?;
-        module.call_method1("statuses", (codes,)).map(Bound::unbind)
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        module.call_method1("bound_statuses", (codes,)).map(Bound::unbind)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
-            "Bounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
+            "PoseBounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
             text(&self.z)?,
             text(&self.roll)?,
             text(&self.pitch)?,
@@ -188,12 +188,12 @@ impl RockerBogie {
     ///     or None, is fresh. Nothing is written by a call that fails.
     /// threads : int, optional
     ///     Threads at most; default that of `set_default_threads`.
-    /// kernel : str, optional
+    /// level : str, optional
     ///     Instructions; the result is the same with any, to the bit.
     ///
     /// Returns
     /// -------
-    /// Bounds
+    /// PoseBounds
     ///     `z`, `roll`, `pitch`, `tilt`, `clearance`, `rocker`, `wheel_drop` (..., 2), `bogies` (..., 2, 2),
     ///     `status` (...).
     ///
@@ -205,7 +205,7 @@ impl RockerBogie {
     /// Source: K. Otsu, G. Matheron, S. Ghosh, O. Toupet, M. Ono, Fast approximate clearance evaluation for rovers with
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
-    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, kernel=None))]
+    #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, level=None))]
     #[allow(clippy::too_many_arguments)] // they are keywords
     fn bounds<'py>(
         &self,
@@ -219,7 +219,7 @@ impl RockerBogie {
         #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = given::level)] level: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
         let mut poses = Rows::read("poses", poses, 3)?;
@@ -230,7 +230,7 @@ impl RockerBogie {
         let leading = poses.leading.as_slice();
         let kept = |sizes: &Scalars<'_>| memory::gathered(sizes.flat().iter().copied());
         let (yaw, position) = (kept(&yaw)?, kept(&position)?);
-        let workers = any_workers(threads, kernel)?;
+        let workers = any_workers(threads, level)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
         let out = Out::<8>::read(out, RESULTS)?;

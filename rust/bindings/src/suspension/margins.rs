@@ -1,4 +1,4 @@
-//! `six_wheel.MarginSlopes`: derivatives of what settled poses mean.
+//! `six_wheel.MarginJacobian`: derivatives of what settled poses mean.
 
 use pyo3::prelude::*;
 use six_wheel_core::batch::Workers;
@@ -7,9 +7,9 @@ use six_wheel_core::bounds;
 use crate::convert::{Output, compute, raise};
 use crate::ground::Stand;
 
-/// Derivatives of margins by x, y and yaw, or by the dimensions of a rocker-bogie in the order of `Stand.by_dimension`, with
+/// Derivatives of margins by x, y and yaw, or by the dimensions of a rocker-bogie in the order of `SettledPose.by_dimension`, with
 /// belly and centre of mass as they are. NaN where the rover does not stand, and of a tilt of 0.
-#[pyclass(frozen, get_all, module = "six_wheel")]
+#[pyclass(frozen, get_all, module = "six_wheel", name = "MarginJacobian")]
 pub struct MarginSlopes {
     /// Of `Stability.tip_over_angle`, shape (..., 3) or (..., 16).
     tip_over_angle: Py<PyAny>,
@@ -26,7 +26,7 @@ impl MarginSlopes {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
-            "MarginSlopes(tip_over_angle={}, clearance={}, joint_margins={}, tilt={})",
+            "MarginJacobian(tip_over_angle={}, clearance={}, joint_margins={}, tilt={})",
             text(&self.tip_over_angle)?,
             text(&self.clearance)?,
             text(&self.joint_margins)?,

@@ -50,12 +50,12 @@ impl Stability {
 }
 
 /// Whether a rover may stand at poses: see `RockerBogie.feasible`.
-#[pyclass(frozen, module = "six_wheel")]
+#[pyclass(frozen, module = "six_wheel", name = "Feasibility")]
 pub struct Feasible {
     /// Whether it may, shape (...).
     #[pyo3(get)]
     ok: Py<PyAny>,
-    /// Numbers of the reasons in `six_wheel.FeasibleReason`, shape (...), as in the layer of `six-wheel traverse`.
+    /// Numbers of the reasons in `six_wheel.FeasibilityReason`, shape (...), as in the layer of `six-wheel traverse`.
     #[pyo3(get)]
     reason_codes: Py<PyAny>,
     /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
@@ -75,18 +75,18 @@ pub struct Feasible {
 
 #[pymethods]
 impl Feasible {
-    /// Why not, shape (...): `six_wheel.FeasibleReason`, ``ok`` where it may.
+    /// Why not, shape (...): `six_wheel.FeasibilityReason`, ``ok`` where it may.
     #[getter]
     fn reason(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let module = py.import("six_wheel.bounding")?;
-        let reasons = module.call_method1("reasons", (&self.reason_codes,))?;
+        let module = py.import("six_wheel.kinematics.statuses")?;
+        let reasons = module.call_method1("feasible_reasons", (&self.reason_codes,))?;
         Ok(reasons.unbind())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
         Ok(format!(
-            "Feasible(ok={}, reason={}, margin={}, tilt={}, clearance={}, exact={})",
+            "Feasibility(ok={}, reason={}, margin={}, tilt={}, clearance={}, exact={})",
             text(&self.ok)?,
             text(&self.reason(py)?)?,
             text(&self.margin)?,
@@ -101,13 +101,13 @@ impl Feasible {
 fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowed> {
     let limits = match limits {
         Some(limits) => limits.clone(),
-        None => py.import("six_wheel.bounding")?.call_method0("StandLimits")?,
+        None => py.import("six_wheel.kinematics.statuses")?.call_method0("FeasibilityLimits")?,
     };
     let read = |name: &str| match limits.getattr(name) {
         Ok(value) => number(name, &value),
         Err(_) => {
             let got = limits.get_type().name()?.to_string();
-            Err(refuse("limits", "be a StandLimits", &got))
+            Err(refuse("limits", "be a FeasibilityLimits", &got))
         }
     };
     let allowed = Allowed {
@@ -133,7 +133,7 @@ impl RockerBogie {
     ///     The map.
     /// poses : array_like, shape (..., 3)
     ///     Rows ``[x, y, yaw]`` of the rover's origin [m, m, rad].
-    /// limits : StandLimits, optional
+    /// limits : FeasibilityLimits, optional
     ///     What is allowed; default what Curiosity is.
     /// map_error : float, default 0.0
     ///     How far the heights of the map may be from the true ones [m]: bounds hold for all of them, settled
@@ -148,7 +148,7 @@ impl RockerBogie {
     ///
     /// Returns
     /// -------
-    /// Feasible
+    /// Feasibility
     ///     `ok`, `reason`, `margin`, `tilt`, `clearance`, `exact`, each of shape (...).
     ///
     /// Raises
@@ -218,7 +218,7 @@ impl Suspension {
     ///
     /// Parameters
     /// ----------
-    /// stand : Stand
+    /// stand : SettledPose
     ///     From `settle` of this suspension.
     /// mass : float
     ///     Of the rover [kg].

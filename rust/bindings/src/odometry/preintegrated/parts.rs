@@ -10,7 +10,7 @@ use six_wheel_core::odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replaye
 use super::{Core, Matrix, Named, Preintegrated};
 use crate::convert::{Rows, Scalars, compute, numbers, raise, refuse};
 
-/// Names of the dimensions, as of `Sensitivity`.
+/// Names of the dimensions, as of `TwistJacobian`.
 pub fn dimension(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Radius => "radius",

@@ -139,10 +139,10 @@ impl Odometry3State {
         Some(PyString::new(py, &self.arm.get().chain.wheels()[worst].name))
     }
 
-    /// Flags of the sample, a `Health`.
+    /// Flags of the sample, an `OdometryHealth`.
     #[getter]
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
+        py.import("six_wheel.kinematics.odometry")?.getattr("OdometryHealth")?.call1((self.health,))
     }
 
     fn __repr__(&self) -> String {

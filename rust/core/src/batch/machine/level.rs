@@ -31,7 +31,7 @@ impl Level {
     /// The name Python knows it by.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Plain => "plain",
+            Self::Plain => "scalar",
             Self::Neon => "neon",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
@@ -136,7 +136,7 @@ impl FromStr for Level {
         found.copied().ok_or_else(|| {
             let names: Vec<_> = available.iter().map(|level| format!("{:?}", level.name())).collect();
             let rule = format!("be one this machine has ({})", names.join(", "));
-            Error::value("kernel", rule, format!("{name:?}"))
+            Error::value("level", rule, format!("{name:?}"))
         })
     }
 }

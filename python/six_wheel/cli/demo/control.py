@@ -1,0 +1,157 @@
+"""The recording as commands to a controller: a new one in every step, joints with and without noise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Controller, Limits, Rover, integrate
+from six_wheel.cli.demo.motion import DemoResult
+from six_wheel.kinematics.controller import Reason
+from six_wheel.plotting.drive import drive_figure
+from six_wheel.simulation.drive.min_max_thinning import Course
+
+__all__ = ["LIMITS", "NOISE", "ControlResult", "draw_control", "drive_controlled", "rows"]
+
+Floats = NDArray[np.float64]
+
+RATE = 50.0  # [Hz]
+NOISE = 0.002  # [rad] standard deviation of the measured steering angles
+SEED = 1
+STANDING = 1e-3  # [m/s] of the slowest wheel that counts as driving
+LIMITS = Limits(
+    speed=1.0,
+    acceleration=0.3,
+    jerk=2.0,
+    angular_acceleration=0.6,
+    wheel_speed=8.0,
+    steering_rate=1.0,
+    halt_deceleration=1.0,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ControlResult:
+    """One drive through a controller.
+
+    Attributes
+    ----------
+    name : str
+        Of the rover.
+    rover : Rover
+    noise : float
+        Standard deviation of the measured steering angles [rad].
+    times : ndarray, shape (n,)
+        Of the steps [s].
+    commanded, twists : ndarray, shape (n, 3)
+        The command of every step, and the motion it got [m/s, m/s, rad/s].
+    steering, steering_rates, speeds : ndarray, shape (n, joints)
+        Joint commands [rad, rad/s, rad/s].
+    reasons : ndarray, shape (n,)
+        Bits of `Reason`.
+    """
+
+    name: str
+    rover: Rover
+    noise: float
+    times: Floats
+    commanded: Floats
+    twists: Floats
+    steering: Floats
+    steering_rates: Floats
+    speeds: Floats
+    reasons: NDArray[np.uint32]
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the steps, 0 to 1, of every reason there was."""
+        counts = {str(each.name): np.count_nonzero(self.reasons & each.value) for each in Reason}
+        return {name: count / len(self.reasons) for name, count in counts.items() if count}
+
+    def length(self, twists: Floats) -> float:
+        """Length of the path of twists held for a step each [m]."""
+        return float(np.sum(np.hypot(twists[:, 0], twists[:, 1])) / RATE)
+
+    @property
+    def standing(self) -> float:
+        """Longest time for which the rover stands although it is told to drive [s]."""
+        driving = np.hypot(self.commanded[:, 0], self.commanded[:, 1]) > STANDING
+        waits = driving & ~self.speeds.any(axis=1)
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], waits.astype(np.int8), [0]])))
+        return float(np.max(np.diff(edges)[::2], initial=0.0) / RATE)
+
+    @property
+    def poses(self) -> Floats:
+        """Where the motion leads, at every step, shape (n, 3)."""
+        return integrate(self.twists[:-1], 1.0 / RATE)
+
+
+def drive_controlled(result: DemoResult, noise: float, limits: Limits = LIMITS) -> ControlResult:
+    """Give a controller the recorded twist of its time in every step.
+
+    Parameters
+    ----------
+    result : DemoResult
+        Whose twists as they were asked, in the size of the rover.
+    noise : float
+        Standard deviation of the measured steering angles [rad].
+    limits : Limits
+    """
+    rover = result.rover
+    begin, end = result.times[0], result.times[-2]
+    times = np.arange(round((end - begin) * RATE)) / RATE
+    commanded = _at(times, result.times[:-1] - begin, result.twists)
+    controller = Controller(rover, limits, period=1.0 / RATE)
+    random = np.random.default_rng(SEED)
+    measured = np.zeros(len(rover.steered_names))
+    outputs = []
+    for now, twist in zip(times.tolist(), commanded.tolist(), strict=True):
+        controller.command((twist[0], twist[1], twist[2]), now)
+        outputs.append(controller.step(now, measured))
+        measured = outputs[-1].steering + noise * random.standard_normal(len(measured))
+    columns = ("twist", "steering", "steering_rates", "speeds")
+    twists, steering, rates, speeds = (
+        np.array([getattr(output, name) for output in outputs]) for name in columns
+    )
+    reasons = np.array([int(output.reasons) for output in outputs], np.uint32)
+    return ControlResult(
+        result.name, rover, noise, times, commanded, twists, steering, rates, speeds, reasons
+    )
+
+
+def _at(times: Floats, stamps: Floats, values: ArrayLike) -> Floats:
+    """Columns at other times, evenly from row to row."""
+    return np.stack([np.interp(times, stamps, column) for column in np.asarray(values).T], axis=1)
+
+
+def draw_control(result: ControlResult) -> Figure:
+    """The path; commanded and driven speed, joints and reasons over time."""
+    values = np.hstack(
+        [result.commanded, result.twists, result.steering, result.steering_rates, result.speeds]
+    )
+    course = Course(values.shape[1])
+    course.add(result.times, values, result.reasons)
+    measured = f"joints measured with {1e3 * result.noise:g} mrad of noise"
+    title = f"{result.name} through the controller, a new command in every step, {measured}"
+    path = (result.poses, result.steering)
+    return drive_figure(result.rover, course, *path, limits=LIMITS, shares=result.shares, title=title)
+
+
+def rows(results: list[ControlResult]) -> list[list[str]]:
+    """What the drives came to: what, then one cell per drive."""
+    cells = []
+    for result in results:
+        asked, driven = result.length(result.commanded), result.length(result.twists)
+        reasons = sorted(result.shares.items(), key=lambda item: -item[1])[:3]
+        cells.append(
+            [
+                f"{1e3 * result.noise:g} mrad",
+                f"{asked:.2f} m",
+                f"{driven:.2f} m, {driven / asked:.1%}",
+                f"{result.standing:.2f} s",
+                "\n".join(f"{name} {share:.0%}" for name, share in reasons),
+            ]
+        )
+    names = ("noise of the measured joints", "commanded", "driven", "stands at most for", "limited by")
+    return [list(row) for row in zip(names, *cells, strict=True)]

@@ -1,0 +1,96 @@
+"""Written reports: Markdown, its pictures beside it."""
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.writing import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ENDINGS = (".md", ".markdown")
+CALIBRATION_PICTURES = ("", "_windows")  # endings of their names
+
+
+class Pages:
+    """A picture, and a report with pictures of its own, that are written in the end.
+
+    `plot` and `report` are where they go, `targets` the files to write instead of these until all went well.
+    """
+
+    def __init__(self, plot: Path | None, report: Path | None, targets: dict[Path, Path]) -> None:
+        self._plot, self._report, self._targets = plot, report, targets
+
+    def write(
+        self, figures: Sequence[tuple[str, "Figure"]], words: Callable[[list[str]], str] | None = None
+    ) -> None:
+        """Write figures and report.
+
+        Parameters
+        ----------
+        figures : sequence of (str, Figure)
+            Endings of names for the report, and figures; the first one is the picture.
+        words : callable, optional
+            From the names of the pictures to the text of the report.
+        """
+        from six_wheel.plotting.saving import save
+
+        if self._plot is not None:
+            save(figures[0][1], self._targets[self._plot])
+        if self._report is not None and words is not None:
+            pictures = [beside(self._report, ending) for ending, _ in figures]
+            for path, (_, figure) in zip(pictures, figures, strict=True):
+                save(figure, self._targets[path])
+            text = words([path.name for path in pictures])
+            self._targets[self._report].write_text(text, encoding="utf-8")
+
+
+def beside(report: Path, ending: str) -> Path:
+    """Where a picture of a report goes."""
+    return report.with_name(f"{report.stem}{ending}.png")
+
+
+@contextlib.contextmanager
+def reporting(
+    plot: Path | None, report: Path | None, sources: Sequence[Path | None], endings: Sequence[str] = ("",)
+) -> Iterator[Pages | None]:
+    """What writes picture and report, replaced if the block succeeds; None if neither is wanted.
+
+    Raises
+    ------
+    TableError
+        If one of them has an ending that cannot be, or would replace one of `sources`.
+    ImportError
+        If what draws is not installed: at once, and not after a long run.
+    """
+    if plot is None and report is None:
+        yield None
+        return
+    from six_wheel.plotting.saving import picture_path
+
+    wanted = [] if plot is None else [picture_path(plot)]
+    if report is not None:
+        if report.suffix.lower() not in ENDINGS:
+            raise TableError(f'{report}: the ending must be {" or ".join(ENDINGS)}, got "{report.suffix}"')
+        wanted += [beside(report, ending) for ending in endings] + [report]
+    taken = [source for source in sources if source is not None]
+    with contextlib.ExitStack() as stack:
+        targets = {path: stack.enter_context(replacing(path, taken)) for path in dict.fromkeys(wanted)}
+        yield Pages(plot, report, targets)
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table; what is in a cell cannot break it."""
+    return "\n".join([_row(heads), _row(["---"] * len(heads)), *map(_row, rows)])
+
+
+def picture(words: str, name: str) -> str:
+    """A picture in the same folder."""
+    return f"![{words}](<{name}>)"
+
+
+def _row(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|").replace("\n", "<br>") for cell in cells) + " |"

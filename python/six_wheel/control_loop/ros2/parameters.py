@@ -1,0 +1,176 @@
+"""The parameters of the nodes: what the parameter file says, limits and options, declared with ranges.
+
+Names are those of the file and of ros2_controllers. A number that is not given is 0, as in their dumps,
+and has its default.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from six_wheel._core import Noise
+from six_wheel.control_loop import OPTIONS, Option, Settings
+from six_wheel.control_loop.settings import NAMES, rover_keys
+from six_wheel.kinematics.rover_edit import limits_given
+from six_wheel.robot_description.parameters.schema import GROUPS
+
+__all__ = ["FILTER", "NODE", "Declared"]
+
+LARGEST = 1e6
+NONE = 0.0  # of what is not given
+
+NODE = (
+    Option("use_stamped_vel", True, "cmd_vel is geometry_msgs/TwistStamped; false: geometry_msgs/Twist"),
+    Option(
+        "command_interface",
+        "joint_state",
+        "joint commands: joint_state (sensor_msgs/JointState), group (std_msgs/Float64MultiArray for "
+        "steering and for wheels) or trajectory (trajectory_msgs/JointTrajectory for steering, a group "
+        "for wheels)",
+        choices=("joint_state", "group", "trajectory"),
+    ),
+    Option("enable_odom_tf", True, "publish the transform from odom_frame_id to base_frame_id"),
+    Option("publish_limited_velocity", False, "publish the motion that the limits leave on cmd_vel_out"),
+    Option("autostart", True, "configure and activate at once, without a lifecycle manager"),
+    Option("record", "", "an .mcap file for a record from which the run can be replayed; must not exist"),
+)
+FILTER = (
+    NODE[0],
+    Option(
+        "feedback",
+        "OPEN_LOOP",
+        "where the motion starts from: OPEN_LOOP, at rest; CLOSED_LOOP, the first odom",
+        choices=("OPEN_LOOP", "CLOSED_LOOP"),
+    ),
+    NODE[4],
+    NODE[5],
+)
+
+
+class Declared:
+    """The parameters of a node, and what a change of them means.
+
+    Parameters
+    ----------
+    node : Node
+    settings : Settings
+        As the file has them.
+    own : sequence of Option
+        What the node itself can be told.
+    """
+
+    def __init__(self, node: Any, settings: Settings, own: Sequence[Option]) -> None:
+        from rclpy.parameter import Parameter
+
+        self._node, self._parameter = node, Parameter
+        self.live: set[str] = set()
+        self.own: dict[str, Any] = {}
+        changes: dict[str, Any] = {}
+        options = settings.options.values()
+        for option in OPTIONS:
+            value = self._option(option, options[option.name])
+            if value != options[option.name]:
+                changes[option.name] = value
+        for option in own:
+            self.own[option.name] = option.check(self._option(option, option.default))
+        changes |= self._groups(settings)
+        changes |= self._keys(settings)
+        self.settings = settings.changed(changes) if changes else settings
+
+    def changes(self, parameters: Sequence[Any]) -> dict[str, Any]:
+        """What a request to set parameters means for `Settings.changed`.
+
+        Raises
+        ------
+        ValueError
+            If one of them cannot be changed while the node runs.
+        """
+        changes: dict[str, Any] = {}
+        for parameter in parameters:
+            name = parameter.name
+            if name in self.own or (name in NAMES and name not in self.live):
+                raise ValueError(f"{name} can only be set when the node starts")
+            if name in self.live:
+                changes |= _meant(name, parameter.value)
+        return changes
+
+    def _option(self, option: Option, value: Any) -> Any:
+        descriptor = self._descriptor(option.description, not option.live)
+        if option.choices:
+            descriptor.additional_constraints = "one of " + ", ".join(option.choices)
+        if option.least is not None and option.most is not None:
+            _range(descriptor, option.least, option.most)
+        if option.live:
+            self.live.add(option.name)
+        return self._node.declare_parameter(option.name, value, descriptor).value
+
+    def _groups(self, settings: Settings) -> dict[str, Any]:
+        """Limits, timeout and noise: numbers that can be changed while it runs."""
+        changes: dict[str, Any] = {}
+        said = settings.parameters
+        timeout = said.control.get("timeout", 0.5)
+        given = {"cmd_vel_timeout": NONE if timeout is None else timeout}
+        limits = dict.fromkeys(GROUPS["limits"].model_fields, NONE) | limits_given(said.limits)
+        given |= {f"limits.{name}": min(value, LARGEST) for name, value in limits.items()}
+        noise = Noise(**said.noise)
+        given |= {f"noise.{name}": getattr(noise, name) for name in GROUPS["noise"].model_fields}
+        for name, value in given.items():
+            group, _, key = name.partition(".")
+            what = (
+                GROUPS[group].model_fields[key].description
+                if key
+                else "age at which a command is too old, in s"
+            )
+            none = {"noise": "", "limits": f"; 0: its default, {LARGEST:g}: none"}.get(group, "; 0: none")
+            descriptor = self._descriptor(f"{what}{none}", read_only=False)
+            _range(descriptor, 0.0, LARGEST)
+            self.live.add(name)
+            now = self._node.declare_parameter(name, float(value), descriptor).value
+            if now != value:
+                changes |= _meant(name, now)
+        return changes | self._following(settings)
+
+    def _following(self, settings: Settings) -> dict[str, Any]:
+        """When a joint is one that does not follow: to be set when the node starts."""
+        changes: dict[str, Any] = {}
+        error, time = (settings.controller_option(f"following_{what}") for what in ("error", "time"))
+        for name, value, none in (("error", error or NONE, "; 0: never halt for it"), ("time", time, "")):
+            key = f"following_{name}"
+            descriptor = self._descriptor(f"{GROUPS['control'].model_fields[key].description}{none}", True)
+            _range(descriptor, 0.0, LARGEST)
+            now = self._node.declare_parameter(f"control.{key}", float(value), descriptor).value
+            if now != value:
+                changes[f"control.{key}"] = now or "never"
+        return changes
+
+    def _keys(self, settings: Settings) -> dict[str, Any]:
+        """The other keys of the file: to be set when the node starts, by the names that the team has."""
+        changes: dict[str, Any] = {}
+        for name, value in rover_keys(settings).items():
+            if self._node.has_parameter(name):
+                continue
+            descriptor = self._descriptor("of the parameter file", read_only=True)
+            now = self._node.declare_parameter(name, value, descriptor).value
+            if now != value and list(now if isinstance(now, Sequence) else [now]) != value:
+                changes[name] = now
+        return changes
+
+    def _descriptor(self, description: str, read_only: bool) -> Any:
+        from rcl_interfaces.msg import ParameterDescriptor
+
+        return ParameterDescriptor(description=description, read_only=read_only)
+
+
+def _range(descriptor: Any, least: float, most: float) -> None:
+    from rcl_interfaces.msg import FloatingPointRange
+
+    descriptor.floating_point_range = [FloatingPointRange(from_value=least, to_value=most, step=0.0)]
+
+
+def _meant(name: str, value: Any) -> Mapping[str, Any]:
+    """A parameter of ROS as a key of the file; 0 takes a limit away, so that it has its default."""
+    if name == "cmd_vel_timeout":
+        return {"control.timeout": value or LARGEST}
+    if name.startswith("limits."):
+        return {name: math.inf if value >= LARGEST else value or None}
+    return {name: value}

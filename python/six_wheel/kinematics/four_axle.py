@@ -1,0 +1,223 @@
+"""What goes into and comes out of `FourAxle`: states, steps and results, as plain values.
+
+Axles come in the order front left, front right, rear left, rear right.
+"""
+
+from __future__ import annotations  # NumPy is not loaded for its names
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Self, SupportsFloat, TypeAlias
+
+from six_wheel._core import FourAxle
+from six_wheel.kinematics import rover_edit
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from six_wheel._core import Rover
+
+    Floats: TypeAlias = NDArray[np.float64]
+
+__all__ = [
+    "Brake",
+    "FourAxle",
+    "FourAxleMobility",
+    "FourAxleMotion",
+    "FourAxleSimulation",
+    "FourAxleState",
+    "FourAxleStep",
+    "TurnSequence",
+]
+
+Brake: TypeAlias = Literal["locked", "free"]
+Four: TypeAlias = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class FourAxleState:
+    """All that changes while a `FourAxle` drives. `replace` makes another one.
+
+    Parameters
+    ----------
+    angles : sequence of float, length 4
+        Headings of the wheels in the body [rad].
+    front, rear : {'locked', 'free'}
+        Brakes of the two pairs.
+    pose : sequence of float, length 3
+        x, y, yaw of the body in the world [m, m, rad].
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, there are too few or too many, or a brake is neither locked nor free.
+    """
+
+    angles: Four = (0.0, 0.0, 0.0, 0.0)
+    front: Brake = "locked"
+    rear: Brake = "locked"
+    pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rover_edit.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rover_edit.replace(self, **changes)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angles", _numbers("angles", self.angles, 4))
+        object.__setattr__(self, "pose", _numbers("pose", self.pose, 3))
+        _check_brakes(self.front, self.rear)
+
+
+@dataclass(frozen=True, slots=True)
+class FourAxleStep:
+    """What a `FourAxle` does for a time: the brakes are set, then the wheels turn at constant speeds.
+
+    Parameters
+    ----------
+    action : str
+        What it is for, such as "free rear" or "turn rear".
+    duration : float
+        For how long [s]; 0 for a brake alone.
+    front, rear : {'locked', 'free'}
+        Brakes during the step.
+    speeds : sequence of float or None, length 4
+        Wheel speeds [rad/s]; None where the drive follows, turning as the ground makes it turn. `simulate`
+        tells at which speeds it does.
+    end : FourAxleState, optional
+        Where a planned step leads.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, the duration negative, or a brake neither locked nor free.
+    """
+
+    action: str
+    duration: float
+    front: Brake
+    rear: Brake
+    speeds: tuple[float | None, float | None, float | None, float | None]
+    end: FourAxleState | None = None
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with some of its values given anew; None is the default of one that has it."""
+        return rover_edit.replace(self, **changes)
+
+    def __replace__(self, **changes: Any) -> Self:
+        return rover_edit.replace(self, **changes)
+
+    def __post_init__(self) -> None:
+        given = _numbers("speeds", [0.0 if speed is None else speed for speed in self.speeds], 4)
+        speeds = (None if old is None else new for old, new in zip(self.speeds, given, strict=True))
+        object.__setattr__(self, "speeds", tuple(speeds))
+        (duration,) = _numbers("duration", [self.duration], 1)
+        if duration < 0.0:
+            raise ValueError(f"duration must be finite and not negative, got {duration}")
+        object.__setattr__(self, "duration", duration)
+        _check_brakes(self.front, self.rear)
+
+
+@dataclass(frozen=True, slots=True)
+class TurnSequence:
+    """Steps that re-aim the axles, each checked at the angles where it begins. Iterates over them."""
+
+    steps: tuple[FourAxleStep, ...]
+    stops: bool
+    """Whether the robot has to stand meanwhile."""
+    reason: str
+    """Why it stops or goes a roundabout way; empty if it does neither."""
+
+    def __iter__(self) -> Iterator[FourAxleStep]:
+        return iter(self.steps)
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    @property
+    def duration(self) -> float:
+        """Of all steps [s]."""
+        return math.fsum(step.duration for step in self.steps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FourAxleMobility:
+    """Whether axles at some angles let the robot move, and how."""
+
+    rank: int
+    """Rank of the four side-slip rows; 3 means locked."""
+    degree: int
+    """Independent motions left: 3 - rank."""
+    singular_values: Floats
+    """Of those rows, in their units, descending, shape (3,)."""
+    motion: Floats
+    """The free motions, shape (degree, 3): twists that move the hinges at 1 m/s (root mean square)."""
+    slip: float
+    """Side slip of the least slipping motion per distance driven (both root mean square over the wheels)."""
+    margin: float
+    """Slip to spare: the vehicle's tolerance less the slip. Negative where a lock is refused."""
+
+    @property
+    def degree_of_mobility(self) -> int:
+        """`degree`, by its name in `Mobility`."""
+        return self.degree
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FourAxleMotion:
+    """What body and pivots do at some wheel speeds."""
+
+    twist: Floats
+    """Of the body: vx, vy, omega, shape (3,) [m/s, m/s, rad/s]."""
+    pivot_rates: Floats
+    """Of the axles in the body, shape (4,) [rad/s]; 0 where locked."""
+    speeds: Floats
+    """Of all wheels, the following ones included, shape (4,) [rad/s]."""
+    residual: Floats
+    """Speed at which each contact slides, shape (4,) [m/s]."""
+    rank: int
+    """Unknowns of body and free pivots that the wheels determine: all of them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FourAxleSimulation:
+    """A simulated drive: n samples, the first of which is the start."""
+
+    rover: Rover
+    """The vehicle that drove."""
+    steps: tuple[FourAxleStep, ...]
+    """What it did."""
+    times: Floats
+    """Since the beginning, shape (n,) [s]."""
+    poses: Floats
+    """x, y, yaw in the world, shape (n, 3) [m, m, rad]."""
+    angles: Floats
+    """Of the axles in the body, shape (n, 4) [rad]."""
+    twists: Floats
+    """Of the body, shape (n, 3), as the step that leads to the sample ends; the first as its step begins."""
+    speeds: Floats
+    """Of all wheels, shape (n, 4) [rad/s]; what to feed to drives that have to follow."""
+    residual: Floats
+    """Speed at which each contact slides, shape (n, 4) [m/s]."""
+    ends: NDArray[np.int64]
+    """Row in which each step ends, shape (steps,)."""
+    final: FourAxleState
+    """Where it ended."""
+
+
+def _numbers(name: str, values: Sequence[SupportsFloat], count: int) -> tuple[float, ...]:
+    numbers = tuple(float(value) for value in values)
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        rule = "be finite" if count == 1 else f"be {count} finite numbers"
+        raise ValueError(f"{name} must {rule}, got {numbers[0] if len(numbers) == count == 1 else numbers}")
+    return numbers
+
+
+def _check_brakes(front: str, rear: str) -> None:
+    for name, brake in (("front", front), ("rear", rear)):
+        if brake not in ("locked", "free"):
+            raise ValueError(f"{name} must be 'locked' or 'free', got {brake!r}")

@@ -1,0 +1,261 @@
+"""Whole logs: from arrays, tables or files to a `Track`, in one call or piece by piece."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Literal, overload
+
+from numpy.typing import ArrayLike
+
+from six_wheel._core import Gyroscope, Noise, Odometry, Rover, Suspension, Terrain
+from six_wheel.kinematics.odometry import tabular_input
+from six_wheel.kinematics.odometry.dead_reckoning3 import Track3, reckon
+from six_wheel.kinematics.odometry.sensor_frames import mount, seen_by, start_of_body
+from six_wheel.kinematics.odometry.tracks import Track
+
+__all__ = ["dead_reckon", "dead_reckon_chunks", "table_columns"]
+
+Errors = Literal["flag", "raise"]
+
+
+@overload
+def dead_reckon(
+    rover: Rover,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    yaw: ArrayLike | str | None = None,
+    yaw_rate: ArrayLike | str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    sensor: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Track: ...
+
+
+@overload
+def dead_reckon(
+    rover: Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    ground: Terrain | None = None,
+    joints: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+    yaw_rate: ArrayLike | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    **options: Any,
+) -> Track3: ...
+
+
+def dead_reckon(
+    rover: Rover | Suspension,
+    steering: Any,
+    wheel_angles: ArrayLike | None = None,
+    stamps: ArrayLike | None = None,
+    *,
+    noise: Noise | None = None,
+    ground: Terrain | None = None,
+    joints: ArrayLike | None = None,
+    attitude: ArrayLike | None = None,
+    yaw: ArrayLike | str | None = None,
+    yaw_rate: ArrayLike | str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    sensor: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Track | Track3:
+    """Dead reckoning over a whole log in one call: the numbers of `Odometry.update`, row by row.
+
+    Of a suspension it is that of `Odometry3.update`, in space; `yaw`, `columns`, `progress` and tables are
+    for the plane.
+
+    Parameters
+    ----------
+    rover : Rover or Suspension
+        Any vehicle, or a suspension on ground.
+    steering : array_like of shape (n, steered wheels), or a table, or a path
+        Steering angles [rad], or counts of their encoders; None for a rover that does not steer. A table
+        (a frame of pandas or polars, a pyarrow table, a dict of columns) or the path of a Parquet file stands
+        for this and the next two; see `table_columns` for what its columns are called. So does a `WheelLog`,
+        with its gyroscope and the encoders it was read with.
+    wheel_angles : array_like, shape (n, wheels)
+        Running totals [rad], or what the option `readings` says; NaN where a passive wheel has no encoder.
+    stamps : array_like, shape (n,)
+        When they were read [s].
+    noise : Noise, optional
+        Standard deviations of readings and slip, default ``Noise()``.
+    ground : Terrain, optional
+        What a suspension drives on, if that is known.
+    joints : array_like, shape (n, joints), optional
+        Free angles of a suspension [rad]; a log that was simulated on ground brings its own.
+    attitude : array_like, shape (n, 2), (n, 3) or (n, 4), optional
+        Of its body, from an IMU: roll and pitch, with yaw, or quaternions x, y, z, w; likewise.
+    yaw, yaw_rate : array_like of shape (n,), or str, optional
+        Absolute yaw [rad] and gyroscope [rad/s], NaN in rows without; the name of a column for a table. That
+        of a `WheelLog` counts as that of `Gyroscope()` unless the noise or ``gyroscope=`` says what it errs
+        by.
+    start : array_like, shape (3,), default (0, 0, 0)
+        First pose ``[x, y, yaw]`` [m, m, rad]; of a suspension also as in `Odometry3.reset`.
+    start_covariance : array_like, shape (3,) or (3, 3), optional
+        Of the first pose, default 0.
+    sensor : array_like, shape (3,), optional
+        Pose ``[x, y, yaw]`` in the body of what the track shall be of, as a GPS antenna, markers or
+        `Calibration.sensor`; `start` is where that begins. Default the body itself.
+    errors : {'flag', 'raise'}
+        Leave out rows that cannot be (NaN, time that stands still or runs backwards, jumps) and flag them in
+        `Track.health`, or raise on the first one.
+    covariances, residuals : bool
+        Whether to compute these; what is not is None.
+    columns : dict of str to str, optional
+        Which column of a table holds a joint, a wheel or the ``"stamp"``, where it is called otherwise.
+    progress : callable, optional
+        Called with the rows done and all rows, after every chunk of a log.
+    **options
+        Those of `Odometry`: `readings`, `wheel_encoders`, `steering_encoders`, `method`, `inflate`, `max_gap`
+        and the others; or of `Odometry3`.
+
+    Returns
+    -------
+    Track or Track3
+        `poses`, `twists`, `covariances`, `residuals`, `health`, one row per sample.
+
+    Raises
+    ------
+    ValueError
+        If a shape does not fit, a column is missing or an option makes no sense; with ``errors="raise"`` on
+        the first bad row.
+    ModuleNotFoundError
+        If a Parquet file is given and what reads it is not installed.
+    """
+    if isinstance(rover, Suspension):
+        planar = {"yaw": yaw, "columns": columns, "progress": progress, "sensor": sensor}
+        for argument, value in planar.items():
+            if value is not None:
+                raise ValueError(f"{argument} must be left out for a suspension, got one")
+        return reckon(
+            rover,
+            steering,
+            wheel_angles,
+            stamps,
+            noise=noise,
+            ground=ground,
+            joints=joints,
+            attitude=attitude,
+            yaw_rate=yaw_rate,
+            start=start,
+            start_covariance=start_covariance,
+            errors=errors,
+            covariances=covariances,
+            residuals=residuals,
+            **options,
+        )
+    spatial = {"ground": ground, "joints": joints, "attitude": attitude}
+    for argument, one in spatial.items():
+        if one is not None:
+            raise ValueError(f"{argument} must be left out for a rover without a suspension, got one")
+    if wheel_angles is None and hasattr(steering, "wheel_angles"):
+        log = steering
+        steering, wheel_angles, stamps = log.steering, log.wheel_angles, log.stamps
+        yaw = log.yaw if yaw is None else yaw
+        options = {**log.options, **options}
+        if yaw_rate is None and log.yaw_rate is not None:
+            yaw_rate = log.yaw_rate
+            if (noise is None or noise.yaw_rate == 0.0) and options.get("gyroscope") is None:
+                options["gyroscope"] = Gyroscope()  # nobody said that it is to be taken at its word
+    place = None if sensor is None else mount(sensor)
+    if place is not None:
+        start, start_covariance = start_of_body(start, start_covariance, place)
+    odometry = Odometry(rover, noise, **options)
+    odometry.reset(start, start_covariance)
+    keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    rates = {"yaw": yaw, "yaw_rate": yaw_rate}
+    if wheel_angles is not None and stamps is not None and progress is None:
+        track = odometry.run(steering, wheel_angles, stamps, yaw=yaw, yaw_rate=yaw_rate, **keywords)
+    else:
+        if wheel_angles is None and stamps is None:
+            source = tabular_input.table(rover, steering, columns, rates, options)
+        elif wheel_angles is None or stamps is None:
+            raise ValueError("wheel_angles and stamps must come together, got one of them")
+        else:
+            source = tabular_input.arrays(steering, wheel_angles, stamps, rates)
+        track = tabular_input.join(rover, list(tabular_input.follow(odometry, source, keywords, progress)))
+    return track if place is None else seen_by(track, place)
+
+
+def dead_reckon_chunks(
+    rover: Rover,
+    table: Any,
+    *,
+    noise: Noise | None = None,
+    yaw: str | None = None,
+    yaw_rate: str | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    start_covariance: ArrayLike | None = None,
+    errors: Errors = "flag",
+    covariances: bool = True,
+    residuals: bool = True,
+    columns: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    chunk_rows: int | None = None,
+    **options: Any,
+) -> Iterator[Track]:
+    """`dead_reckon` of a table or a Parquet file, a piece at a time and in constant memory.
+
+    Parameters
+    ----------
+    rover, noise, yaw, yaw_rate, start, start_covariance, errors, covariances, residuals, columns, progress
+        As in `dead_reckon`.
+    table : a table, or a path
+        A frame of pandas or polars, a pyarrow table, a dict of columns, or the path of a Parquet file.
+    chunk_rows : int, optional
+        Rows of a piece, default 65536.
+    **options
+        Those of `Odometry`.
+
+    Yields
+    ------
+    Track
+        Of consecutive rows.
+
+    Raises
+    ------
+    ValueError, ModuleNotFoundError
+        As `dead_reckon`.
+    """
+    odometry = Odometry(rover, noise, **options)
+    odometry.reset(start, start_covariance)
+    keywords: dict[str, Any] = {"errors": errors, "covariances": covariances, "residuals": residuals}
+    sensors = {"yaw": yaw, "yaw_rate": yaw_rate}
+    source = tabular_input.table(
+        rover, table, columns, sensors, options, chunk_rows or tabular_input.CHUNK_ROWS
+    )
+    return tabular_input.follow(odometry, source, keywords, progress)
+
+
+def table_columns(rover: Rover) -> dict[str, tuple[str, ...]]:
+    """What the columns of a table may be called, by what they hold; the first that is there is taken.
+
+    Wheels and steering joints go by the rover's joint names (`Rover.traction_joints`, `steering_joints`),
+    alone or with ``.position`` or ``.velocity`` behind; wheels by their own names as well. The ``"stamp"`` is
+    in seconds, or a column of dates. A wheel without a motor may have no column.
+    """
+    return tabular_input.names(rover)

@@ -1,0 +1,334 @@
+"""Whole logs: `dead_reckon` from arrays, tables or files to a `Track`, and what the wheels say about slip."""
+
+from __future__ import annotations  # NumPy is not loaded for its names
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from six_wheel._core import Encoder, Noise, Odometry, OdometryState, Rover
+from six_wheel.kinematics.flags import NamedFlag
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = [
+    "Encoder",
+    "Noise",
+    "Odometry",
+    "OdometryHealth",
+    "OdometryState",
+    "SlipReport",
+    "SlipWindow",
+    "Track",
+    "WheelSlip",
+]
+
+
+ROUNDING = 1e-9  # [m/s], below which wheels agree: as many readings as unknowns leave no other residual
+SILENT = "the wheels cannot contradict each other: of slip nothing can be told from them alone"
+
+
+class OdometryHealth(NamedFlag):
+    """What there is to say about one sample."""
+
+    GOOD = 0
+    FIRST = 1
+    """The reference from which the next sample counts."""
+    GAP = 2
+    """After more than `max_gap`; the way in between is one arc."""
+    WRAPPED = 4
+    """A counter started over."""
+    SLIP = 8
+    """A wheel contradicts the others by more than the noise explains."""
+    NOT_FINITE = 16
+    """Left out: a reading is not a finite number."""
+    DUPLICATE = 32
+    """Left out: its stamp is that of the sample before."""
+    BACKWARDS = 64
+    """Left out: its stamp is before that of the sample before."""
+    JUMP = 128
+    """Left out: the rover would have moved or steered faster than `max_speed` or `max_steering_rate`."""
+    UNDETERMINED = 256
+    """Left out: its wheels do not determine the motion."""
+    RESTARTED = 512
+    """Clock or counters went on from another value for good; it counts from the sample left out before."""
+    OVERTURNED = 1024
+    """Left out: the attitude is that of a rover that does not stand on its wheels."""
+    UNSETTLED = 2048
+    """It does not settle on the ground there; the pose goes by joints and attitude, or on as it went."""
+    OFF_GROUND = 4096
+    """Left out: it does not settle on the ground there, and nothing else says how its wheels stand."""
+
+    LEFT_OUT = NOT_FINITE | DUPLICATE | BACKWARDS | JUMP | UNDETERMINED | OVERTURNED | OFF_GROUND
+
+
+def rows_with(health: NDArray[np.uint32], flag: OdometryHealth) -> NDArray[np.int64]:
+    """Rows with any of these flags."""
+    import numpy as np
+
+    return np.flatnonzero(health & int(flag))
+
+
+def findings(health: NDArray[np.uint32]) -> list[str]:
+    """One line per kind of flag: how many rows, and the first of them."""
+    lines = []
+    for flag in OdometryHealth:
+        rows = rows_with(health, flag)
+        if flag and len(rows) > 0:
+            shown = ", ".join(str(row) for row in rows[:5]) + (", ..." if len(rows) > 5 else "")
+            lines.append(f"{flag.name}: {len(rows)} of {len(health)} rows ({shown})")
+    return lines
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """Where a rover was over a whole log, one row per sample.
+
+    Rows that were left out (`health`) hold the state of the row before; their residuals are NaN.
+
+    Attributes
+    ----------
+    rover : Rover
+        Whose log it was.
+    stamps : ndarray, shape (n,)
+        As given [s].
+    poses : ndarray, shape (n, 3)
+        ``[x, y, yaw]`` in the world, yaw with its full turns [m, m, rad].
+    twists : ndarray, shape (n, 3)
+        Mean ``[vx, vy, omega]`` over the step that ends at the sample, in body axes [m/s, m/s, rad/s].
+    covariances : ndarray, shape (n, 3, 3), or None
+        Of the poses, in world axes.
+    residuals : ndarray, shape (n, wheels), or None
+        Speed at which each wheel's contact slid [m/s].
+    weights : ndarray, shape (n, wheels), or None
+        Say of each wheel, of the robust method.
+    health : ndarray of uint32, shape (n,)
+        `OdometryHealth` flags.
+    """
+
+    rover: Rover
+    stamps: Floats
+    poses: Floats
+    twists: Floats
+    covariances: Floats | None
+    residuals: Floats | None
+    weights: Floats | None
+    health: NDArray[np.uint32]
+
+    def __len__(self) -> int:
+        return len(self.stamps)
+
+    @property
+    def pose(self) -> Floats:
+        """`poses`."""
+        return self.poses
+
+    @property
+    def twist(self) -> Floats:
+        """`twists`."""
+        return self.twists
+
+    @property
+    def covariance(self) -> Floats | None:
+        """`covariances`."""
+        return self.covariances
+
+    @property
+    def residual(self) -> Floats | None:
+        """`residuals`."""
+        return self.residuals
+
+    @property
+    def left_out(self) -> NDArray[np.int64]:
+        """Rows that were left out."""
+        import numpy as np
+
+        return np.flatnonzero(self.health & int(OdometryHealth.LEFT_OUT))
+
+    def rows(self, flag: OdometryHealth) -> NDArray[np.int64]:
+        """Rows with any of these flags."""
+        return rows_with(self.health, flag)
+
+    def findings(self) -> list[str]:
+        """One line per kind of flag: how many rows, and the first of them."""
+        return findings(self.health)
+
+    def slip_report(
+        self, *, threshold: float | None = None, gap: float = 0.5, shortest: int = 2
+    ) -> SlipReport:
+        """Which wheels disagree with the others, by how much and when; see `SlipReport`.
+
+        Parameters
+        ----------
+        threshold : float, optional
+            Residual from which on a wheel slips [m/s]; default the rows flagged `OdometryHealth.SLIP`.
+        gap : float, default 0.5
+            Rows of slip that lie no further apart than this are one window [s].
+        shortest : int, default 2
+            Rows that make a window: fewer are noise.
+        """
+        return SlipReport.of(self, threshold, gap, shortest)
+
+    def __repr__(self) -> str:
+        lines = [f"Track({len(self)} rows"]
+        if len(self):
+            x, y, yaw = self.poses[-1]
+            lines[0] += f", {self.stamps[-1] - self.stamps[0]:.6g} s, ends at ({x:.4f}, {y:.4f}, {yaw:.4f})"
+        return "\n  ".join([lines[0], *self.findings()]) + ")"
+
+
+@dataclass(frozen=True, slots=True)
+class WheelSlip:
+    """How one wheel disagrees with the others over a log."""
+
+    name: str
+    rms: float  # of its residual [m/s]
+    mean: float  # of its residual: what it disagrees by all the time [m/s]
+    worst: float  # largest residual [m/s]
+    worst_row: int
+    worst_share: float  # share of the moving rows in which no wheel disagrees more
+    weight: float | None  # mean say, of the robust method
+
+
+@dataclass(frozen=True, slots=True)
+class SlipWindow:
+    """A stretch of a log in which wheels slid."""
+
+    start: float  # stamp [s]
+    end: float
+    first_row: int
+    last_row: int
+    wheel: str  # that slid furthest
+    distance: float  # how far it slid [m]
+    worst: float  # largest residual of it [m/s]
+
+
+@dataclass(frozen=True, slots=True)
+class SlipReport:
+    """Per wheel and over time, how the wheels contradict the motion that fits all of them best.
+
+    A residual is a speed: how fast the contact slides if the fitted twist is the rover's. When one wheel
+    slips the fit gives way a little, so others seem to slide as well; the one that slides most is named.
+    """
+
+    wheels: tuple[WheelSlip, ...]
+    windows: tuple[SlipWindow, ...]
+    rows: int
+    told: bool = True
+    """Whether the wheels can contradict each other at all: two wheels of a differential drive cannot."""
+
+    @property
+    def worst_wheel(self) -> str | None:
+        """The wheel with the largest residual over the log; None if none slides."""
+        worst = max(self.wheels, key=lambda wheel: wheel.rms)
+        return worst.name if worst.rms > 0.0 else None
+
+    @classmethod
+    def of(cls, track: Track, threshold: float | None, gap: float, shortest: int) -> SlipReport:
+        """The report of a track."""
+        import numpy as np
+
+        if track.residuals is None:
+            raise ValueError("track must hold residuals, got one without")
+        used = (track.health & int(OdometryHealth.LEFT_OUT | OdometryHealth.FIRST)) == 0
+        residuals = track.residuals[used]
+        rows, stamps = np.flatnonzero(used), track.stamps[used]
+        names = track.rover.wheel_names
+        weights = None if track.weights is None else track.weights[used].mean(axis=0)
+        if not len(residuals):
+            wheels = [WheelSlip(name, 0.0, 0.0, 0.0, 0, 0.0, None) for name in names]
+            return cls(tuple(wheels), (), 0, can_contradict(track.rover))
+        largest = residuals.max(axis=1)
+        moving = largest > 0.0
+        leads = np.argmax(residuals, axis=1)
+        wheels = []
+        for i, name in enumerate(names):
+            worst = int(np.argmax(residuals[:, i]))
+            share = float(np.mean(leads[moving] == i)) if moving.any() else 0.0
+            wheels.append(
+                WheelSlip(
+                    name,
+                    float(np.sqrt(np.mean(residuals[:, i] ** 2))),
+                    float(np.mean(residuals[:, i])),
+                    float(residuals[worst, i]),
+                    int(rows[worst]),
+                    share,
+                    None if weights is None else float(weights[i]),
+                )
+            )
+        flagged = (track.health[used] & int(OdometryHealth.SLIP)) != 0
+        slips = flagged if threshold is None else largest > threshold
+        windows = []
+        places = np.flatnonzero(slips)
+        if len(places):
+            ends = np.flatnonzero(np.diff(stamps[places]) > gap)
+            for run in np.split(places, ends + 1):
+                if len(run) < shortest:
+                    continue
+                first, last = int(run[0]), int(run[-1])
+                steps = (
+                    np.diff(stamps[first - 1 : last + 1])
+                    if first
+                    else np.diff(stamps[first : last + 1], prepend=stamps[first])
+                )
+                slid = (residuals[first : last + 1] * steps[:, None]).sum(axis=0)
+                wheel = int(np.argmax(slid))
+                windows.append(
+                    SlipWindow(
+                        float(stamps[first]),
+                        float(stamps[last]),
+                        int(rows[first]),
+                        int(rows[last]),
+                        names[wheel],
+                        float(slid[wheel]),
+                        float(residuals[first : last + 1, wheel].max()),
+                    )
+                )
+        told = can_contradict(track.rover, largest=float(largest.max()))
+        return cls(tuple(wheels), tuple(windows), len(residuals), told)
+
+    def __str__(self) -> str:
+        width = max(len(wheel.name) for wheel in self.wheels)
+        head = f"{'wheel':{width}}  rms [m/s]  mean [m/s]  worst [m/s]  in row  worst wheel in"
+        lines = [f"slip of {len(self.wheels)} wheels over {self.rows} rows", head]
+        for wheel in self.wheels:
+            line = f"{wheel.name:{width}}  {wheel.rms:9.4f}  {wheel.mean:10.4f}  {wheel.worst:11.4f}"
+            line += f"  {wheel.worst_row:6d}  {wheel.worst_share:13.0%}"
+            lines.append(line if wheel.weight is None else f"{line}  weight {wheel.weight:.2f}")
+        for window in self.windows:
+            lines.append(
+                f"{window.start:.3f} s to {window.end:.3f} s (rows {window.first_row} to {window.last_row}): "
+                f"{window.wheel} slid {window.distance:.3f} m, at {window.worst:.3f} m/s at most"
+            )
+        if not self.told:
+            lines.append(
+                f"{SILENT} (a gyroscope or a truth can: six_wheel.log_odometry.evaluation.slip_against)"
+            )
+        elif not self.windows:
+            lines.append("no stretch in which a wheel slipped")
+        return "\n".join(lines)
+
+
+def can_contradict(rover: Rover, largest: float = math.inf) -> bool:
+    """Whether the readings of a rover say more than its motion, so that slip shows in them.
+
+    Parameters
+    ----------
+    largest : float
+        Largest residual of a log [m/s]: where there is none, wheels without a motor may have had no encoder.
+    """
+    import numpy as np
+
+    numbers = np.random.default_rng(0)  # any readings that are not those of a motion
+    ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
+    steering = np.array([numbers.uniform(max(low, -1.0), min(high, 1.0)) for low, high in ranges])
+    speeds = numbers.normal(size=len(rover.wheels))
+    driven = np.array([wheel.driven for wheel in rover.wheels])
+    heard = [speeds] if largest > ROUNDING else [speeds, np.where(driven, speeds, np.nan)]
+    return all(
+        np.nanmax(rover.fit(steering, one, allow_underdetermined=True).residual) > ROUNDING for one in heard
+    )

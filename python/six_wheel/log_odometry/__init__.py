@@ -1,0 +1,37 @@
+"""A log on disk to a track on disk, in chunks of constant memory, with what is to be said about it.
+
+`run_log` does one, `many_logs` any number, over processes or a cluster; `evaluation` compares tracks with the
+truth.
+"""
+
+from typing import TYPE_CHECKING
+
+from six_wheel.kinematics.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.log_odometry.many_logs import FleetLog, reckon_all
+    from six_wheel.log_odometry.run_log import Count, Reckoned, Settings, reckon
+    from six_wheel.log_odometry.slip import SlipSum
+    from six_wheel.log_odometry.tracks import of_track
+
+__all__ = [
+    "Count",
+    "FleetLog",
+    "Reckoned",
+    "Settings",
+    "SlipSum",
+    "of_track",
+    "reckon",
+    "reckon_all",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "many_logs": ("FleetLog", "reckon_all"),
+        "run_log": ("Count", "Reckoned", "Settings", "reckon"),
+        "slip": ("SlipSum",),
+        "tracks": ("of_track",),
+        "evaluation": (),
+    },
+)

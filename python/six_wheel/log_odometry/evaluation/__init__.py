@@ -1,0 +1,68 @@
+"""How far an estimated path is from the true one, and the square-path test UMBmark."""
+
+from typing import TYPE_CHECKING
+
+from six_wheel.kinematics.lazy import attach
+
+if TYPE_CHECKING:
+    from six_wheel.log_odometry.evaluation.paths import (
+        AbsoluteError,
+        Alignment,
+        ErrorGrowth,
+        Evaluation,
+        RelativeError,
+        absolute_error,
+        align,
+        at_same_times,
+        error_growth,
+        evaluate,
+        path_distance,
+        relative_error,
+        segments,
+    )
+    from six_wheel.log_odometry.evaluation.slip import Stretch, slip_against
+    from six_wheel.log_odometry.evaluation.square_path import SquareTest, umbmark
+
+__all__ = [
+    "AbsoluteError",
+    "Alignment",
+    "ErrorGrowth",
+    "Evaluation",
+    "RelativeError",
+    "SquareTest",
+    "Stretch",
+    "absolute_error",
+    "align",
+    "at_same_times",
+    "error_growth",
+    "evaluate",
+    "path_distance",
+    "relative_error",
+    "segments",
+    "slip_against",
+    "umbmark",
+]
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "paths": (
+            "AbsoluteError",
+            "Alignment",
+            "ErrorGrowth",
+            "Evaluation",
+            "RelativeError",
+            "absolute_error",
+            "align",
+            "at_same_times",
+            "at_same_times",
+            "error_growth",
+            "evaluate",
+            "path_distance",
+            "relative_error",
+            "segments",
+        ),
+        "slip": ("Stretch", "slip_against"),
+        "square_path": ("SquareTest", "umbmark"),
+    },
+)

@@ -1,0 +1,415 @@
+"""How far an estimated path is from the true one: absolute and relative errors, and how they grow.
+
+Both paths hold one pose per row, x, y, yaw [m, m, rad], taken at the same times. `GroundTruth.at` of
+`six_wheel.logs.recordings` brings a reference with its own clock to the stamps of a log.
+
+The measures are those of Sturm et al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012, in
+the plane and without scale; relative errors go by distance as in Geiger, Lenz & Urtasun, Are we ready for
+autonomous driving?, CVPR 2012. The package evo computes the same numbers.
+"""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import wrap_angle
+from six_wheel.kinematics.odometry.tracks import Track
+from six_wheel.kinematics.poses import Floats, as_poses, between, inverse, joined
+from six_wheel.logs.recordings import Reference, as_truth
+
+__all__ = [
+    "AbsoluteError",
+    "Alignment",
+    "ErrorGrowth",
+    "Evaluation",
+    "RelativeError",
+    "absolute_error",
+    "align",
+    "at_same_times",
+    "error_growth",
+    "evaluate",
+    "path_distance",
+    "relative_error",
+    "segments",
+]
+
+Alignment = Literal["first", "se2", "none"]
+Rows = NDArray[np.int64]
+
+# Every fifth pose starts a segment: neighbours see nearly the same stretch of path.
+STRIDE = 5
+
+
+def _rms(values: Floats) -> float:
+    return math.sqrt(float(np.mean(np.square(values)))) if values.size else math.nan
+
+
+def path_distance(poses: ArrayLike) -> Floats:
+    """Distance driven up to each pose, as the sum of the chords [m], shape (n,)."""
+    steps = np.diff(as_poses("poses", poses)[:, :2], axis=0)
+    return np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+
+
+def align(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "se2") -> Floats:
+    """The estimate, moved as one rigid body onto the truth.
+
+    Parameters
+    ----------
+    estimate, truth : array_like, shape (n, 3)
+        Poses at the same times [m, m, rad].
+    how : {'first', 'se2', 'none'}
+        So that the first poses agree; so that the positions agree best in the sense of least squares,
+        without scale; or not at all.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ, a pose is not finite, or `how` is none of these.
+
+    Source: Umeyama, Least-Squares Estimation of Transformation Parameters Between Two Point Patterns,
+    IEEE PAMI 13(4), 1991; in the plane the rotation is one `atan2`.
+    """
+    wanted = as_poses("truth", truth)
+    moved = as_poses("estimate", estimate, len(wanted))
+    if how == "none":
+        return moved.copy()
+    if how == "first":
+        return joined(joined(wanted[0], inverse(moved[0])), moved)
+    if how != "se2":
+        raise ValueError(f"how must be 'first', 'se2' or 'none', got {how!r}")
+    centre, onto = moved[:, :2].mean(axis=0), wanted[:, :2].mean(axis=0)
+    products = (moved[:, :2] - centre).T @ (wanted[:, :2] - onto)
+    yaw = math.atan2(products[0, 1] - products[1, 0], products[0, 0] + products[1, 1])
+    back = np.array((-centre[0], -centre[1], 0.0))
+    return joined(joined(np.array((onto[0], onto[1], yaw)), back), moved)
+
+
+@dataclass(frozen=True, eq=False)
+class AbsoluteError:
+    """Distance of every pose from its true one, after an alignment.
+
+    `position` [m] and `heading` [rad, signed] have shape (n,).
+    """
+
+    alignment: Alignment
+    position: Floats = field(repr=False)
+    heading: Floats = field(repr=False)
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square of the position error [m]: what is called ATE."""
+        return _rms(self.position)
+
+    @property
+    def median(self) -> float:
+        """Median of the position error [m]."""
+        return float(np.median(self.position))
+
+    @property
+    def maximum(self) -> float:
+        """Largest position error [m]."""
+        return float(np.max(self.position))
+
+    @property
+    def final(self) -> float:
+        """Position error of the last pose [m]."""
+        return float(self.position[-1])
+
+    @property
+    def heading_rmse(self) -> float:
+        """Root mean square of the heading error [rad]."""
+        return _rms(self.heading)
+
+    @property
+    def final_heading(self) -> float:
+        """Heading error of the last pose [rad], signed."""
+        return float(self.heading[-1])
+
+    def __repr__(self) -> str:
+        return (
+            f"AbsoluteError({self.alignment}: rmse {self.rmse:.4f} m, max {self.maximum:.4f} m, "
+            f"final {self.final:.4f} m {math.degrees(self.final_heading):+.2f} deg)"
+        )
+
+
+def absolute_error(estimate: ArrayLike, truth: ArrayLike, how: Alignment = "first") -> AbsoluteError:
+    """Absolute trajectory error: how far each pose is from the true one once the paths are aligned.
+
+    Parameters, errors
+        As in `align`.
+    """
+    wanted = as_poses("truth", truth)
+    error = align(estimate, wanted, how) - wanted
+    return AbsoluteError(how, np.hypot(error[:, 0], error[:, 1]), np.asarray(wrap_angle(error[:, 2])))
+
+
+def segments(poses: ArrayLike, length: float, *, stride: int | None = STRIDE) -> Rows:
+    """First and last row of the stretches of a path that are `length` long.
+
+    Parameters
+    ----------
+    poses : array_like, shape (n, 3)
+        The true path [m, m, rad].
+    length : float
+        Of a stretch [m]; it ends with the first pose at which that distance is reached.
+    stride : int or None, default 5
+        Every how many rows a stretch begins; None: where the one before it ended.
+
+    Returns
+    -------
+    ndarray of int, shape (m, 2)
+        No rows where the path is shorter than `length`.
+
+    Raises
+    ------
+    ValueError
+        If `length` is not finite and positive or `stride` not a positive integer.
+    """
+    if not (math.isfinite(length) and length > 0.0):
+        raise ValueError(f"length must be finite and positive, got {length}")
+    if stride is not None and stride < 1:
+        raise ValueError(f"stride must be 1 or more, or None, got {stride}")
+    along = path_distance(poses)
+    if stride is not None:
+        first = np.arange(0, len(along), stride)
+        last = np.searchsorted(along, along[first] + length)
+        pairs = np.stack((first, last), axis=1)[last < len(along)]
+        return pairs.astype(np.int64, copy=False)
+    rows = [0]
+    while (end := int(np.searchsorted(along, along[rows[-1]] + length))) < len(along):
+        rows.append(end)
+    return np.stack((rows[:-1], rows[1:]), axis=1).astype(np.int64, copy=False)
+
+
+@dataclass(frozen=True, eq=False)
+class RelativeError:
+    """Error of the motion over stretches of the true path that are `length` [m] long.
+
+    `rows` (m, 2) are their ends, `position` [m] and `heading` [rad, signed] (m,) how far the estimated motion
+    over a stretch ends from the true one. Without a stretch that long the figures are NaN.
+    """
+
+    length: float
+    rows: Rows = field(repr=False)
+    position: Floats = field(repr=False)
+    heading: Floats = field(repr=False)
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square of the position error [m]."""
+        return _rms(self.position)
+
+    @property
+    def percent(self) -> float:
+        """The same as a share of `length` [%]."""
+        return 100.0 * self.rmse / self.length
+
+    @property
+    def heading_rmse(self) -> float:
+        """Root mean square of the heading error [rad]."""
+        return _rms(self.heading)
+
+    def __repr__(self) -> str:
+        return (
+            f"RelativeError({len(self.rows)} x {self.length:g} m: rmse {self.percent:.2f} %, "
+            f"{math.degrees(self.heading_rmse):.2f} deg)"
+        )
+
+
+def relative_error(
+    estimate: ArrayLike,
+    truth: ArrayLike,
+    length: float = 0.5,
+    *,
+    stride: int | None = STRIDE,
+    rows: ArrayLike | None = None,
+) -> RelativeError:
+    """Relative pose error over stretches of the true path.
+
+    Parameters
+    ----------
+    estimate, truth : array_like, shape (n, 3)
+        Poses at the same times [m, m, rad]; how the paths lie to each other does not matter.
+    length, stride
+        As in `segments`.
+    rows : array_like of int, shape (m, 2), optional
+        Ends of the stretches, instead of those that `segments` finds.
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ, a pose is not finite or a row is not there.
+    """
+    wanted = as_poses("truth", truth)
+    moved = as_poses("estimate", estimate, len(wanted))
+    pairs = segments(wanted, length, stride=stride) if rows is None else np.asarray(rows, dtype=np.int64)
+    if pairs.ndim != 2 or pairs.shape[1] != 2:
+        raise ValueError(f"rows must have shape (m, 2), got {pairs.shape}")
+    if pairs.size and not (pairs.min() >= 0 and pairs.max() < len(wanted)):
+        raise ValueError(f"rows must be in 0 to {len(wanted) - 1}, got {pairs.min()} to {pairs.max()}")
+    first, last = pairs.T
+    error = between(between(wanted[first], wanted[last]), between(moved[first], moved[last]))
+    return RelativeError(length, pairs, np.hypot(error[:, 0], error[:, 1]), error[:, 2])
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorGrowth:
+    """Root mean square errors over stretches of growing length; arrays of shape (k,).
+
+    `length` [m], `position` [m], `heading` [rad], and how many stretches there were (`count`).
+    """
+
+    length: Floats
+    position: Floats
+    heading: Floats
+    count: Rows
+
+    def __repr__(self) -> str:
+        rows = zip(self.length, self.position, self.heading, strict=True)
+        said = ", ".join(f"{d:g} m: {p:.4f} m {math.degrees(h):.2f} deg" for d, p, h in rows)
+        return f"ErrorGrowth({said})"
+
+
+def error_growth(
+    estimate: ArrayLike,
+    truth: ArrayLike,
+    lengths: Sequence[float] | None = None,
+    *,
+    stride: int | None = STRIDE,
+) -> ErrorGrowth:
+    """How relative errors grow with the distance driven.
+
+    Parameters
+    ----------
+    estimate, truth, stride
+        As in `relative_error`.
+    lengths : sequence of float, optional
+        Lengths of the stretches [m]; twelve from a fiftieth of the path to half of it without them. Lengths
+        for which the path is too short are left out.
+    """
+    wanted = as_poses("truth", truth)
+    if lengths is None:
+        whole = float(path_distance(wanted)[-1])
+        lengths = np.geomspace(whole / 50, whole / 2, 12).tolist() if whole > 0.0 else []
+    errors = [relative_error(estimate, wanted, length, stride=stride) for length in lengths]
+    errors = [error for error in errors if len(error.rows)]
+    return ErrorGrowth(
+        np.array([error.length for error in errors]),
+        np.array([error.rmse for error in errors]),
+        np.array([error.heading_rmse for error in errors]),
+        np.array([len(error.rows) for error in errors], dtype=np.int64),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """All measures of one estimated path.
+
+    Attributes
+    ----------
+    distance : float
+        Length of the true path [m].
+    first, aligned : AbsoluteError
+        With the first pose given, and after the best rigid alignment.
+    relative : RelativeError
+    growth : ErrorGrowth
+    """
+
+    distance: float
+    first: AbsoluteError
+    aligned: AbsoluteError
+    relative: RelativeError
+    growth: ErrorGrowth = field(repr=False)
+
+    def __repr__(self) -> str:
+        turned = math.degrees(self.first.final_heading)
+        per = math.degrees(self.relative.heading_rmse)
+        return (
+            f"Evaluation({self.distance:.2f} m: ATE {self.first.rmse:.4f} m, "
+            f"aligned {self.aligned.rmse:.4f} m, end {self.first.final:.4f} m {turned:+.2f} deg, "
+            f"{self.relative.percent:.2f} % and {per:.2f} deg per {self.relative.length:g} m)"
+        )
+
+    def to_dict(self) -> dict[str, float]:
+        """The figures under names that say what they are and in which unit."""
+        return {
+            "distance_m": self.distance,
+            "ate_first_m": self.first.rmse,
+            "ate_se2_m": self.aligned.rmse,
+            "final_m": self.first.final,
+            "final_deg": math.degrees(self.first.final_heading),
+            "relative_length_m": self.relative.length,
+            "relative_percent": self.relative.percent,
+            "relative_deg": math.degrees(self.relative.heading_rmse),
+        }
+
+
+def at_same_times(estimate: ArrayLike | Track, truth: ArrayLike | Reference) -> tuple[ArrayLike, ArrayLike]:
+    """Poses of both at the same times: a `Track` and a `GroundTruth` (or what `as_truth` takes) by stamps.
+
+    Raises
+    ------
+    ValueError
+        If they do not overlap in time for two rows of the track, or a truth comes without a track.
+    """
+    if hasattr(truth, "stamps"):
+        truth = as_truth(truth)
+        if not isinstance(estimate, Track):
+            raise ValueError(
+                f"estimate must be a Track where truth is a GroundTruth, got {type(estimate).__name__}"
+            )
+        real = truth.at(estimate.stamps)
+        known = np.isfinite(real).all(axis=1)
+        if np.count_nonzero(known) < 2:
+            theirs = f"{truth.stamps[0]:g} to {truth.stamps[-1]:g} s"
+            ours = f"{estimate.stamps[0]:g} to {estimate.stamps[-1]:g} s" if len(estimate) else "no rows"
+            raise ValueError(f"truth must overlap the track in time, got {theirs} and {ours}")
+        return estimate.poses[known], real[known]
+    return estimate.poses if isinstance(estimate, Track) else estimate, truth
+
+
+def evaluate(
+    estimate: ArrayLike | Track,
+    truth: ArrayLike | Reference,
+    *,
+    length: float = 0.5,
+    stride: int | None = STRIDE,
+) -> Evaluation:
+    """Every measure of an estimated path against the true one.
+
+    Parameters
+    ----------
+    estimate, truth : array_like, shape (n, 3), or Track and GroundTruth
+        Poses at the same times [m, m, rad]; a `GroundTruth` is interpolated at the stamps of a `Track`, whose
+        rows outside it are left out. The `WheelLog` that has it, or another `Track`, serves as well.
+    length, stride
+        Of the relative error; see `segments`.
+
+    Returns
+    -------
+    Evaluation
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ, a pose is not finite, or track and truth do not overlap in time.
+    """
+    estimate, truth = at_same_times(estimate, truth)
+    wanted = as_poses("truth", truth)
+    return Evaluation(
+        float(path_distance(wanted)[-1]),
+        absolute_error(estimate, wanted, "first"),
+        absolute_error(estimate, wanted, "se2"),
+        relative_error(estimate, wanted, length, stride=stride),
+        error_growth(estimate, wanted, stride=stride),
+    )

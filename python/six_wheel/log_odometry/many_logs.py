@@ -1,0 +1,195 @@
+"""Dead reckoning of many logs: on this machine's cores or a cluster, a track on disk for each.
+
+Every log goes through `reckon` wherever it runs, so its track is that of one by one, to the bit. What is done
+is kept in a journal beside the tracks: a run that was stopped goes on where it was, and logs that came since,
+or changed, are all that is left to do. A log that fails is reported, and the rest go on.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from six_wheel._core import Rover, __version__
+from six_wheel.log_odometry.run_log import Settings, reckon
+from six_wheel.logs.columns import TableError
+from six_wheel.logs.detect_reader import LogOptions, logs_in
+from six_wheel.logs.tables import table_format
+from six_wheel.logs.writing import remove_leftovers
+from six_wheel.parallel import Failure, Journal, spread
+
+__all__ = ["FleetLog", "reckon_all"]
+
+JOURNAL = ".done"  # folder beside the tracks
+
+
+@dataclass(frozen=True)
+class FleetLog:
+    """One log of many.
+
+    Attributes
+    ----------
+    path, track : Path
+        The log, and where its track is.
+    summary : dict or None
+        Rows, duration [s], distance [m], last pose and its standard deviations, `ate` [m] where the truth is
+        known, warnings; None where it failed.
+    failure : Failure or None
+    resumed : bool
+        Whether it was done before.
+    """
+
+    path: Path
+    track: Path
+    summary: dict[str, Any] | None
+    failure: Failure | None = None
+    resumed: bool = False
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a worker needs for one log."""
+
+    rover: Rover
+    path: Path
+    track: Path
+    truth: Path | None
+    log_options: LogOptions
+    settings: Settings
+    length: float
+
+
+def reckon_all(
+    rover: Rover,
+    paths: Sequence[Path],
+    output: Path,
+    *,
+    ending: str = ".csv",
+    truth: Path | None = None,
+    log_options: LogOptions | None = None,
+    settings: Settings | None = None,
+    length: float = 0.5,
+    client: Any = None,
+    workers: int | None = None,
+    tell: Callable[[int, int], object] | None = None,
+) -> Iterator[FleetLog]:
+    """Dead-reckon many logs; those that were done before come first, the others as they get done.
+
+    Parameters
+    ----------
+    rover : Rover
+        Of all logs.
+    paths : sequence of Path
+        Logs, or folders of them.
+    output : Path
+        Folder for the tracks, made if it is not there; they lie in it as the logs lie in theirs.
+    ending : {'.csv', '.parquet'}
+        Of the tracks.
+    truth : Path, optional
+        That holds the times of all logs.
+    log_options, settings, length
+        As in `reckon`.
+    client : distributed.Client or str, optional
+        A Dask cluster or its address, whose workers see the same files.
+    workers : int, optional
+        Processes of this machine, default one per core.
+    tell : callable, optional
+        Called with the logs that are done and all logs.
+
+    Raises
+    ------
+    TableError
+        If there is no log, or the output cannot be a folder.
+    ClusterError
+        If the cluster does not answer.
+    """
+    logs = logs_in(paths)
+    table_format(Path(f"track{ending}"))
+    if output.exists() and not output.is_dir():
+        raise TableError(f"{output}: the output of several logs must be a folder")
+    tracks = _tracks(logs, output, ending)
+    output.mkdir(parents=True, exist_ok=True)
+    journal = Journal(output / JOURNAL, {"kept": "summaries of tracks"})
+    options, way = log_options or LogOptions(), settings or Settings()
+    jobs = [
+        Job(rover, path.resolve(), track.resolve(), truth and truth.resolve(), options, way, length)
+        for path, track in zip(logs, tracks, strict=True)
+    ]
+    keys = [_key(job) for job in jobs]
+    done = 0
+
+    def counted(one: FleetLog) -> FleetLog:
+        nonlocal done
+        done += 1
+        if tell is not None:
+            tell(done, len(jobs))
+        return one
+
+    left = []
+    for number, key in enumerate(keys):
+        if key in journal and tracks[number].is_file():
+            yield counted(FleetLog(logs[number], tracks[number], journal.read(key), resumed=True))
+        else:
+            left.append(number)
+    for outcome in spread(reckon_one, [jobs[number] for number in left], cluster=client, workers=workers):
+        number = left[outcome.index]
+        failure = outcome.failure
+        if failure is None and not tracks[number].is_file():
+            failure = Failure("TableError", "the worker wrote its track where this machine does not see it")
+        if failure is None:
+            remove_leftovers(tracks[number])  # of workers that died
+            journal.write(keys[number], outcome.value)
+        value = outcome.value if failure is None else None
+        yield counted(FleetLog(logs[number], tracks[number], value, failure))
+
+
+def reckon_one(job: Job) -> dict[str, Any]:
+    """One log, where the worker is; its track is in place before this returns."""
+    job.track.parent.mkdir(parents=True, exist_ok=True)
+    result = reckon(
+        job.rover,
+        job.path,
+        job.track,
+        truth=job.truth,
+        log_options=job.log_options,
+        settings=job.settings,
+        length=job.length,
+    )
+    judged = result.placed if result.evaluation is None else result.evaluation.first
+    return {
+        "rows": result.rows,
+        "duration": result.duration,
+        "distance": result.distance,
+        "pose": result.pose,
+        "deviations": result.deviations,
+        "ate": None if judged is None else judged.rmse,
+        "warnings": list(result.warnings),
+    }
+
+
+def _tracks(logs: Sequence[Path], output: Path, ending: str) -> list[Path]:
+    """Where the tracks go: as the logs lie below what they have in common, whole names where stems meet."""
+    places = [path.resolve() for path in logs]
+    root = Path(os.path.commonpath([place.parent for place in places]))
+    stems = [place.relative_to(root).with_suffix("") for place in places]
+    found = [
+        output / (f"{stem}{ending}" if stems.count(stem) == 1 else f"{place.relative_to(root)}{ending}")
+        for stem, place in zip(stems, places, strict=True)
+    ]
+    taken = {place for place in places if place.suffix == ending}
+    for track in found:
+        if track.resolve() in taken:
+            raise TableError(f"{track}: the output must be another file than the log")
+    return found
+
+
+def _key(job: Job) -> int:
+    """Of everything that a track depends on; another one as soon as any of it changes."""
+    files = sorted(job.path.rglob("*")) if job.path.is_dir() else [job.path]
+    files += [] if job.truth is None else [job.truth]
+    states = [(str(file), file.stat().st_size, file.stat().st_mtime_ns) for file in files if file.is_file()]
+    said = [__version__, *map(repr, (job.rover, job.settings, job.log_options, job.length, job.track))]
+    return int(hashlib.sha256(json.dumps([said, states]).encode()).hexdigest()[:15], 16)

@@ -1,0 +1,60 @@
+"""Dead reckoning as a record: the readings, where the rover is by them, how sure that is, and the slip."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+from six_wheel._core import Rover
+from six_wheel.kinematics.odometry.tracks import OdometryHealth, Track
+from six_wheel.kinematics.poses import Floats
+from six_wheel.logs.joints import JointRows
+from six_wheel.logs.mcap import RoverRecord
+
+__all__ = ["TrackRecord"]
+
+
+class TrackRecord:
+    """Writes tracks into an MCAP file of `logs.mcap`, chunk by chunk.
+
+    Parameters
+    ----------
+    path : Path
+        A .mcap file.
+    rover : Rover
+    parameters : str
+        Its parameter file, as text.
+    origin : int
+        The second from which stamps are counted.
+    """
+
+    def __init__(self, path: Path, rover: Rover, parameters: str, origin: int) -> None:
+        self._origin = origin
+        steering = {wheel: joint for joint, wheel in rover.steering_joints.items()}
+        traction = {wheel: joint for joint, wheel in rover.traction_joints.items()}
+        self._names = [steering[wheel] for wheel in rover.steered_names]
+        self._names += [traction.get(wheel, wheel) for wheel in rover.wheel_names]
+        self._signs = [-1.0 if joint in rover.reversed_joints else 1.0 for joint in self._names]
+        self._record = RoverRecord(path, rover, "odometry", parameters)
+
+    def write(self, chunk: JointRows, track: Track, covariances: Sequence[tuple[Floats, Floats]]) -> None:
+        """Append rows, with the 6 x 6 covariances of pose and twist of each."""
+        record, residuals = self._record, track.residuals
+        assert residuals is not None
+        for row, seconds in enumerate(chunk.stamps.tolist()):
+            stamp = self._origin * 1_000_000_000 + round(1e9 * seconds)
+            steering = [] if chunk.steering is None else chunk.steering[row].tolist()
+            readings = [*steering, *chunk.wheel_angles[row].tolist()]
+            joints = [sign * value for sign, value in zip(self._signs, readings, strict=True)]
+            record.joints(stamp, stamp, self._names, joints)
+            if track.health[row] & int(OdometryHealth.LEFT_OUT):
+                continue
+            pose, twist = track.poses[row].tolist(), track.twists[row].tolist()
+            of_pose, of_twist = (each.ravel().tolist() for each in covariances[row])
+            record.odometry(stamp, stamp, pose, twist, of_pose, of_twist)
+            record.slip(stamp, residuals[row].tolist())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._record.close()

@@ -1,0 +1,162 @@
+"""A bag of ROS 2 (MCAP or sqlite3) or ROS 1: the messages of its topics. Needs rosbags."""
+
+import itertools
+import tempfile
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from six_wheel.logs.bags.bag_files import files_of, one_line, rosbags_names, whole_part
+from six_wheel.logs.columns import TIME_UNITS, TableError
+from six_wheel.logs.skip_bad_rows import Findings
+
+if TYPE_CHECKING:
+    from rosbags.highlevel import AnyReader
+
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")  # the other one of ROS 1, from before tf2
+OWN_FRAMES = ("base_footprint", "base_link")  # of a rover, where nothing else is asked for
+POSES = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseStamped",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "geometry_msgs/msg/TransformStamped",
+)
+LOOK_AHEAD = 1000  # messages in which to look for the joints
+LINE = 0  # messages have no line
+
+
+class Bag:
+    """A bag on disk, open for reading the messages of some topics.
+
+    Raises
+    ------
+    TableError
+        If it cannot be read.
+    ModuleNotFoundError
+        If rosbags is not installed.
+    """
+
+    time_unit = TIME_UNITS[-1]
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.findings = Findings(path)
+        self.position = 0
+        self._topics: list[Any] = []
+        self._whole: tempfile.TemporaryDirectory[str] | None = None
+        rosbags = rosbags_names()
+        try:
+            self._reader = self._open(rosbags)
+        except BaseException:
+            self._forget()
+            raise
+
+    def _open(self, rosbags: Any) -> "AnyReader":
+        """A reader of the bag, or of what is whole of it."""
+        store = rosbags.get_typestore(rosbags.Stores.LATEST)
+
+        def reader(paths: Sequence[Path]) -> "AnyReader":
+            opened: AnyReader = rosbags.AnyReader(paths, default_typestore=store)
+            opened.open()
+            return opened
+
+        if not self.path.exists():
+            raise TableError(f"{self.path}: no such file")
+        files = files_of(self.path)
+        # The index of a folder is written when the recorder stops; the files serve without.
+        bags = files if self.path.is_dir() and not (self.path / "metadata.yaml").exists() else [self.path]
+        if not bags:
+            raise TableError(
+                f"{self.path}: the folder must hold metadata.yaml or .mcap or .db3 files, got none"
+            )
+        try:
+            return reader(bags)
+        except Exception as error:  # sqlite, YAML and zstd have their own, and a cut file meets all of them
+            refused = TableError(f"{self.path}: not a readable bag: {one_line(error)}")
+        self._whole = tempfile.TemporaryDirectory()
+        try:
+            return reader([whole_part(file, Path(self._whole.name)) for file in files])
+        except Exception:
+            raise refused from None
+
+    def close(self) -> None:
+        """Close the files."""
+        self._reader.close()
+        self._forget()
+
+    def _forget(self) -> None:
+        if self._whole is not None:
+            self._whole.cleanup()
+
+    @property
+    def size(self) -> int:
+        """Messages to read; `position` of them have been."""
+        return sum(connection.msgcount for connection in self._topics)
+
+    def _choose(self, types: Sequence[str], topics: Sequence[str] | None, usual: str = "") -> None:
+        """The topics to read: those asked for, or the only one, or all that end as usual."""
+        every = self._reader.connections
+        there = [c for c in every if c.msgtype in types]
+        if topics and types == POSES:
+            there += [c for c in every if c.msgtype in TRANSFORMS]
+        if not there:
+            kinds = ", ".join(each.rpartition("/")[2] for each in types)
+            listed = ", ".join(f"{c.topic} ({c.msgtype.rpartition('/')[2]})" for c in every[:12]) or "none"
+            self.close()
+            raise TableError(f"{self.path}: no topic has messages of the type {kinds}; the bag has {listed}")
+        # A recorder of everything lists topics on which nothing came.
+        spoken = {c.topic for c in there if c.msgcount} or {c.topic for c in there}
+        names = sorted({c.topic for c in there} if topics else spoken)
+        wanted = set(topics or [])
+        if topics is None:
+            wanted = set(names) if len(names) == 1 else {n for n in names if usual and n.endswith(usual)}
+        unknown = sorted(wanted - set(names))
+        if unknown or not wanted:
+            kinds = ", ".join(each.rpartition("/")[2] for each in types)
+            listed = ", ".join(names) or "none"
+            option = "--truth-topic" if types == POSES else "--topic"
+            got = unknown[0] if unknown else f"no choice (say which with {option})"
+            self.close()
+            raise TableError(f"{self.path}: the topic must be one of {listed} ({kinds}), got {got}")
+        self._topics = [c for c in there if c.topic in wanted]
+
+    @property
+    def connections(self) -> Sequence[Any]:
+        """Topics with their types."""
+        return self._reader.connections
+
+    def read_topics(self, topics: Collection[str]) -> None:
+        """From here on `messages` are those of these topics."""
+        self._topics = [c for c in self.connections if c.topic in topics]
+
+    def transforms(self) -> Iterator[Any]:
+        """Those of every chain, the lasting ones first, then of as many messages as tell all that move."""
+        kept = self._topics
+        there = sorted({c.topic for c in self.connections if c.msgtype in TRANSFORMS and c.msgcount})
+        for topic in sorted(there, key=lambda name: (not name.endswith("static"), name)):
+            self.read_topics({topic})
+            for _, _, message in itertools.islice(self.messages(), LOOK_AHEAD):
+                yield from message.transforms
+        self._topics = kept
+
+    def messages(self) -> Iterator[tuple[int, int, Any]]:
+        """Number from 1, stamp [ns] and content of every message; its own stamp, or when it was received."""
+        number = 0
+        try:
+            for connection, received, data in self._reader.messages(self._topics):
+                number += 1
+                try:
+                    message: Any = self._reader.deserialize(data, connection.msgtype)
+                except Exception as error:  # struct.error and IndexError among them
+                    self.findings.add(number, f"the message must be readable, got: {one_line(error)}")
+                    continue
+                if connection.msgtype in TRANSFORMS:  # which has stamps inside
+                    yield number, received, message
+                    continue
+                stamp = message.header.stamp
+                yield number, (stamp.sec * 1_000_000_000 + stamp.nanosec) or received, message
+        except Exception as error:
+            self.findings.add(number + 1, f"the rest of the bag cannot be read: {one_line(error)}")
+        else:
+            if self._whole is not None:
+                self.findings.add(number + 1, "the recording was cut off here")

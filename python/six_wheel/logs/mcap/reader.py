@@ -1,0 +1,112 @@
+"""An MCAP file being read: settings, and messages in the order in which they were written.
+
+By order and not by time: time may have jumped back. A file that was cut off is read up to there.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from six_wheel.kinematics.errors import FileError
+from six_wheel.logs.mcap.writer import FORMAT, SETTINGS, libraries
+
+__all__ = ["Message", "Record", "RecordError"]
+
+MAGIC = b"\x89MCAP0\r\n"
+
+
+class RecordError(FileError):
+    """A file that is no record of this package."""
+
+
+class Message(NamedTuple):
+    """What was written: topic, type, time [ns], its own stamp [ns], and its content in bytes."""
+
+    topic: str
+    kind: str
+    time: int
+    stamp: int
+    data: bytes
+
+
+class Record:
+    """A record on disk.
+
+    Attributes
+    ----------
+    path : Path
+    settings : dict of str to str
+        What was set.
+    files : dict of str to str
+        Texts that go with it, by name.
+    count : int
+        Messages that there are, or 0 if the file does not say.
+    cut_off : bool
+        Whether the file ends before its end; known once the messages have been read.
+
+    Raises
+    ------
+    RecordError
+        If the file is none of this package.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.settings: dict[str, str] = {}
+        self.files: dict[str, str] = {}
+        self.cut_off = False
+        self.count = 0
+        self._libraries = libraries()
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise RecordError(f"{path}: the record must be an MCAP file")
+        for record in self._records():
+            if isinstance(record, self._libraries.records.Metadata) and record.name == SETTINGS:
+                self.settings = dict(record.metadata)
+            elif isinstance(record, self._libraries.records.Attachment):
+                self.files[record.name] = record.data.decode(errors="replace")
+            elif isinstance(record, self._libraries.records.Message):
+                break
+        if not self.settings:
+            raise RecordError(f"{path}: the record must be one of drive, odometry, simulate or node")
+        if self.settings.get("format") != FORMAT:
+            version = self.settings.get("version")
+            raise RecordError(f"{path}: the record must have format {FORMAT}, got one of version {version}")
+
+    def messages(self, topics: Sequence[str] | None = None) -> Iterator[Message]:
+        """The messages of some topics, or of all, as they were written."""
+        records = self._libraries.records
+        schemas: dict[int, str] = {}
+        channels: dict[int, tuple[str, str]] = {}
+        for record in self._records():
+            if isinstance(record, records.Message):
+                topic, kind = channels[record.channel_id]
+                if topics is None or topic in topics:
+                    yield Message(topic, kind, record.log_time, record.publish_time, record.data)
+            elif isinstance(record, records.Schema):
+                schemas[record.id] = record.name
+            elif isinstance(record, records.Channel):
+                channels[record.id] = record.topic, schemas[record.schema_id]
+            elif isinstance(record, records.DataEnd):
+                return
+
+    def topics(self) -> set[str]:
+        """The topics that have messages."""
+        return {message.topic for message in self.messages()}
+
+    def parsed(self, message: Message) -> Any:
+        """The content of a message by the names of its fields."""
+        return self._libraries.store.deserialize_cdr(message.data, message.kind)
+
+    def _records(self) -> Iterator[Any]:
+        with self.path.open("rb") as file:
+            records = self._libraries.StreamReader(file).records
+            while True:
+                try:
+                    record = next(records)
+                except StopIteration:
+                    return
+                except Exception:  # every way in which bytes can end too soon
+                    self.cut_off = True
+                    return
+                yield record

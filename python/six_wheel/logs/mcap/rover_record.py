@@ -1,0 +1,241 @@
+"""The topics of a rover: what it was told, what it measured, what it was made to do and where that led."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from six_wheel._core import Rover
+from six_wheel.kinematics.controller import Reason
+from six_wheel.kinematics.rover_edit import joints_as_given
+from six_wheel.logs.mcap import frames
+from six_wheel.logs.mcap.writer import RecordWriter
+
+__all__ = [
+    "CHANGES",
+    "COMMANDS",
+    "GIVEN",
+    "IMU",
+    "JOINTS",
+    "LIMITED",
+    "ODOMETRY",
+    "REASONS",
+    "SLIP",
+    "TICK",
+    "WANTED",
+    "Frames",
+]
+__all__ += ["RoverRecord", "reason_names"]
+
+# In: what decides what a loop does, written as it comes.
+WANTED = "/cmd_vel"
+JOINTS = "/joint_states"
+IMU = "/imu"
+TICK = "/six_wheel/tick"  # a step of the timer, without new readings
+CHANGES = "/six_wheel/changes"  # parameters, poses, resets: JSON
+GIVEN = "/six_wheel/given"  # rows of a table of commands, in its own numbers: JSON
+# Out: what it makes of that.
+COMMANDS = "/joint_commands"
+LIMITED = "/cmd_vel_out"
+ODOMETRY = "/odom"
+TRANSFORMS = "/tf"
+REASONS = "/reasons"  # when they change
+SLIP = "/wheel_slip"
+DIAGNOSTICS = "/diagnostics"
+DESCRIPTION = "/robot_description"
+TRUTH = "/truth"  # of a simulation
+
+Numbers = Sequence[float]
+PARAMETERS = "rover.yaml"
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Names of the frames between which odometry is."""
+
+    odom: str = "odom"
+    base: str = "base_link"
+
+
+def reason_names(reasons: int) -> str:
+    """The names of reasons, joined by ``|``."""
+    return "|".join(str(each.name) for each in Reason if each & reasons)
+
+
+class RoverRecord:
+    """A record of one rover, written topic by topic.
+
+    Parameters
+    ----------
+    path : Path
+        A .mcap file; what is there is replaced.
+    rover : Rover
+        Whose joints they are.
+    made_by : {"drive", "odometry", "simulate", "node"}
+        What writes it.
+    parameters : str
+        The parameter file of the rover, as text.
+    settings : mapping of str to object, optional
+        What else was set; written as JSON.
+    frames : Frames, optional
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        rover: Rover,
+        made_by: str,
+        parameters: str,
+        settings: Mapping[str, Any] | None = None,
+        frame_names: Frames | None = None,
+    ) -> None:
+        written = {"made_by": made_by} | {key: json.dumps(value) for key, value in (settings or {}).items()}
+        self.rover = rover
+        self._file = RecordWriter(path, written, {PARAMETERS: parameters})
+        self._names = frame_names or Frames()
+        self._steering, self._traction = map(list, joints_as_given(rover))
+        self._commands = frames.joint_state(
+            [*self._steering, *self._traction], *[len(self._steering) + len(self._traction)] * 2
+        )
+        self._unsaid = [math.nan] * len(self._traction), [math.nan] * len(self._steering)
+        self._odometry = frames.odometry(self._names.odom, self._names.base)
+        self._transform = frames.transform(self._names.odom, self._names.base)
+        self._slip = frames.values(len(rover.wheel_names), ",".join(rover.wheel_names))
+        self._twists: dict[str, frames.Frame] = {}
+        self._joints: dict[tuple[Any, ...], frames.Frame] = {}
+        self._clock = frames.clock()
+        self._reasons: int | None = None
+
+    # In
+
+    def wanted(self, now: int, stamp: int, twist: Numbers, frame_id: str = "") -> None:
+        """A command that came at `now`, given at `stamp` [ns]: ``[vx, vy, omega]``."""
+        self._twist(WANTED, now, stamp, twist, frame_id)
+
+    def joints(
+        self,
+        now: int,
+        stamp: int,
+        names: Sequence[str],
+        positions: Numbers,
+        velocities: Numbers = (),
+        efforts: Numbers = (),
+    ) -> None:
+        """Joint states that came at `now`, as they were [rad, rad/s]."""
+        key = (tuple(names), len(positions), len(velocities), len(efforts))
+        frame = self._joints.get(key)
+        if frame is None:
+            if len(self._joints) > 64:  # a sender that makes up names must not fill the memory
+                self._joints.clear()
+            frame = self._joints[key] = frames.joint_state(*key)
+        given = [group for group in (positions, velocities, efforts) if len(group)]
+        self.joint_message(now, stamp, frame.pack(stamp, *given))
+
+    def joint_message(self, now: int, stamp: int, message: bytes) -> None:
+        """The same, as the bytes that came."""
+        self._file.write(self._file.topic(JOINTS, "sensor_msgs/msg/JointState"), now, message, stamp)
+
+    def imu_message(self, now: int, stamp: int, message: bytes) -> None:
+        """What a gyroscope read, as the bytes that came."""
+        self._file.write(self._file.topic(IMU, "sensor_msgs/msg/Imu"), now, message, stamp)
+
+    def tick(self, now: int) -> None:
+        """A step without new readings."""
+        topic = self._file.topic(TICK, "rosgraph_msgs/msg/Clock")
+        self._file.write(topic, now, self._clock.pack(now))
+
+    def change(self, now: int, what: Mapping[str, Any]) -> None:
+        """Something that was set while it ran."""
+        self._text(CHANGES, now, json.dumps(what))
+
+    def given(self, now: int, row: Sequence[float]) -> None:
+        """A row of a table: its time as the table has it, and the twist; an empty one ends a chunk."""
+        self._text(GIVEN, now, json.dumps(row))
+
+    # Out
+
+    def commands(self, now: int, steering: Numbers, speeds: Numbers) -> None:
+        """Joint commands in the order of the rover's joints [rad, rad/s]."""
+        topic = self._file.topic(COMMANDS, "sensor_msgs/msg/JointState")
+        groups = ([*steering, *self._unsaid[0]], [*self._unsaid[1], *speeds])
+        self._file.write(topic, now, self._commands.pack(now, *(group for group in groups if group)))
+
+    def limited(self, now: int, twist: Numbers) -> None:
+        """The motion that the commands make."""
+        self._twist(LIMITED, now, now, twist, self._names.base)
+
+    def reasons(self, now: int, reasons: int) -> None:
+        """Why that is not what was wanted; written where it changes."""
+        if reasons != self._reasons:
+            self._reasons = reasons
+            self._text(REASONS, now, reason_names(reasons))
+
+    def odometry(
+        self,
+        now: int,
+        stamp: int,
+        pose: Numbers,
+        twist: Numbers,
+        covariance: Numbers,
+        twist_covariance: Numbers,
+    ) -> None:
+        """Where the rover is by its wheels: covariances are 6 x 6, row by row; also as a transform."""
+        place, motion = frames.planar_pose(pose), frames.planar_twist(twist)
+        topic = self._file.topic(ODOMETRY, "nav_msgs/msg/Odometry")
+        message = self._odometry.pack(stamp, place, covariance, motion, twist_covariance)
+        self._file.write(topic, now, message, stamp)
+        topic = self._file.topic(TRANSFORMS, "tf2_msgs/msg/TFMessage")
+        self._file.write(topic, now, self._transform.pack(stamp, place), stamp)
+
+    def slip(self, now: int, residual: Numbers) -> None:
+        """How fast each wheel's contact slides [m/s]."""
+        topic = self._file.topic(SLIP, "std_msgs/msg/Float64MultiArray")
+        self._file.write(topic, now, self._slip.pack(now, residual))
+
+    def diagnostics(self, now: int, statuses: Sequence[tuple[int, str, str, Mapping[str, str]]]) -> None:
+        """Level, name, message and values of everything there is to say."""
+
+        def build(types: Any) -> Any:
+            listed = [
+                types["diagnostic_msgs/msg/DiagnosticStatus"](
+                    level=level,
+                    name=name,
+                    message=message,
+                    hardware_id="",
+                    values=[types["diagnostic_msgs/msg/KeyValue"](*item) for item in said.items()],
+                )
+                for level, name, message, said in statuses
+            ]
+            stamp = types["builtin_interfaces/msg/Time"](*divmod(now, frames.NANOSECONDS))
+            header = types["std_msgs/msg/Header"](stamp, "")
+            return types["diagnostic_msgs/msg/DiagnosticArray"](header, listed)
+
+        self._file.write_object(DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray", now, build)
+
+    def description(self, now: int, urdf: str) -> None:
+        """What the rover looks like, for viewers that draw it."""
+        self._text(DESCRIPTION, now, urdf)
+
+    def close(self) -> None:
+        """End the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _twist(self, topic: str, now: int, stamp: int, twist: Numbers, frame_id: str) -> None:
+        frame = self._twists.get(frame_id)
+        if frame is None:
+            if len(self._twists) > 64:
+                self._twists.clear()
+            frame = self._twists[frame_id] = frames.twist_stamped(frame_id)
+        channel = self._file.topic(topic, "geometry_msgs/msg/TwistStamped")
+        self._file.write(channel, now, frame.pack(stamp, frames.planar_twist(twist)), stamp)
+
+    def _text(self, topic: str, now: int, value: str) -> None:
+        self._file.write(self._file.topic(topic, "std_msgs/msg/String"), now, frames.text(value))

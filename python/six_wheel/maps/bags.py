@@ -1,0 +1,96 @@
+"""``grid_map_msgs/GridMap`` in ROS bags, the last one of a topic."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from six_wheel.maps.files import Grid, TerrainFileError
+
+__all__ = ["read"]
+
+GRID_MAP = "grid_map_msgs/msg/GridMap"
+# Definitions of the messages, for bags that do not carry them (ANYbotics, grid_map_msgs; field names and
+# types).
+DEFINITIONS = {
+    "grid_map_msgs/msg/GridMapInfo": (
+        "float64 resolution\nfloat64 length_x\nfloat64 length_y\ngeometry_msgs/Pose pose\n"
+    ),
+    GRID_MAP: (
+        "std_msgs/Header header\ngrid_map_msgs/GridMapInfo info\nstring[] layers\nstring[] basic_layers\n"
+        "std_msgs/Float32MultiArray[] data\nuint16 outer_start_index\nuint16 inner_start_index\n"
+    ),
+}
+
+
+def read(path: Path, topic: str | None, layer: str | None) -> Grid:
+    """The last map of a topic.
+
+    Parameters
+    ----------
+    path : path
+        A bag of ROS 1 or ROS 2.
+    topic : str, optional
+        Which; default the only one with maps.
+    layer : str, optional
+        Which layer holds the heights; default ``elevation``, or the only one.
+    """
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    except ImportError as missing:
+        raise ImportError('reading bags needs rosbags: pip install "six-wheel[bags]"') from missing
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    for name, definition in DEFINITIONS.items():
+        store.register(get_types_from_msg(definition, name))
+    try:
+        with AnyReader([path], default_typestore=store) as bag:
+            maps = [connection for connection in bag.connections if connection.msgtype == GRID_MAP]
+            topics = sorted({connection.topic for connection in maps})
+            if not topics:
+                raise TerrainFileError(f"{path} must hold a {GRID_MAP}, it has none")
+            if topic is None and len(topics) > 1:
+                raise TerrainFileError(f"{path} has maps on several topics, give one: {', '.join(topics)}")
+            if topic is not None and topic not in topics:
+                raise TerrainFileError(f"{path} has no map on {topic}, it has {', '.join(topics)}")
+            chosen = [connection for connection in maps if connection.topic == (topic or topics[0])]
+            last = None
+            for connection, _, raw in bag.messages(chosen):
+                last = (connection, raw)
+            if last is None:
+                raise TerrainFileError(f"{path} has no message on {topic or topics[0]}")
+            message: Any = bag.deserialize(last[1], last[0].msgtype)
+    except AnyReaderError as error:
+        raise TerrainFileError(f"{path} must be a bag: {error}") from None
+    return _grid(path, message, layer)
+
+
+def _grid(path: Path, message: Any, layer: str | None) -> Grid:
+    layers = list(message.layers)
+    name = layer or ("elevation" if "elevation" in layers else layers[0] if len(layers) == 1 else None)
+    if name not in layers:
+        asked = f"no layer {layer}" if layer else "several layers, give one"
+        raise TerrainFileError(f"{path} has {asked}: {', '.join(layers)}")
+    data = message.data[layers.index(name)]
+    shape = [dimension.size for dimension in data.layout.dim]
+    cells = np.asarray(data.data, np.float32)
+    if len(shape) != 2 or cells.size != shape[0] * shape[1]:
+        raise TerrainFileError(f"{path}: layer {name} must have two dimensions, got {shape}")
+    cells = cells.reshape(shape)
+    if data.layout.dim[0].label == "column_index":
+        cells = cells.T
+    # A ring buffer: the first row and column are where the start indices say.
+    cells = np.roll(cells, (-message.outer_start_index, -message.inner_start_index), (0, 1))
+    # Its rows go against x, its columns against y, from the corner where both are largest.
+    heights = np.ascontiguousarray(cells[::-1, ::-1].T)
+    heights[np.isinf(heights)] = np.nan
+    info = message.info
+    q = info.pose.orientation
+    yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
+    rows, columns = heights.shape
+    back = (-(columns - 1) * info.resolution / 2, -(rows - 1) * info.resolution / 2)
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    centre = info.pose.position
+    origin = (centre.x + cos * back[0] - sin * back[1], centre.y + sin * back[0] + cos * back[1])
+    return Grid(heights, (info.resolution, info.resolution), origin, yaw)

@@ -1,0 +1,273 @@
+"""A whole map in tiles: spread, resumed, written in its own frame."""
+
+import hashlib
+import math
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import RockerBogie, __version__
+from six_wheel.kinematics.statuses import FeasibilityLimits
+from six_wheel.maps.rasters import Raster, rasterio
+from six_wheel.maps.tiles import REASONS, Tile, judge, reach
+from six_wheel.parallel import Failure, Journal, spread
+
+__all__ = ["Layers", "Traversed", "traverse"]
+
+SIDE = 256  # cells of a tile along its side
+PICTURE = 1000  # largest side of what a picture is made from
+BANDS = {
+    "safe": "share of headings at which the rover may stand",
+    "tilt": "worst tilt [rad]",
+    "clearance": "least clearance of the belly beyond what is asked for [m]",
+    "reason": "most frequent reason why not: "
+    + ", ".join(f"{k} {reason}" for k, reason in enumerate(REASONS)),
+}
+
+
+class Layers(NamedTuple):
+    """What is known of every cell, as rows of the image; NaN where nothing is."""
+
+    safe: NDArray[np.float32]
+    tilt: NDArray[np.float32]  # [rad]
+    clearance: NDArray[np.float32]  # [m]
+    reason: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Traversed:
+    """What came of a map."""
+
+    output: Path
+    cells: int
+    headings: int
+    safe: float
+    """Share of the poses at which the rover may stand."""
+    tiles: int
+    resumed: int
+    """Tiles that an earlier run had done."""
+    picture: Layers
+    """The layers, thinned out to a picture's size."""
+    extent: tuple[float, float, float, float]
+    """x_min, x_max, y_min, y_max of the image [m]."""
+
+
+class Window(NamedTuple):
+    """Cells of a tile, as rows and columns of the image."""
+
+    rows: slice
+    columns: slice
+
+
+def traverse(
+    path: str | os.PathLike[str],
+    rover: RockerBogie,
+    output: str | os.PathLike[str],
+    *,
+    headings: int = 16,
+    limits: FeasibilityLimits | None = None,
+    map_error: float = 0.0,
+    belly: tuple[float, float, float, float] | None = None,
+    cluster: Any = None,
+    workers: int | None = None,
+    tell: Callable[[int, int], object] | None = None,
+) -> Traversed:
+    """Where a rover can stand, at every cell of a map and so many headings.
+
+    The map is read, judged and written in tiles: memory does not grow with it. Finished tiles are kept in a
+    folder beside the output until that is whole; the same call after a stop goes on there. Results do not
+    depend on where tiles are judged, bit for bit.
+
+    Parameters
+    ----------
+    path : path
+        GeoTIFF, PDS, or what else GDAL reads (extra ``[terrain]``), in metres.
+    rover : RockerBogie
+        Its origin over the middle of a cell.
+    output : path
+        GeoTIFF of four layers in the frame of the map: share of safe headings, worst tilt, clearance left,
+        reason.
+    headings : int
+        Evenly spaced, from the x axis of the map's frame.
+    limits : FeasibilityLimits, optional
+        What is allowed; default what Curiosity is.
+    map_error : float
+        How far the heights may be wrong [m].
+    belly : (float, float, float, float), optional
+        As for `RockerBogie.bounds`.
+    cluster : str or distributed.Client, optional
+        A Dask cluster instead of this machine (extra ``[cluster]``).
+    workers : int, optional
+        Processes of this machine, default one per core.
+    tell : callable, optional
+        Called with the number of finished tiles and of all.
+
+    Raises
+    ------
+    TerrainFileError
+        If the map cannot be read, or is in degrees.
+    ClusterError
+        If the cluster does not answer.
+    OSError
+        If there is no room for the result. What was finished stays, the output does not appear.
+    RuntimeError
+        If a tile fails.
+    """
+    if isinstance(headings, bool) or not isinstance(headings, int) or headings < 1:
+        raise ValueError(f"headings must be at least 1, got {headings}")
+    path, output = Path(path), Path(output)
+    if not path.exists():
+        raise FileNotFoundError(f"{path} must be a map, there is no such file")
+    if output.exists() and output.resolve() == path.resolve():
+        raise ValueError(f"output must not be the map itself, got {output}")
+    limits = limits or FeasibilityLimits()
+    with Raster(path) as raster:
+        margin = [math.ceil(reach(rover) / spacing) + 1 for spacing in raster.spacing]
+        windows = list(_windows(raster.shape))
+
+        def prepare(window: Window) -> Tile:
+            return _tile(raster, window, margin, rover, headings, limits, map_error, belly)
+
+        run = {
+            "six_wheel": __version__,
+            "map": str(path.resolve()),
+            "changed": [path.stat().st_size, path.stat().st_mtime_ns],
+            "rover": hashlib.sha256(repr(rover).encode()).hexdigest(),
+            "headings": headings,
+            "limits": [str(limit) for limit in limits],
+            "map_error": map_error,
+            "belly": belly,
+            "side": SIDE,
+        }
+        # One tile here, before anything is written: what is wrong with the arguments is said at once.
+        rover.feasible(_probe(), [(0.0, 0.0, 0.0)], limits, map_error=map_error, belly=belly)
+        journal = Journal(output.with_name(output.name + ".tiles"), run)
+        resumed = len(journal.done)
+        for outcome in spread(
+            judge,
+            windows,
+            cluster=cluster,
+            workers=workers,
+            journal=journal,
+            prepare=prepare,
+            tell=None if tell is None else lambda done: tell(done, len(windows)),
+        ):
+            if outcome.failure is not None:
+                raise _failed(windows[outcome.index], outcome.failure)
+        picture, safe = _write(output, raster, windows, journal)
+        left, bottom, right, top = (value * raster.metre for value in raster.dataset.bounds)
+        cells = raster.shape[0] * raster.shape[1]
+    journal.discard()
+    return Traversed(
+        output, cells, headings, safe / cells, len(windows), resumed, picture, (left, right, bottom, top)
+    )
+
+
+def _probe() -> Any:
+    from six_wheel._core import Terrain
+
+    return Terrain(np.zeros((2, 2)), 1.0)
+
+
+def _failed(window: Window, failure: Failure) -> RuntimeError | ValueError:
+    rows, columns = window
+    where = f"rows {rows.start} to {rows.stop - 1}, columns {columns.start} to {columns.stop - 1}"
+    return ValueError(f"the tile of {where} failed: {failure}")
+
+
+def _windows(shape: tuple[int, int]) -> Iterator[Window]:
+    for row in range(0, shape[0], SIDE):
+        for column in range(0, shape[1], SIDE):
+            yield Window(slice(row, min(row + SIDE, shape[0])), slice(column, min(column + SIDE, shape[1])))
+
+
+def _tile(
+    raster: Raster,
+    window: Window,
+    margin: list[int],
+    rover: RockerBogie,
+    headings: int,
+    limits: FeasibilityLimits,
+    map_error: float,
+    belly: tuple[float, float, float, float] | None,
+) -> Tile:
+    """The heights that a tile's cells depend on, with its cells among them, rows turned to go along +y."""
+    rows, columns = window
+    around = [
+        slice(max(part.start - more, 0), min(part.stop + more, size))
+        for part, more, size in zip((rows, columns), (margin[1], margin[0]), raster.shape, strict=True)
+    ]
+    heights = raster.heights(*around)
+    first = rows.start - around[0].start
+    inner = slice(first, first + rows.stop - rows.start)
+    if raster.flipped:
+        heights = heights[::-1]
+        inner = slice(heights.shape[0] - inner.stop, heights.shape[0] - inner.start)
+    across = slice(columns.start - around[1].start, columns.stop - around[1].start)
+    if min(heights.shape) < 2:
+        raise ValueError(f"heights must have at least two rows and two columns, got shape {heights.shape}")
+    return Tile(
+        rover, np.ascontiguousarray(heights), raster.spacing, raster.orientation, (inner, across), headings,
+        limits, map_error, belly,
+    )  # fmt: skip
+
+
+def _write(output: Path, raster: Raster, windows: list[Window], journal: Journal) -> tuple[Layers, float]:
+    """The layers, from the journal to a file beside the output, then to its place."""
+    library = rasterio()
+    rows, columns = raster.shape
+    beside = output.with_name(f".{output.name}.{os.getpid()}.tif")
+    needed = rows * columns * 4 * len(BANDS)
+    free = shutil.disk_usage(beside.parent).free
+    if needed > free:
+        raise OSError(f"{output} needs {needed} bytes, the disk has {free}")
+    step = max(1, math.ceil(max(rows, columns) / PICTURE))
+    thin = [np.full((math.ceil(rows / step), math.ceil(columns / step)), np.nan, np.float32) for _ in BANDS]
+    safe = 0.0
+    profile = {
+        "driver": "GTiff",
+        "dtype": "float32",
+        "count": len(BANDS),
+        "height": rows,
+        "width": columns,
+        "crs": raster.crs,
+        "transform": raster.transform,
+        "nodata": math.nan,
+        "tiled": True,
+        "blockxsize": SIDE,
+        "blockysize": SIDE,
+        "compress": "deflate",
+        "bigtiff": "if_safer",
+    }
+    try:
+        with library.open(beside, "w", **profile) as target:
+            for band, (name, meaning) in enumerate(BANDS.items(), 1):
+                target.set_band_description(band, name)
+                target.update_tags(band, meaning=meaning)
+            for index, (part, across) in enumerate(windows):
+                layers = journal.read(index)
+                place = ((part.start, part.stop), (across.start, across.stop))
+                first = [-(-begin.start // step) for begin in (part, across)]
+                for band, name in enumerate(BANDS, 1):
+                    layer = layers[name].astype(np.float32)
+                    layer = layer[::-1] if raster.flipped else layer
+                    target.write(layer, band, window=place)
+                    few = layer[first[0] * step - part.start :: step, first[1] * step - across.start :: step]
+                    thin[band - 1][first[0] : first[0] + few.shape[0], first[1] : first[1] + few.shape[1]] = (
+                        few
+                    )
+                safe += float(layers["safe"].sum(dtype=np.float64))
+        with library.open(beside) as written:  # what did not fit on the disk is noticed here
+            written.read(1, window=((rows - 1, rows), (0, columns)))
+        beside.replace(output)
+    except library.errors.RasterioError as error:
+        raise OSError(f"{output} could not be written: {' '.join(str(error).split())}") from None
+    finally:
+        beside.unlink(missing_ok=True)
+    return Layers(*thin), safe

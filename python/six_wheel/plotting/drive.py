@@ -1,0 +1,271 @@
+"""Picture of a drive through a controller: the path, and commands, joints and reasons over time."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Limits, Rover
+from six_wheel.kinematics.controller import Reason
+from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, RECORDED, SOFT, Floats, new_figure, tidy
+from six_wheel.plotting.path import draw_path, path_figure
+from six_wheel.simulation.drive.closed_loop import ControlledDrive
+from six_wheel.simulation.drive.feedforward import Drive
+from six_wheel.simulation.drive.min_max_thinning import Course
+
+WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#6a62a8", "#b0507a", "#3d8f9e", "#9aa53a")
+ASKED, DONE = RECORDED, INK
+NEAR = 2.5  # a limit this many times as far away as the values is not in the picture, but said beside it
+SIDE = 0.2  # share of the largest value that makes the limit of a side worth its room
+STEERING = Reason.STEERING_LIMIT | Reason.STEERING_RATE | Reason.STEERING_ACCELERATION
+ROLLING = Reason.WHEEL_SPEED | Reason.WHEEL_ACCELERATION
+STATES = ~(2 * Reason.ANGULAR_JERK.value - 1)  # of the command and the loop, not of a motion's size
+BODILY = "#b5651d"  # of what limits the body
+DASHES: tuple[Any, Any] = (
+    "-",
+    (0, (4, 3)),
+)  # of the rear half: where a front wheel does the same, both are seen
+TIME_UNITS = ((600.0, 1.0, "s"), (10_800.0, 60.0, "min"), (math.inf, 3600.0, "h"))
+
+
+def draw_course(
+    figure: Figure,
+    grid: Any,
+    rover: Rover,
+    course: Course,
+    limits: Limits,
+    shares: Mapping[str, float],
+    below: Any = None,
+) -> list[Axes]:
+    """Draw panels over time below each other: twists, joints against their limits, reasons.
+
+    Parameters
+    ----------
+    figure, grid
+        A figure, and the place in a grid of it where the panels go.
+    below
+        Another place, for those of the body's motion.
+    rover, course, limits
+        What was driven, what came of it, and what it was not to exceed.
+    shares : mapping of str to float
+        Share of the time, 0 to 1, of every reason there was.
+    """
+    begin, low, high, bits = course.stretches()
+    last = begin[-1] if len(begin) else 0.0
+    _, scale, unit = next(each for each in TIME_UNITS if last <= each[0])
+    begin = begin / scale
+    steered = [k for k, wheel in enumerate(rover.wheels) if wheel.steered]
+    wheels, joints = list(range(len(rover.wheels))), len(steered)
+    sideways = bool(np.abs(low[:, [1, 4]]).max() > 1e-9 or np.abs(high[:, [1, 4]]).max() > 1e-9)
+    ranges = [wheel.steering_range for wheel in rover.wheels if wheel.steering_range is not None]
+    widest = limits.steering_limit
+
+    def both(limit: float) -> list[float]:
+        return [-limit, limit]
+
+    twist = ((0, "vx [m/s]", limits.speed), (1, "vy [m/s]", limits.speed), (2, "ω [rad/s]", limits.yaw_rate))
+    panels: list[tuple[str, list[int], Sequence[str], list[float]]] = [
+        (name, [axis, axis + 3], (ASKED, DONE), both(limit))
+        for axis, name, limit in twist
+        if axis != 1 or sideways
+    ]
+    colours = [WHEELS[k % len(WHEELS)] for k in wheels]
+    steering = [colours[k] for k in steered]
+    dashed = set(colours[(len(colours) + 1) // 2 :])
+    if joints:
+        all_ends = [end for end in np.unique(np.clip(ranges, -widest, widest)) if math.isfinite(end)]
+        panels.append(("steering [rad]", list(range(6, 6 + joints)), steering, all_ends))
+        rates = list(range(6 + joints, 6 + 2 * joints))
+        panels.append(("steering rate\n[rad/s]", rates, steering, both(limits.steering_rate)))
+    speeds = [6 + 2 * joints + k for k in wheels]
+    panels.append(("wheel speed\n[rad/s]", speeds, colours, both(limits.wheel_speed)))
+
+    reasons = [each for each in Reason if each.name in shares]
+    ahead = 0 if below is None else sum(len(columns) == 2 and columns[0] < 3 for _, columns, *_ in panels)
+    heights = [1.0] * (len(panels) - ahead) + [max(0.17 * len(reasons), 0.17)]
+    rows = [*grid.subgridspec(len(heights), 1, height_ratios=heights)]
+    if ahead:
+        rows = [*below.subgridspec(ahead, 1), *rows]
+    found: list[Axes] = []
+    for number, (name, columns, hues, lines) in enumerate(panels):
+        axes = figure.add_subplot(rows[number], sharex=found[0] if found else None)
+        found.append(axes)
+        for place, (column, hue) in enumerate(zip(columns, hues, strict=True)):
+            x, y = _line(begin, low[:, column], high[:, column], course.stride)
+            # What was asked for is a broad pale line, on which what was done lies.
+            asked = hue == ASKED and column < 3
+            width = (3.0 if asked else 1.1) / (1.0 if course.stride == 1 else 2.0)
+            axes.plot(
+                x, y, color=hue, linewidth=width, alpha=0.4 if asked else 0.95,
+                zorder=2 if asked else 3 + 0.01 * place, solid_joinstyle="round",
+                linestyle=DASHES[column >= 6 and hue in dashed],
+            )  # fmt: skip
+        _draw_limits(axes, lines, low[:, columns], high[:, columns])
+        tidy(axes, "", name)
+        axes.yaxis.set_major_locator(MaxNLocator(5, min_n_ticks=3))
+        axes.tick_params(labelbottom=False)
+    strip = figure.add_subplot(rows[-1], sharex=found[0])
+    _draw_reasons(strip, begin, bits, reasons, shares)
+    tidy(strip, f"time [{unit}]", "")
+    strip.grid(False, axis="y")
+    end = max(float(begin[-1]), float(begin[0]) + 1e-9) if len(begin) else 1.0
+    strip.set_xlim(0.0, end)
+    figure.align_ylabels(found[:ahead])
+    figure.align_ylabels(found[ahead:])
+    if ahead:
+        found[ahead - 1].tick_params(labelbottom=True)
+        found[ahead - 1].set_xlabel(f"time [{unit}]", fontsize=8, color=SOFT)
+    return [*found, strip]
+
+
+def draw_key(axes: Axes, rover: Rover) -> None:
+    """What the colours of `draw_course` mean."""
+    lines = [
+        Line2D([], [], color=ASKED, linewidth=3.0, alpha=0.4, label="commanded"),
+        Line2D([], [], color=DONE, linewidth=1.1, label="limited"),
+        Line2D([], [], color=SOFT, linewidth=0.9, linestyle=(0, (5, 3)), label="limit"),
+    ]
+    count = len(rover.wheels)
+    lines += [
+        Line2D(
+            [],
+            [],
+            color=WHEELS[k % len(WHEELS)],
+            linewidth=2.0,
+            linestyle=DASHES[k >= (count + 1) // 2],
+            label=name.replace("_", " "),
+        )
+        for k, name in enumerate(rover.wheel_names)
+    ]
+    axes.axis("off")
+    axes.legend(handles=lines, frameon=False, fontsize=8, labelcolor=INK, loc="center", ncols=3)
+
+
+def drive_figure(
+    rover: Rover,
+    course: Course,
+    poses: ArrayLike,
+    steering: ArrayLike,
+    *,
+    limits: Limits,
+    shares: Mapping[str, float],
+    title: str | None = None,
+) -> Figure:
+    """Picture of a drive through a controller: the path, and commands, joints and reasons over time.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any layout of wheels.
+    course : Course
+        Commanded and limited twists, steering angles, their rates and wheel speeds over time.
+    poses, steering
+        As in `path_figure`.
+    limits : Limits
+        Dashed lines where the values come near them.
+    shares : mapping of str to float
+        Share of the time, 0 to 1, of every reason there was.
+    title : str, optional
+        Written above the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = new_figure(14.0, 8.6 + 0.12 * len(shares))
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, 1.5), wspace=0.04)
+    left = grid[0].subgridspec(3, 1, height_ratios=(0.14, 1.0, 0.75))
+    draw_key(figure.add_subplot(left[0]), rover)
+    path = figure.add_subplot(left[1])
+    length = draw_path(path, rover, poses, steering)
+    path.set_title(f"{length:.2f} m", loc="left", fontsize=9, color=SOFT)
+    draw_course(figure, grid[1], rover, course, limits, shares, left[2])
+    if title is not None:
+        figure.suptitle(title, x=0.012, ha="left", fontsize=13, color=INK, weight="bold")
+    return figure
+
+
+def engine_figure(engine: Drive | ControlledDrive, *, title: str) -> Figure:
+    """Picture of a drive at its end: its path, and what the controller did where one was driven through."""
+    path = engine.trace.path()
+    if not isinstance(engine, ControlledDrive):
+        return path_figure(engine.rover, *path, title=title)
+    shares = engine.summary.shares
+    return drive_figure(engine.rover, engine.course, *path, limits=engine.limits, shares=shares, title=title)
+
+
+def _line(begin: Floats, low: Floats, high: Floats, stride: int) -> tuple[Floats, Floats]:
+    """Through every value, or up and down between the extremes of every stretch."""
+    if stride == 1:
+        return begin, low
+    return np.repeat(begin, 2), np.stack([low, high], axis=1).ravel()
+
+
+def _draw_limits(axes: Axes, lines: Sequence[float], low: Floats, high: Floats) -> None:
+    """Dashed lines; what is far from all values is only said."""
+    bottom, top = min(float(low.min()), 0.0), max(float(high.max()), 0.0)
+    reach = max(-bottom, top)
+    finite = [line for line in lines if math.isfinite(line)]
+    near = [line for line in finite if reach and abs(line) <= NEAR * reach]
+    # Of the two sides only the one there is something on, unless both are close.
+    near = [line for line in near if (top if line > 0 else -bottom) > SIDE * reach]
+    for line in near:
+        axes.axhline(line, color=SOFT, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5)
+    bottom, top = min([bottom, *near]), max([top, *near])
+    room = 0.08 * (top - bottom or 1.0)
+    axes.set_ylim(bottom - room, top + room)
+    if finite and not near:
+        words = f"limits {', '.join(f'{line:.3g}' for line in finite)}, outside the picture"
+        axes.annotate(
+            words, (1, 1), (0, 1), "axes fraction", "offset points",
+            ha="right", va="bottom", fontsize=7, color=SOFT,
+        )  # fmt: skip
+
+
+def _draw_reasons(
+    axes: Axes,
+    begin: Floats,
+    bits: NDArray[np.uint32],
+    reasons: Sequence[Reason],
+    shares: Mapping[str, float],
+) -> None:
+    """One row per reason, coloured while it holds."""
+    step = float(np.median(np.diff(begin))) if len(begin) > 1 else 1.0
+    edges = np.append(begin, begin[-1] + step if len(begin) else 0.0)
+    for place, each in enumerate(reasons):
+        on = (bits & each.value) > 0
+        turns = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
+        spans = [(edges[a], edges[b] - edges[a]) for a, b in turns.reshape(-1, 2)]
+        axes.axhspan(place - 0.36, place + 0.36, color=FAINT, alpha=0.3, linewidth=0, zorder=0)
+        axes.broken_barh(spans, (place - 0.36, 0.72), facecolors=_colour(each), linewidth=0, zorder=2)
+        axes.annotate(
+            _percent(shares[str(each.name)]), (1, place), (4, 0), axes.get_yaxis_transform(), "offset points",
+            va="center", fontsize=7, color=SOFT, annotation_clip=False,
+        )  # fmt: skip
+    axes.set_ylim(len(reasons) - 0.4 if reasons else 1.0, -0.6)
+    axes.set_yticks(range(len(reasons)), [str(each.name) for each in reasons])
+    for label in axes.get_yticklabels():
+        label.set_fontsize(7)
+    if not reasons:
+        axes.annotate("no limit was met", (0.5, 0.5), xycoords="axes fraction", ha="center", va="center",
+                      fontsize=8, color=SOFT)  # fmt: skip
+
+
+def _colour(reason: Reason) -> str:
+    if reason & STEERING:
+        return AXLE
+    if reason & ROLLING:
+        return MOTION
+    return SOFT if reason.value & STATES else BODILY
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %" if share >= 0.001 else "< 0.1 %"

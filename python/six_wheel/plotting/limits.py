@@ -1,0 +1,115 @@
+"""The picture of a rover's limits: the forward speeds and yaw rates that it can have, and what binds them."""
+
+import math
+from itertools import groupby
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Polygon
+
+from six_wheel._core import Limits, Rover
+from six_wheel.kinematics.controller import Reason
+from six_wheel.plotting.drawing import FORBIDDEN, INK, SOFT, Floats, new_figure, tidy, write_title
+from six_wheel.simulation.drive.performance import Rim, rim
+
+__all__ = ["limits_figure"]
+
+COLORS = {
+    Reason.SPEED: "#4a7fa7",
+    Reason.YAW_RATE: "#8d6a9f",
+    Reason.WHEEL_SPEED: "#2a7f62",
+    Reason.LATERAL_ACCELERATION: "#d9a441",
+}
+SHADES = {Reason.STEERING_LIMIT: "#f3e4dd", Reason.PROJECTED: "#eceff1"}
+WORDS = {Reason.STEERING_LIMIT: "past the steering range", Reason.PROJECTED: "not without side slip"}
+MARGIN = 1.15
+
+
+def limits_figure(rover: Rover, limits: Limits, *, title: str | None = None) -> Figure:
+    """Picture of the forward speeds and yaw rates a rover can have, in the colour of the limit that binds.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any layout of wheels.
+    limits : Limits
+        Of these the lasting ones count: speed, yaw rate, lateral acceleration, wheel speed, steering angle.
+    title : str, optional
+        Written above the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A straight line through the middle is one turning radius; along it a twist grows until the limit whose
+        colour the line runs through.
+
+    Raises
+    ------
+    ValueError
+        If the limits leave some motion without an end.
+    """
+    found = rim(rover, limits)
+    if found is None:
+        raise ValueError(f"limits must bound every motion for a picture of them, got {limits}")
+    figure = new_figure(6.4, 4.6)
+    axes = figure.add_subplot()
+    reach = MARGIN * np.abs(found.twists[:, (2, 0)]).max(axis=0)
+    reach[reach == 0.0] = 1.0
+    axes.set_xlim(reach[0], -reach[0])  # turning left is to the left
+    axes.set_ylim(-reach[1], reach[1])
+    shown = _fill(axes, found)
+    axes.axhline(0.0, color=SOFT, linewidth=0.6, zorder=3)
+    axes.axvline(0.0, color=SOFT, linewidth=0.6, zorder=3)
+    _write_radii(axes, rover, reach)
+    tidy(axes, "yaw rate [rad/s], left turns to the left", "forward speed [m/s]")
+    axes.legend(handles=shown, loc="upper left", bbox_to_anchor=(1.0, 0.4), frameon=False, fontsize=8)
+    write_title(axes, title, "what the rover can do, and the limit that binds")
+    return figure
+
+
+def _fill(axes: Axes, found: Rim) -> list[Patch]:
+    """Draws a wedge for each direction; returns what the legend has to say."""
+    patches: dict[Reason, Patch] = {}
+    ways, ends = found.directions[:, (2, 0)], found.twists[:, (2, 0)]
+    kinds = [_binding(reasons) for reasons in found.reasons]
+    for kind, run in groupby(range(len(kinds)), kinds.__getitem__):
+        rows = list(run)
+        after = (rows[-1] + 1) % len(kinds)
+        color = SHADES.get(kind) or COLORS[kind]
+        if kind in SHADES:
+            corners = 4.0 * ways[[*rows, after]]  # off the page
+        else:
+            corners = ends[[*rows, after]]
+            if kinds[after] in SHADES:  # whose fastest motion is another one's
+                corners[-1] = ways[after] * np.linalg.norm(corners[-2]) / np.linalg.norm(ways[rows[-1]])
+        axes.add_patch(
+            Polygon([(0.0, 0.0), *corners], facecolor=color, edgecolor=color, linewidth=0.4, zorder=1)
+        )
+        label = WORDS.get(kind, str(kind.name).lower().replace("_", " "))
+        patches.setdefault(kind, Patch(facecolor=color, label=label))
+    beyond = Patch(facecolor="white", edgecolor=SOFT, linewidth=0.6, label="faster than a limit allows")
+    return [*(patches[kind] for kind in (*COLORS, *SHADES) if kind in patches), beyond]
+
+
+def _binding(reasons: Reason) -> Reason:
+    """The reason by which a direction is coloured."""
+    for kind in (Reason.STEERING_LIMIT, Reason.PROJECTED, *COLORS):
+        if kind in reasons:
+            return kind
+    return Reason.PROJECTED
+
+
+def _write_radii(axes: Axes, rover: Rover, reach: Floats) -> None:
+    """Lines at the radii between which no turn is possible."""
+    for radius, words in ((rover.min_radius, "R min"), (rover.spin_radius, "spin to R")):
+        if not 0.0 < radius < math.inf:
+            continue
+        for side in (1.0, -1.0):
+            ends = np.array([-1.0, 1.0]) * 2.0 * reach[0]
+            axes.plot(ends, ends * radius * side, color=FORBIDDEN, linewidth=0.8, zorder=4)
+        right = min(reach[0], reach[1] / radius)
+        axes.annotate(
+            f"{words} {radius:.3g} m", (-right, right * radius), color=INK, fontsize=8, annotation_clip=False,
+            xytext=(3, 0), textcoords="offset points", ha="left", va="center", zorder=5,
+        )  # fmt: skip

@@ -1,0 +1,146 @@
+"""Picture of a dead-reckoned log: the path with what is not known of it, errors, and how the wheels slid."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+
+from six_wheel.kinematics.odometry.tracks import ROUNDING, SILENT
+from six_wheel.kinematics.poses import Floats
+from six_wheel.log_odometry.evaluation.paths import absolute_error, align, path_distance
+from six_wheel.log_odometry.run_log import Reckoned
+from six_wheel.plotting.drawing import AXLE, FAINT, INK, MOTION, SOFT, new_figure, tidy, write_title
+
+LIKELY = 5.991  # chi squared of two degrees of freedom at 95 %: the ellipse a position is in that often
+ELLIPSES = 14
+DRAWN = 5000  # points of a line at most, more than any screen shows
+LIKELY_FACE = to_rgb(AXLE)
+WHEELS = (AXLE, "#b5651d", MOTION, "#8a6d2f", "#4c4a7d", "#7d3c5d")
+
+
+def reckoning_figure(result: Reckoned, *, title: str | None = None) -> Figure:
+    """Picture of a track: its path with ellipses of 95 %, and truth, errors and residuals if there are any.
+
+    Parameters
+    ----------
+    result : Reckoned
+        What to show.
+    title : str, optional
+        Written above the picture, over the figures of the end.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    known = result.evaluation is not None
+    figure = new_figure(11.0, 6.6)
+    grid = figure.add_gridspec(3 if known else 2, 2, width_ratios=(1.35, 1.0))
+    path = figure.add_subplot(grid[:, 0])
+    draw_path(path, result)
+    draw_key(figure, path)
+    x, y, _ = result.pose
+    write_title(
+        path, title, f"{result.distance:.2f} m in {result.duration:.1f} s, ends at ({x:.3f}, {y:.3f}) m"
+    )
+    _draw_error(figure.add_subplot(grid[0, 1]), result)
+    if known:
+        _draw_growth(figure.add_subplot(grid[1, 1]), result)
+    _draw_residuals(figure.add_subplot(grid[-1, 1]), result)
+    return figure
+
+
+def _thin(*arrays: Floats) -> list[Floats]:
+    """The same rows of all, few enough to draw, the last one among them."""
+    count = len(arrays[0])
+    rows = np.unique(np.linspace(0, count - 1, min(count, DRAWN)).astype(int))
+    return [array[rows] for array in arrays]
+
+
+def draw_path(axes: Axes, result: Reckoned) -> None:
+    """The path with its ellipses of 95 %, and the truth if it is known."""
+    _, poses, covariances, _ = result.trace()
+    if result.evaluation is not None:
+        # The truth is moved, so that the ellipses stay as they are.
+        (truth,) = _thin(align(result.truth, result.estimate, "first"))
+        axes.plot(truth[:, 0], truth[:, 1], color=INK, linewidth=3.0, alpha=0.25, zorder=3, label="truth")
+    (drawn,) = _thin(poses)
+    axes.plot(drawn[:, 0], drawn[:, 1], color=MOTION, linewidth=1.3, zorder=3, label="odometry")
+    along = path_distance(poses)
+    stations = np.searchsorted(along, np.linspace(0.0, along[-1], ELLIPSES + 1)[1:])
+    for number, row in enumerate(np.unique(np.minimum(stations, len(poses) - 1))):
+        values, vectors = np.linalg.eigh(covariances[row, :2, :2])
+        wide, high = 2.0 * np.sqrt(LIKELY * np.maximum(values[::-1], 0.0))
+        turn = float(np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])))
+        label = {} if number else {"label": "95 % of where it may be"}
+        ellipse = Ellipse(
+            (poses[row, 0], poses[row, 1]), wide, high, angle=turn, facecolor=(*LIKELY_FACE, 0.22),
+            edgecolor=(*LIKELY_FACE, 0.9), linewidth=0.8, zorder=2.5, **label,
+        )  # fmt: skip
+        axes.add_patch(ellipse)
+    axes.plot(*poses[0, :2], "o", color="white", markeredgecolor=INK, markersize=6, zorder=6)
+    axes.plot(*poses[-1, :2], "o", color=INK, markeredgecolor="white", markersize=8, zorder=6, label="end")
+    if result.evaluation is not None:
+        axes.plot(
+            *truth[-1, :2], "X", color=INK, markeredgecolor="white", markersize=9, zorder=7, label="true end"
+        )
+    axes.set_aspect("equal", adjustable="datalim")
+    tidy(axes, "x [m]", "y [m]")
+
+
+def draw_key(figure: Figure, axes: Axes) -> None:
+    """What a path is drawn with, under all of the picture: ellipses may fill it."""
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, frameon=False, fontsize=8,
+        labelcolor=INK,
+    )  # fmt: skip
+
+
+def _draw_error(axes: Axes, result: Reckoned) -> None:
+    """The position error along the way over the bound that the covariance gives."""
+    _, poses, covariances, _ = result.trace()
+    largest = np.linalg.eigvalsh(covariances[:, :2, :2])[:, -1]
+    bound = np.sqrt(LIKELY * np.maximum(largest, 0.0))
+    distance, bound = _thin(path_distance(poses), bound)
+    axes.fill_between(distance, 0.0, bound, color=AXLE, alpha=0.22, linewidth=0, label="95 % bound")
+    if result.evaluation is not None:
+        error = absolute_error(result.estimate, result.truth, "first").position
+        along, error = _thin(path_distance(result.estimate), error)
+        axes.plot(along, error, color=MOTION, linewidth=1.2, label="error")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    axes.legend(frameon=False, fontsize=8, labelcolor=INK, loc="upper left")
+    tidy(axes, "distance driven [m]", "position [m]")
+
+
+def _draw_growth(axes: Axes, result: Reckoned) -> None:
+    if result.evaluation is None:
+        return
+    growth = result.evaluation.growth
+    axes.plot(growth.length, growth.position, "o-", color=MOTION, linewidth=1.2, markersize=3)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    tidy(axes, "length of a stretch [m]", "error over it, rms [m]")
+
+
+def _draw_residuals(axes: Axes, result: Reckoned) -> None:
+    """How fast each wheel slid, stretches of slip shaded."""
+    stamps, _, _, residuals = result.trace()
+    names = result.rover.wheel_names
+    stamps, residuals = _thin(stamps, residuals)
+    if not np.nan_to_num(residuals).max() > ROUNDING:
+        said = "no wheel contradicts another" if result.slip.told else SILENT.replace(": ", ":\n")
+        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9}
+        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", color=SOFT, bbox=box, zorder=4)
+    order = np.argsort(-np.nan_to_num(residuals).max(axis=0), kind="stable")
+    for number, wheel in enumerate(order):
+        colour = WHEELS[number] if number < len(WHEELS) else SOFT
+        label = {"label": names[wheel].replace("_", " ")} if number < len(WHEELS) else {}
+        axes.plot(stamps, 1000.0 * residuals[:, wheel], color=colour, linewidth=0.8, **label)
+    told = [(window.start, window.end) for window in result.slip.windows]
+    for start, end in [*told, *((stretch.start, stretch.end) for stretch in result.lost)]:
+        axes.axvspan(start, end, color=FAINT, alpha=0.6, zorder=0)
+    axes.set_ylim(0.0, max(1.05e3 * float(np.nan_to_num(residuals).max()), 1.0))
+    axes.set_xlim(stamps[0], stamps[-1])
+    axes.legend(frameon=False, fontsize=7, labelcolor=INK, loc="upper right", ncols=2)
+    tidy(axes, "time [s]", "wheels slide [mm/s]")

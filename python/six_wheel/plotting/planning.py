@@ -1,0 +1,85 @@
+"""Pictures of drives by a planner: over its costmap, beside the path it was to follow."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from six_wheel._core import Costmap, Rover
+from six_wheel.plotting.drawing import INK, RECORDED, fit_page, new_figure, write_title
+from six_wheel.plotting.path import draw_path
+
+__all__ = ["draw_costmap", "plan_figure"]
+
+
+def draw_costmap(axes: Axes, costmap: Costmap) -> None:
+    """Draw costs, from white to grey; what is lethal is black.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw, in the frame of the map [m]; its limits become the map's.
+    costmap : Costmap
+        What to draw.
+    """
+    values = np.asarray(costmap.values, dtype=np.float64)
+    (dx, dy), (x, y) = costmap.spacing, costmap.origin
+    rows, columns = values.shape
+    extent = (x - dx / 2, x + (columns - 0.5) * dx, y - dy / 2, y + (rows - 0.5) * dy)
+    colours = LinearSegmentedColormap.from_list("costs", ["#ffffff", "#b9c2ca"])
+    axes.imshow(values, origin="lower", extent=extent, cmap=colours, zorder=0, interpolation="nearest")
+    if costmap.lethal is not None:
+        walls = np.where(values >= costmap.lethal, 1.0, np.nan)
+        black = LinearSegmentedColormap.from_list("walls", [INK, INK])
+        axes.imshow(walls, origin="lower", extent=extent, cmap=black, zorder=0.5, interpolation="nearest")
+
+
+def plan_figure(
+    rover: Rover,
+    costmap: Costmap,
+    poses: ArrayLike,
+    steering: ArrayLike,
+    *,
+    path: ArrayLike | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Picture of a drive over a costmap, the rover drawn along it.
+
+    Parameters
+    ----------
+    rover : Rover
+        Any layout of wheels.
+    costmap : Costmap
+        What the planner drove by.
+    poses : array_like, shape (n, 3)
+        x, y, yaw of the body in the frame of the map [m, m, rad], n >= 1.
+    steering : array_like, shape (n, steered wheels)
+        Steering angles at those poses [rad].
+    path : array_like, shape (m, 2 or more), optional
+        The path that was to be followed [m].
+    title : str, optional
+        Written above the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit the rover and each other, or a pose is not finite.
+    """
+    figure = new_figure(8.0, 6.0)
+    axes = figure.add_subplot()
+    length = draw_path(axes, rover, poses, steering, count=8)
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    draw_costmap(axes, costmap)
+    # What stands in the way beside it, too.
+    axes.set(xlim=(left - 0.6, right + 0.6), ylim=(low - 0.6, high + 0.6))
+    if path is not None:
+        asked = np.asarray(path, dtype=np.float64)
+        axes.plot(asked[:, 0], asked[:, 1], color=RECORDED, linewidth=2.5, alpha=0.8, zorder=1.5)
+    fit_page(figure, axes)
+    write_title(axes, title, f"{length:.2f} m")
+    return figure

@@ -1,0 +1,90 @@
+"""Picture of a record that was run again: both ways, and what was wanted and commanded over time."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from six_wheel.control_loop.replay.compare_runs import compare
+from six_wheel.control_loop.replay.run_summary import Replayed, Run
+from six_wheel.plotting.drawing import AXLE, CENTRE, FAINT, INK, SOFT, new_figure, tidy, write_title
+
+DRAWN = 4000  # points of a line at most, more than any screen shows
+SECOND = 1e9
+ROWS = (("forward [m/s]", 0), ("turning [rad/s]", 2))
+
+
+def replay_figure(replayed: Replayed, *, title: str | None = None) -> Figure:
+    """Picture of a record and of what came of running it again.
+
+    Parameters
+    ----------
+    replayed : Replayed
+        What to show.
+    title : str, optional
+        Written above the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    difference = compare(replayed)
+    figure = new_figure(11.0, 6.6)
+    grid = figure.add_gridspec(len(ROWS) + 1, 2, width_ratios=(1.0, 1.35))
+    ways = figure.add_subplot(grid[:, 0])
+    for path, colour, width, label in (
+        (difference.recorded.path, SOFT, 3.0, "recorded"),
+        (difference.again.path, CENTRE, 1.4, "again"),
+    ):
+        x, y = _thin(path[:, 0], path[:, 1])
+        ways.plot(x, y, color=colour, linewidth=width, label=label)
+        ways.plot(x[-1], y[-1], "o", color=colour, markersize=5)
+    ways.set_aspect("equal", adjustable="datalim")
+    tidy(ways, "x [m]", "y [m]")
+    ways.legend(frameon=False, labelcolor=INK)
+    same = f"differ in {difference.differing:,} of {difference.common:,} steps"
+    below = f"the commanded way; commands {'are the same bits' if difference.same_bits else same}"
+    write_title(ways, title, below)
+    begin = float(min(run.times[0] for run in (replayed.recorded, replayed.again) if len(run.times)))
+    for row, (name, column) in enumerate(ROWS):
+        axes = figure.add_subplot(grid[row, 1])
+        _draw_motion(axes, replayed, column, begin)
+        tidy(axes, "", name)
+    axes = figure.add_subplot(grid[-1, 1])
+    _draw_wheels(axes, replayed, begin)
+    tidy(axes, "time [s]", "fastest wheel [rad/s]")
+    return figure
+
+
+def _draw_motion(axes: Axes, replayed: Replayed, column: int, begin: float) -> None:
+    wanted = replayed.wanted
+    if len(wanted):
+        time, value = _thin((wanted[:, 0] - begin) / SECOND, wanted[:, 1 + column])
+        axes.step(time, value, where="post", color=FAINT, linewidth=1.0, label="wanted")
+    for run, colour, width in _runs(replayed):
+        time, value = _thin((run.times - begin) / SECOND, run.twists[:, column])
+        axes.plot(time, value, color=colour, linewidth=width)
+    if column == 0 and len(wanted):
+        axes.legend(frameon=False, labelcolor=INK)
+
+
+def _draw_wheels(axes: Axes, replayed: Replayed, begin: float) -> None:
+    for run, colour, width in _runs(replayed):
+        time, value = _thin((run.times - begin) / SECOND, np.abs(run.speeds).max(axis=1, initial=0.0))
+        axes.plot(time, value, color=colour, linewidth=width)
+    limit = replayed.after.parameters.limits.wheel_speed
+    if np.isfinite(limit):
+        axes.axhline(limit, color=AXLE, linewidth=0.8, linestyle="--")
+
+
+def _runs(replayed: Replayed) -> tuple[tuple[Run, str, float], ...]:
+    return (replayed.recorded, SOFT, 3.0), (replayed.again, CENTRE, 1.4)
+
+
+def _thin(*arrays: NDArray[Any]) -> list[NDArray[Any]]:
+    """The same rows of all, few enough to draw."""
+    count = len(arrays[0])
+    rows = np.unique(np.linspace(0, count - 1, min(count, DRAWN)).astype(int))
+    return [array[rows] for array in arrays]

@@ -1,0 +1,85 @@
+"""Limits and timeouts of controllers, as far as they are limits and ways here too."""
+
+import math
+from typing import Any, TypeGuard
+
+from six_wheel.robot_description.parameters.foreign.keys import (
+    ALIGNING,
+    COMMAND_TIMEOUTS,
+    LIMITS,
+    SLOWING,
+    STEERING_RANGE,
+    TIMEOUTS,
+)
+from six_wheel.robot_description.parameters.ros_node_parameters import GROUPS, Section
+from six_wheel.robot_description.parameters.ros_yaml import Report
+from six_wheel.robot_description.parameters.schema import Values
+
+__all__ = ["check_limits", "is_number", "with_limits"]
+
+
+def with_limits(section: Section, values: Values, second: float = 1.0) -> Values:
+    """With the limits and the ways of a controller that are such here too."""
+    data = section.data
+    limits = {
+        name: abs(values[key])
+        for key, name in (SLOWING | LIMITS).items()
+        if key in values and _in_force(data, key) and _has_its_sign(key, values[key])
+    }
+    control: Values = {}
+    for key in TIMEOUTS:
+        if is_number(data.get(key)) and 0 < data[key] < math.inf:
+            control["timeout"] = data[key] / second
+        elif key in COMMAND_TIMEOUTS and is_number(data.get(key)) and data[key] == 0:
+            control["timeout"] = "never"
+    if isinstance(data.get(ALIGNING), bool):
+        control["align"] = "cosine" if data[ALIGNING] else "none"
+    both = {"limits": limits, "control": control}
+    return values | {key: read | values.get(key, {}) for key, read in both.items() if read}
+
+
+def _has_its_sign(key: str, value: float) -> bool:
+    """Decelerations are negative for ROS 2, in older files positive ones are found as well."""
+    return value < 0 if key in SLOWING else value > 0 or key.endswith("deceleration")
+
+
+def is_number(value: Any) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _in_force(data: Values, key: str) -> bool:
+    """Whether a parameter limits something: 0, NaN and infinity are no limits, and some have a switch."""
+    value = data[key]
+    stem, _, what = key.rpartition(".")
+    quantity = what.partition("_")[2].removesuffix("_reverse").replace("deceleration", "acceleration")
+    return (
+        is_number(value)
+        and math.isfinite(value)
+        and value != 0
+        and data.get(f"{stem}.has_{quantity}_limits") is not False
+    )
+
+
+def check_limits(section: Section, values: Values, error: Report, warning: Report) -> None:
+    data = section.data
+
+    def number(key: str) -> float:
+        value = data.get(key)
+        return value if is_number(value) else math.nan
+
+    def is_read(key: str) -> bool:
+        forwards = key.removesuffix("_reverse")
+        same = forwards != key and abs(number(key)) == abs(number(forwards))
+        mirrored = ".min_" in key and number(key) == -number(key.replace(".min_", ".max_"))
+        limit = key in (LIMITS | SLOWING) and _has_its_sign(key, data[key])
+        return key in STEERING_RANGE or same or mirrored or limit
+
+    limits = [
+        key for key in data if key.partition(".")[0] in GROUPS - {"kinematics"} and _in_force(data, key)
+    ]
+    for group in GROUPS:
+        unread = [key for key in limits if key.startswith(f"{group}.") and not is_read(key)]
+        if unread:
+            message = f"{', '.join(unread)} {'is' if len(unread) == 1 else 'are'} not read"
+            remedy = "limits here are positive and hold both ways: see the key limits"
+            warning(section.line_of((unread[0],)), (unread[0],), message, remedy)

@@ -1,0 +1,170 @@
+"""`simulate` on ground: a suspension driven over a map, every wheel on it, with what its sensors report."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Gyroscope, Noise, RockerBogie, SettledPose, Terrain
+from six_wheel.logs.recordings import GroundTruth
+from six_wheel.simulation.course import read_course
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator, spinning
+from six_wheel.simulation.sensor_model import Encoders, read
+
+if TYPE_CHECKING:
+    from six_wheel._core import WheelSlip
+
+__all__ = ["GroundSimulation", "simulate_on_ground"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GroundSimulation(Simulation):
+    """A log of a drive over ground, with its truth and with where the rover stood all along.
+
+    Attributes
+    ----------
+    stand : SettledPose
+        The settled pose at every sample: z, roll, pitch, joints, contact angles, contacts, statuses.
+    speeds : ndarray, shape (n, wheels)
+        True speeds of the wheels against their links [rad/s].
+    flat_speeds : ndarray, shape (n, wheels)
+        What the same commands ask for on level ground [rad/s].
+    twists : ndarray, shape (n, 6)
+        ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes [m/s, rad/s].
+    joint_rates : ndarray, shape (n, joints)
+        Rates of the free angles [rad/s].
+    slip : WheelSlip
+        Slip ratio and slip angle of every wheel.
+    orientations : ndarray, shape (n, 4)
+        Of the body, as quaternions x, y, z, w.
+    angular_velocity : ndarray, shape (n, 3)
+        What an IMU reports about the body's axes, with the noise of the gyroscope [rad/s].
+    """
+
+    stand: SettledPose | None = None
+    speeds: Floats | None = None
+    flat_speeds: Floats | None = None
+    twists: Floats | None = None
+    joint_rates: Floats | None = None
+    slip: WheelSlip | None = None
+    orientations: Floats | None = None
+    angular_velocity: Floats | None = None
+
+
+def simulate_on_ground(
+    arm: RockerBogie,
+    path: ArrayLike | tuple[ArrayLike, ArrayLike],
+    ground: Terrain,
+    *,
+    noise: Noise | None = None,
+    encoder: Encoders | None = None,
+    steering_encoder: Encoders | None = None,
+    slip: Slip | Sequence[Slip] = (),
+    gyroscope: Gyroscope | None = None,
+    rate: float = 10.0,
+    speed: float = 0.1,
+    start: ArrayLike | None = None,
+    seed: int = 0,
+    name: str = "",
+    session: str = "",
+) -> GroundSimulation:
+    """See `simulate`: speeds and yaw rates of `path` are those seen from above, along the heading.
+
+    The rover steers as on level ground and goes where that leads; it settles at every row, eight rows a
+    sample, and its wheels turn as far as they roll there.
+    """
+    noise = Noise(0.0, 0.0) if noise is None else noise
+    random = generator(seed)
+    planar = arm.planar(0.0, (0.0, 0.0))
+    course = read_course(path, planar, speed)
+    slips = [slip] if isinstance(slip, Slip) else list(slip)
+    moved = drive(planar, course, noise, slips, 1.0 / (FINER * rate), course.begin(start), random)
+    stand = arm.settle(ground, moved.poses, moved.steering)
+    _check(stand, moved)
+    wanted = course.at(moved.stamps)[:, [0, 2]]
+    told = arm.inverse(stand, wanted, view="plan", steering=moved.steering)
+    missing = np.isnan(told.speeds[:, 0])
+    # Where no way to stand was found, which the status says, wheels go on as they did.
+    rows = np.arange(len(missing))
+    columns = [np.interp(rows, rows[~missing], column[~missing]) for column in told.speeds.T]
+    speeds = np.stack(columns, axis=-1)
+    turning = (speeds[1:] + speeds[:-1]) / 2.0
+    spinning(planar, slips, moved.stamps, turning)
+    dt = np.diff(moved.stamps)[:, None]
+    turned = np.concatenate((np.zeros((1, len(planar.wheels))), np.cumsum(turning * dt, axis=0)))
+    yaw_rate = np.where(np.isnan(told.twist[:, 5]), moved.yaw_rate, told.twist[:, 5])
+    motion = Motion(moved.stamps, moved.poses, moved.steering, turned, yaw_rate)
+    sampled = read(planar, _every(motion), noise, encoder, steering_encoder, gyroscope, random)
+    there = arm.settle(ground, motion.poses[::FINER], motion.steering[::FINER])
+    twists, joint_rates = told.twist[::FINER], told.joint_rates[::FINER]
+    ends = np.concatenate((turning[:1], turning, turning[-1:]))
+    real = (ends[1:] + ends[:-1]) / 2.0  # at a row, the mean of the steps beside it
+    known = ~np.isnan(twists[:, 0])
+    slid = arm.slip(there, real[::FINER], np.where(known[:, None], twists, 0.0), np.nan_to_num(joint_rates))
+    spread = 0.0 if gyroscope is None else gyroscope.noise
+    return GroundSimulation(
+        sampled.stamps,
+        sampled.steering if sampled.steering.shape[1] else None,
+        sampled.wheels,
+        GroundTruth(sampled.stamps, motion.poses[::FINER]),
+        name or f"seed {seed}",
+        session,
+        yaw_rate=sampled.yaw_rate,
+        options={
+            key: value
+            for key, value in (("wheel_encoders", encoder), ("steering_encoders", steering_encoder))
+            if value is not None
+        },
+        motion=motion,
+        stand=there,
+        speeds=speeds[::FINER],
+        flat_speeds=planar.inverse(course.at(sampled.stamps), previous=motion.steering[::FINER])[1],
+        twists=twists,
+        joint_rates=joint_rates,
+        slip=slid,
+        orientations=_quaternions(there),
+        angular_velocity=twists[:, 3:] + spread * random.standard_normal((len(twists), 3)),
+    )
+
+
+def _every(motion: Motion) -> Motion:
+    """The rows at which sensors are read."""
+    rows = slice(None, None, FINER)
+    return Motion(
+        motion.stamps[rows],
+        motion.poses[rows],
+        motion.steering[rows],
+        motion.turned[rows],
+        motion.yaw_rate[rows],
+    )
+
+
+def _check(stand: SettledPose, moved: Motion) -> None:
+    """Fails where the map ends or has holes, and where nothing at all settles."""
+    statuses = np.asarray(stand.status).astype(str)
+    for status, rule in (("off_map", "stay on the map"), ("unknown_cells", "stay on known ground")):
+        if (statuses == status).any():
+            row = int(np.argmax(statuses == status))
+            x, y, _ = moved.poses[row]
+            raise ValueError(f"path must {rule}, got x {x:.6g}, y {y:.6g} after {moved.stamps[row]:.6g} s")
+    if (statuses == "not_converged").all():
+        raise ValueError("path must lead where the rover can stand, got none of it")
+
+
+def _quaternions(stand: SettledPose) -> Floats:
+    """Rz(yaw) Ry(pitch) Rx(roll) as x, y, z, w (n, 4)."""
+    halves = np.stack((stand.roll, stand.pitch, stand.poses[:, 2]), axis=-1) / 2.0
+    (r, p, y), (cr, cp, cy) = np.sin(halves).T, np.cos(halves).T
+    columns = (
+        r * cp * cy - cr * p * y,
+        cr * p * cy + r * cp * y,
+        cr * cp * y - r * p * cy,
+        cr * cp * cy + r * p * y,
+    )
+    return np.stack(columns, axis=-1)

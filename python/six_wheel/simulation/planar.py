@@ -1,0 +1,223 @@
+"""How a simulated rover really moves: joints, poses and wheels, slip and all, finer than anything
+samples them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from six_wheel._core import Noise, Rover, integrate
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.logs.recordings import WheelLog
+from six_wheel.simulation.controlled import Controlled
+from six_wheel.simulation.course import Course
+
+Floats = NDArray[np.float64]
+
+# Rows of the true motion per sample: what is lost between them is far below what any sensor sees.
+FINER = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Slip:
+    """A stretch in which wheels slip for a reason.
+
+    Parameters
+    ----------
+    start, stop : float
+        From when to when [s].
+    wheels : sequence of str, optional
+        Which wheels spin, default all with a motor.
+    ratio : float
+        How much of their turning is lost: at 0.5 they turn twice as far as they roll; below 1.
+    drift : tuple of float
+        Twist ``(vx, vy, omega)`` of the body beside what its wheels do, as on a slope, in body axes.
+    """
+
+    start: float
+    stop: float
+    wheels: Sequence[str] | None = None
+    ratio: float = 0.0
+    drift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.start) and math.isfinite(self.stop) and self.start < self.stop):
+            raise ValueError(f"stop must be later than start, {self.start}, got {self.stop}")
+        if not -math.inf < self.ratio < 1.0:
+            raise ValueError(f"ratio must be finite and below 1, got {self.ratio}")
+        if len(self.drift) != 3 or not all(map(math.isfinite, self.drift)):
+            raise ValueError(f"drift must be three finite numbers, got {self.drift}")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What truly happened: the seam between how a rover moves and what its sensors make of it.
+
+    `stamps` (n,) [s]; `poses` (n, 3) [m, m, rad]; `steering` (n, steered) [rad]; `turned` (n, wheels),
+    running totals [rad]; `yaw_rate` (n,) about the body's vertical axis [rad/s]. Between rows everything
+    changes evenly.
+    """
+
+    stamps: Floats
+    poses: Floats
+    steering: Floats
+    turned: Floats
+    yaw_rate: Floats
+
+    def at(self, stamps: Floats) -> "Motion":
+        """The same at other times within it."""
+        columns = np.column_stack((self.poses, self.steering, self.turned, self.yaw_rate))
+        row = np.clip(np.searchsorted(self.stamps, stamps, side="right") - 1, 0, len(self.stamps) - 2)
+        share = (stamps - self.stamps[row]) / (self.stamps[row + 1] - self.stamps[row])
+        values = columns[row] + share[:, None] * (columns[row + 1] - columns[row])
+        joints, wheels = self.steering.shape[1], self.turned.shape[1]
+        poses, steering, turned, rate = np.split(values, np.cumsum((3, joints, wheels)), axis=1)
+        return Motion(stamps, poses, steering, turned, rate[:, 0])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(WheelLog):
+    """A log with its truth, and what only a simulation knows.
+
+    Attributes
+    ----------
+    motion : Motion
+        What truly happened, eight times as fine as the samples.
+    controlled : Controlled or None
+        What the controller did, of a drive with a joint that sticks.
+    """
+
+    motion: Motion | None = None
+    controlled: Controlled | None = None
+
+
+def generator(seed: int) -> np.random.Generator:
+    """What is random, the same for the same seed."""
+    try:
+        return np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f"seed must be a whole number, 0 or more, got {seed!r}") from None
+
+
+def drive(
+    rover: Rover,
+    course: Course,
+    noise: Noise,
+    slips: Sequence[Slip],
+    step: float,
+    start: Floats,
+    random: np.random.Generator,
+) -> Motion:
+    """How a rover moves on a plane.
+
+    Its wheels do what they are told and their contacts slip, by chance with `noise.slip` and
+    `noise.side_slip` per root metre, independently; the body goes where the sliding of all of them is
+    least, as odometry has it.
+
+    Parameters
+    ----------
+    step : float
+        Longest time between two rows [s].
+    """
+    begin, end = course.stamps[0], course.stamps[-1]
+    count = max(math.ceil((end - begin) / step), 1)
+    stamps = np.linspace(begin, end, count + 1)
+    # Between two twists that a rover can make there may be some that it cannot.
+    steering = _along(rover, rover.project(course.at(stamps), keep="nearest"))[0]
+    middle = (steering[1:] + steering[:-1]) / 2.0
+    wanted = rover.project(course.at((stamps[1:] + stamps[:-1]) / 2.0), keep="nearest")
+    speeds = _along(rover, wanted, middle)[1]
+    return follow_joints(rover, stamps, steering, speeds, noise, slips, start, random)
+
+
+def follow_joints(
+    rover: Rover,
+    stamps: Floats,
+    steering: Floats,
+    speeds: Floats,
+    noise: Noise,
+    slips: Sequence[Slip],
+    start: Floats,
+    random: np.random.Generator,
+) -> Motion:
+    """The motion under steering angles (n, steered) at evenly spaced `stamps` (n,) and wheel speeds
+    (n - 1, wheels) between them; where they contradict each other, the sliding is least."""
+    dt = stamps[1] - stamps[0]
+    middle = (steering[1:] + steering[:-1]) / 2.0
+    rates = np.diff(steering, axis=0) / dt
+    twists = rover.forward(middle, speeds, steering_rates=rates)
+    twists = twists + _sliding(rover, middle, speeds, rates, twists, noise, dt, random)
+    turning = speeds.copy()
+    for slip in slips:
+        twists[during(slip, stamps)] += np.array(slip.drift)
+    spinning(rover, slips, stamps, turning)
+    turned = np.concatenate((np.zeros((1, len(rover.wheels))), np.cumsum(turning * dt, axis=0)))
+    rate = np.concatenate((twists[:1, 2], (twists[1:, 2] + twists[:-1, 2]) / 2.0, twists[-1:, 2]))
+    return Motion(stamps, integrate(twists, dt, start=start), steering, turned, rate)
+
+
+def _along(rover: Rover, twists: Floats, near: Floats | None = None) -> tuple[Floats, Floats]:
+    """Steering angles and wheel speeds along twists: of two equivalent angles the one nearer to that of
+    the row in
+    `near`, or to the one before."""
+    if not rover.steered_names:
+        return np.empty((len(twists), 0)), rover.inverse(twists)[1]
+    angles = np.empty((len(twists), len(rover.steered_names)))
+    speeds = np.empty((len(twists), len(rover.wheels)))
+    first = next((tuple(twist) for twist in twists.tolist() if any(twist)), (0.0, 0.0, 0.0))
+    previous = rover.inverse(first)[0]
+    for row, twist in enumerate(twists.tolist()):
+        angles[row], speeds[row] = rover.inverse(
+            tuple(twist), previous=previous if near is None else near[row]
+        )
+        previous = angles[row]
+    return angles, speeds
+
+
+def _sliding(
+    rover: Rover,
+    steering: Floats,
+    speeds: Floats,
+    rates: Floats,
+    twists: Floats,
+    noise: Noise,
+    dt: float,
+    random: np.random.Generator,
+) -> Floats:
+    """What chance slip of the contacts adds to the twists, (n, 3)."""
+    if noise.slip == 0.0 and noise.side_slip == 0.0:
+        return np.zeros_like(twists)
+    by = rover.sensitivity(steering, speeds, steering_rates=rates, quantities=("slip", "side_slip"))
+    places = np.array([(wheel.x, wheel.y) for wheel in rover.wheels])
+    vx = twists[:, 0, None] - twists[:, 2, None] * places[:, 1]
+    vy = twists[:, 1, None] + twists[:, 2, None] * places[:, 0]
+    root = np.sqrt(np.hypot(vx, vy) * dt) / dt
+    added = np.zeros_like(twists)
+    for deviation, by_slip in ((noise.slip, by.slip), (noise.side_slip, by.side_slip)):
+        slid = deviation * root * random.standard_normal(root.shape)
+        added += np.einsum("nij,nj->ni", by_slip, slid)
+    return added
+
+
+def during(slip: Slip, stamps: Floats) -> NDArray[np.bool_]:
+    """Which steps between these stamps it covers, (n - 1,)."""
+    return (stamps[:-1] >= slip.start) & (stamps[1:] <= slip.stop)
+
+
+def spinning(rover: Rover, slips: Sequence[Slip], stamps: Floats, turning: Floats) -> None:
+    """Turns wheels further than they roll: `turning` (n - 1, wheels) [rad/s], in place."""
+    for slip in slips:
+        for wheel in _wheels(rover, slip):
+            turning[during(slip, stamps), wheel] /= 1.0 - slip.ratio
+
+
+def _wheels(rover: Rover, slip: Slip) -> list[int]:
+    names = list(rover.wheel_names)
+    if slip.wheels is None:
+        return [number for number, wheel in enumerate(rover.wheels) if wheel.driven]
+    for name in slip.wheels:
+        if name not in names:
+            raise ValueError(f"wheels must be some of {', '.join(names)}, got {name!r}")
+    return [names.index(name) for name in slip.wheels]

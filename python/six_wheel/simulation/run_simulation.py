@@ -1,0 +1,201 @@
+"""`simulate`: a drive that never was, as a log with its truth."""
+
+from __future__ import annotations  # so that help shows the names of types, not what they stand for
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from numbers import Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from six_wheel._core import Gyroscope, Limits, Noise, RockerBogie, Rover, Terrain, check_kind
+from six_wheel.kinematics.errors import ArgumentTypeError
+from six_wheel.logs.recordings import GroundTruth
+from six_wheel.simulation.course import read_course
+from six_wheel.simulation.on_terrain import simulate_on_ground
+from six_wheel.simulation.planar import FINER, Motion, Simulation, Slip, drive, generator
+from six_wheel.simulation.sensor_model import Encoders, read, sample_times
+from six_wheel.simulation.sticking import Stick, drive_stuck
+
+Floats = NDArray[np.float64]
+
+
+def _mean_rates(motion: Motion, stamps: Floats) -> Floats:
+    """Yaw rates as a gyroscope has them: means from halfway since the sample before to halfway on."""
+    edges = np.concatenate((stamps[:1], (stamps[1:] + stamps[:-1]) / 2.0, stamps[-1:]))
+    rates: Floats = np.diff(motion.at(edges).poses[:, 2]) / np.diff(edges)
+    return rates
+
+
+def simulate(
+    rover: Rover | RockerBogie,
+    path: ArrayLike | tuple[ArrayLike, ArrayLike],
+    *,
+    ground: Terrain | None = None,
+    noise: Noise | None = None,
+    encoder: Encoders | None = None,
+    steering_encoder: Encoders | None = None,
+    slip: Slip | Sequence[Slip] = (),
+    stick: Stick | None = None,
+    limits: Limits | None = None,
+    control: Mapping[str, Any] | None = None,
+    gyroscope: Gyroscope | None = None,
+    rate: float = 50.0,
+    jitter: float = 0.0,
+    dropped: float = 0.0,
+    speed: float = 0.5,
+    start: ArrayLike | None = None,
+    truth_noise: tuple[float, float] = (0.0, 0.0),
+    seed: int = 0,
+    name: str = "",
+    session: str = "",
+) -> Simulation:
+    """A log with truth, of any rover on a plane, or of a suspension on ground: the same for the same seed.
+
+    Parameters
+    ----------
+    rover : Rover or RockerBogie
+        As it is built. On ground, a `RockerBogie`.
+    path : array_like or pair of array_like
+        Commands: rows ``[time, vx, vy, omega]``, shape (n, 4), or a pair of stamps (n,) and twists (n,
+        3); between rows the twist changes evenly. Or poses, shape (n, 3), each reached from the one
+        before on one arc at `speed`. Of twists the rover cannot make it makes the nearest.
+    ground : Terrain, optional
+        What a `RockerBogie` drives over. Speeds and yaw rates are then those seen from above, along the
+        heading.
+    noise : Noise, optional
+        How readings err and contacts slip, default ``Noise(speed=0, steering=0)``: not at all.
+    encoder, steering_encoder : Encoder, sequence of Encoder or dict of str to Encoder, optional
+        What wheels and joints count with: ticks, gear, where the counter starts over. Without one they
+        read radians.
+    slip : Slip or sequence of Slip
+        Stretches in which wheels spin or the body drifts.
+    stick : Stick, optional
+        A steering joint that sticks. The rover is then driven through a `Controller` that measures its
+        joints, on a plane.
+    limits : Limits, optional
+        Of that controller.
+    control : mapping of str to object, optional
+        Other keywords of it.
+    gyroscope : Gyroscope, optional
+        Its bias starts at random within its deviation, and wanders.
+    rate : float, default 50.0
+        Samples per second.
+    jitter : float, default 0.0
+        Standard deviation of the time between samples [s]; the stamps are right.
+    dropped : float, default 0.0
+        Share of the rows that get lost.
+    speed : float, default 0.5
+        Along poses [m/s].
+    start : array_like, shape (3,), optional
+        First pose [m, m, rad], default that of the poses, and the origin for commands. Another one moves the
+        whole path there.
+    truth_noise : tuple of float, default (0, 0)
+        Standard deviation of the truth's places [m] and headings [rad].
+    seed : int, default 0
+        Of all that is random.
+    name, session : str
+        Of the log.
+
+    Returns
+    -------
+    Simulation
+        A `WheelLog` with `truth`, and `yaw_rate` if there is a gyroscope; `dead_reckon` takes it as it is. On
+        ground a `GroundSimulation`, which also says how the rover stood.
+
+    Raises
+    ------
+    ValueError
+        If an argument breaks its rule.
+    """
+    check_kind("noise", noise)
+    check_kind("gyroscope", gyroscope)
+    slips = [slip] if isinstance(slip, Slip) else slip
+    if not isinstance(slips, Sequence) or not all(isinstance(one, Slip) for one in slips):
+        raise ArgumentTypeError(f"slip must be a Slip or several, got {slip!r}")
+    if not (isinstance(truth_noise, Sequence) and len(truth_noise) == 2):
+        rule = "must be two deviations, of places [m] and headings [rad]"
+        raise ArgumentTypeError(f"truth_noise {rule}, got {truth_noise!r}")
+    for argument, value in (
+        ("jitter", jitter),
+        ("dropped", dropped),
+        *(("truth_noise", one) for one in truth_noise),
+    ):
+        if not (_is_number(value) and value >= 0.0):
+            raise ValueError(f"{argument} must be finite and not negative, got {value!r}")
+    for argument, value in (("rate", rate), ("speed", speed)):
+        if not (_is_number(value) and value > 0.0):
+            raise ValueError(f"{argument} must be finite and positive, got {value!r}")
+    if dropped >= 1.0:
+        raise ValueError(f"dropped must be below 1, got {dropped}")
+    if isinstance(rover, RockerBogie):
+        check_kind("ground", ground)
+        if ground is None:
+            raise ValueError("ground must be given for a suspension, got None; or simulate rover.planar(...)")
+        if jitter or dropped or any(truth_noise) or stick is not None:
+            raise ValueError("jitter, dropped, truth_noise and stick must be left out on ground")
+        return simulate_on_ground(
+            rover,
+            path,
+            ground,
+            noise=noise,
+            encoder=encoder,
+            steering_encoder=steering_encoder,
+            slip=slip,
+            gyroscope=gyroscope,
+            rate=rate,
+            speed=speed,
+            start=start,
+            seed=seed,
+            name=name,
+            session=session,
+        )
+    check_kind("rover", rover)
+    if ground is not None:
+        raise ValueError("rover must be a RockerBogie to drive over ground, got a Rover")
+    noise = Noise(0.0, 0.0) if noise is None else noise
+    random = generator(seed)
+    course = read_course(path, rover, speed)
+    step, first = 1.0 / (FINER * rate), course.begin(start)
+    controlled = None
+    if stick is None:
+        motion = drive(rover, course, noise, slips, step, first, random)
+    else:
+        check_kind("limits", limits)
+        motion, controlled = drive_stuck(
+            rover, course, stick, limits or Limits(), control or {},
+            noise=noise, slips=slips, step=step, start=first, random=random,
+        )  # fmt: skip
+    stamps = sample_times(motion.stamps[0], motion.stamps[-1], rate, jitter, random)
+    if dropped:
+        kept = random.random(len(stamps)) >= dropped
+        kept[[0, -1]] = True
+        stamps = stamps[kept]
+    there = replace(motion.at(stamps), yaw_rate=_mean_rates(motion, stamps))
+    sampled = read(rover, there, noise, encoder, steering_encoder, gyroscope, random)
+    deviations = np.array([truth_noise[0], truth_noise[0], truth_noise[1]])
+    poses = there.poses + deviations * random.standard_normal(there.poses.shape)
+    options: dict[str, Any] = {}
+    if encoder is not None:
+        options["wheel_encoders"] = encoder
+    if steering_encoder is not None:
+        options["steering_encoders"] = steering_encoder
+    return Simulation(
+        stamps,
+        sampled.steering if sampled.steering.shape[1] else None,
+        sampled.wheels,
+        GroundTruth(stamps, poses),
+        name or f"seed {seed}",
+        session,
+        yaw_rate=sampled.yaw_rate,
+        options=options,
+        motion=motion,
+        controlled=controlled,
+    )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and math.isfinite(value)

@@ -1,0 +1,425 @@
+"""`Odometry3`: laws, planes, simulated drives, whole logs, noise, late poses."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import six_wheel as sw
+from tests.kinematics.odometry.slopes import ramp, simulated
+
+QUIET = sw.Noise(0.0, 0.0)
+EXACT = {"attitude_noise": 0.0, "joint_noise": 0.0}
+
+
+def drive(arm: sw.RockerBogie, rows: int = 60, seed: int = 0) -> tuple[Any, Any, Any]:
+    """Steering, totals and stamps of a rover that goes about level ground, noise in all of its readings."""
+    rng = np.random.default_rng(seed)
+    stamps = np.cumsum(rng.uniform(0.05, 0.15, rows))
+    curvature = 0.4 * np.sin(0.7 * stamps)
+    twists = np.stack([np.full(rows, 0.2), np.zeros(rows), 0.2 * curvature], axis=-1)
+    planar = arm.planar(0, (0, 0))
+    steering, speeds = planar.inverse(planar.project(twists))
+    totals = np.cumsum(speeds * np.gradient(stamps)[:, None], axis=0)
+    return steering + 0.01 * rng.standard_normal(steering.shape), totals, stamps
+
+
+def two_fixed_pairs() -> sw.RockerBogie:
+    """Like Rocky 7, front wheels steered, but with its wheels at one height."""
+    return sw.RockerBogie(
+        rocker_pivot=(0.12, 0.2, 0.2),
+        rocker_to_front=(0.3, 0.02, -0.125),
+        rocker_to_bogie=(-0.12, 0.0, -0.1),
+        bogie_to_middle=(0.07, 0.03, -0.025),
+        bogie_to_rear=(-0.07, 0.01, -0.025),
+        wheel_radius=0.075,
+        steered="front",
+    )
+
+
+@pytest.mark.parametrize("make", [sw.RockerBogie.perseverance, sw.RockerBogie.curiosity, two_fixed_pairs])
+@pytest.mark.parametrize("on", ["imu", "quaternion", "ground"])
+def test_level_ground_is_the_plane(make: Any, on: str) -> None:
+    """Noisy, contradictory readings: pose, twist and residual of the planar one, nearly its covariance."""
+    arm = make()
+    steering, totals, stamps = drive(arm)
+    noise = sw.Noise(0.01, 0.009, slip=0.01, side_slip=0.02)
+    planar = sw.dead_reckon(arm.planar(0, (0, 0)), steering, totals, stamps, noise=noise)
+    more: dict[str, Any] = {"noise": noise, **EXACT}
+    level = np.zeros((len(stamps), 3))
+    if on == "ground":
+        more["ground"] = ramp(0.0)
+    else:
+        more |= {"attitude": level[:, :2], "joints": level}
+    if on == "quaternion":
+        halves = planar.poses[:, 2] / 2
+        more["attitude"] = np.stack([0 * halves, 0 * halves, np.sin(halves), np.cos(halves)], axis=-1)
+    track = sw.dead_reckon(arm, steering, totals, stamps, **more)
+    assert (track.health == planar.health).all()
+    # Rounding of some tens of steps; settled attitudes are good to 1e-12, and swing the way.
+    rounding = 5e-12 if on == "ground" else 1e-12
+    np.testing.assert_allclose(track.poses[:, [0, 1, 5]], planar.poses, rtol=0, atol=rounding)
+    np.testing.assert_allclose(track.twists[1:, [0, 1, 5]], planar.twists[1:], rtol=0, atol=20 * rounding)
+    np.testing.assert_allclose(track.attitudes[:, :2], 0, atol=rounding)
+    assert track.covariances is not None
+    assert planar.covariances is not None
+    if on == "quaternion":
+        assert track.covariances[-1][5, 5] < 1e-15  # its yaw is taken at its word
+        return
+    np.testing.assert_allclose(track.residuals[1:], planar.residuals[1:], atol=1e-11)
+    block = track.covariances[:, [[0], [1], [5]], [[0, 1, 5]]]
+    # To first order in how the wheels contradict each other the covariances are the same.
+    np.testing.assert_allclose(block, planar.covariances, atol=0.02 * np.abs(planar.covariances).max())
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+@pytest.mark.parametrize("turn", [0.0, 0.06])
+def test_a_ramp_of_25_degrees_is_that_ramp(known: str, turn: float) -> None:
+    """Where the plane says, to a micrometre and microradian, driving up it and turning on it."""
+    arm, slope = sw.RockerBogie.perseverance(), math.radians(25)
+    commands = [(0.0, 0.1, 0.0, turn), (30.0, 0.1, 0.0, turn)]
+    ground = ramp(slope)
+    log = sw.simulate(arm, commands, ground=ground, rate=10.0)
+    kwargs: dict[str, Any] = {"ground": ground} if known == "ground" else {}
+    start = (*log.truth.poses[0, :2], log.stand.z[0], 0.0, 0.0, log.truth.poses[0, 2])
+    track = sw.dead_reckon(arm, log, noise=QUIET, start=start, **kwargs, **EXACT)
+    true = np.column_stack([log.truth.poses[:, :2], log.stand.z])
+    assert np.ptp(true[:, 2]) > 0.5
+    if turn == 0.0:
+        np.testing.assert_allclose(track.positions, true, rtol=0, atol=1e-6)
+        np.testing.assert_allclose(track.attitudes[:, 1], -slope, atol=1e-6)
+        return
+    # The rover steers as on level ground, so that its wheels scrub on the slope: the way stays on the plane.
+    height = math.tan(slope) * track.positions[:, 0]
+    above = true[:, 2] - math.tan(slope) * true[:, 0]
+    np.testing.assert_allclose(track.positions[:, 2] - height, above, atol=1e-6)
+
+
+def inclined(
+    arm: sw.RockerBogie, rotation: Any, twist: Any, rows: int = 50, dt: float = 0.2
+) -> tuple[dict[str, Any], Any]:
+    """A rover that turns on a plane with a constant twist, seen by an IMU; and its way."""
+    from scipy.spatial.transform import Rotation
+
+    planar = arm.planar(0, (0, 0))
+    steering, speeds = planar.inverse(twist)
+    stamps = dt * np.arange(rows)
+    poses = sw.integrate(np.tile(twist, (rows - 1, 1)), dt)
+    turned = Rotation.from_quat(rotation) * Rotation.from_euler("z", poses[:, 2:])
+    places = Rotation.from_quat(rotation).apply(np.column_stack([poses[:, :2], np.zeros(rows)]))
+    log = {
+        "steering": np.tile(steering, (rows, 1)),
+        "wheel_angles": speeds * stamps[:, None],
+        "stamps": stamps,
+        "joints": np.zeros((rows, 3)),
+    }
+    return log, (places, turned)
+
+
+@pytest.mark.parametrize("numbers", [2, 3, 4])
+def test_a_plane_only_turns_the_way(numbers: int) -> None:
+    """Arcs on slopes of any direction, by roll and pitch alone too: the plane's own, turned with it."""
+    from scipy.spatial.transform import Rotation
+
+    arm = sw.RockerBogie.perseverance()
+    for roll, pitch, yaw in [(0.0, 0.0, 0.3), (0.0, -0.43, 0.0), (0.3, 0.2, -2.0), (-0.4, 0.1, 1.0)]:
+        rotation = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_quat()
+        twist = arm.planar(0, (0, 0)).project((0.1, 0.0, 0.05))
+        log, (places, turned) = inclined(arm, rotation, twist)
+        angles = turned.as_euler("ZYX")[:, ::-1]
+        attitude = {2: angles[:, :2], 3: angles, 4: turned.as_quat()}[numbers]
+        start = np.concatenate([places[0], angles[0]])
+        track = sw.dead_reckon(arm, **log, attitude=attitude, noise=QUIET, start=start, **EXACT)
+        # The wheels of Perseverance stand level to 1e-9; 50 steps.
+        np.testing.assert_allclose(track.positions, places, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(np.abs((track.orientations * turned.as_quat()).sum(1)), 1, atol=1e-9)
+
+
+def error(track: Any, log: Any) -> Any:
+    true = np.column_stack([log.truth.poses[:, :2], log.stand.z])
+    return track.positions - true
+
+
+def test_a_drive_over_bumps_is_found_again() -> None:
+    """With the map nearly; from joints and attitude to a percent of the way."""
+    arm, ground, log = simulated()
+    start = (0.0, 0.0, log.stand.z[0], log.stand.roll[0], log.stand.pitch[0], 0.0)
+    way = 0.15 * 30
+    known = sw.dead_reckon(arm, log, ground=ground, noise=QUIET, start=start, **EXACT)
+    unknown = sw.dead_reckon(arm, log, noise=QUIET, start=start, **EXACT)
+    for track, share in ((known, 0.02), (unknown, 0.02)):
+        assert np.abs(error(track, log)[-1]).max() < share * way, error(track, log)[-1]
+    planar = sw.dead_reckon(arm.planar(0, (0, 0)), log, noise=QUIET)
+    flat = np.linalg.norm(planar.poses[-1, :2] - log.truth.poses[-1, :2])
+    assert np.linalg.norm(error(known, log)[-1, :2]) < flat
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+def test_simulated_noise_is_found_again(known: str) -> None:
+    """Wheels that slip and err as they were told to: the way ends within what the covariance says."""
+    noise = sw.Noise(speed=0.01, steering=0.01, slip=0.03, side_slip=0.03)
+    within = 0
+    for seed in range(12):
+        arm, ground, log = simulated(seed, noise=noise)
+        start = (0.0, 0.0, log.stand.z[0], log.stand.roll[0], log.stand.pitch[0], 0.0)
+        more: dict[str, Any] = {"ground": ground} if known == "ground" else {}
+        track = sw.dead_reckon(arm, log, noise=noise, start=start, **more, **EXACT)
+        assert track.covariances is not None
+        within += squared(track, log) < 11.3  # 99 % of chi-square, 3 degrees of freedom
+    assert within >= 10
+
+
+def squared(track: Any, log: Any) -> float:
+    """Normalised error squared of the end, in plan."""
+    gap = np.array([*error(track, log)[-1, :2], track.poses[-1, 5] - log.truth.poses[-1, 2]])
+    block = track.covariances[-1][np.ix_([0, 1, 5], [0, 1, 5])]
+    return float(gap @ np.linalg.solve(block, gap))
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+def test_the_guess_errs_on_the_wide_side_on_ground_too(known: str) -> None:
+    """Wheels that slip as much as those of the worst of four laboratory robots, which the guess covers: all
+    ends lie in its 95 % bound, half of them well inside."""
+    noise = sw.Noise(slip=0.06, side_slip=0.06)
+    values = []
+    for seed in range(9):
+        arm, ground, log = simulated(seed, noise=noise)
+        start = (0.0, 0.0, log.stand.z[0], log.stand.roll[0], log.stand.pitch[0], 0.0)
+        more: dict[str, Any] = {"ground": ground} if known == "ground" else {}
+        values.append(squared(sw.dead_reckon(arm, log, start=start, **more), log))
+    assert max(values) < 7.815
+    assert np.median(values) < 2.366 / 1.5  # of the median of chi-square with 3 degrees of freedom
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+def test_mirror_yaw_and_translation(known: str) -> None:
+    """Another start moves and turns the way; mirrored readings mirror it."""
+    arm, ground, log = simulated()
+    base: dict[str, Any] = {"noise": sw.Noise(slip=0.01), **EXACT}
+    readings = (log.steering, log.wheel_angles, log.stamps)
+    imu = {"joints": log.stand.joints, "attitude": np.column_stack([log.stand.roll, log.stand.pitch])}
+    if known == "joints":
+        one = sw.dead_reckon(arm, *readings, **imu, **base)
+        other = sw.dead_reckon(arm, *readings, **imu, start=(3.0, -2.0, 5.0, 0.0, 0.0, 0.7), **base)
+    else:
+        x, y = 3.0, -2.0
+        one = sw.dead_reckon(arm, *readings, ground=ground, **base)
+        turned = sw.Terrain(
+            np.asarray(ground.heights), spacing=0.1, origin=moved(-6, -6, x, y, 0.7), orientation=0.7
+        )
+        other = sw.dead_reckon(arm, *readings, ground=turned, start=(x, y, 0.7), **base)
+    c, s = math.cos(0.7), math.sin(0.7)
+    plan = one.positions[:, :2] @ [[c, s], [-s, c]] + [3.0, -2.0]
+    np.testing.assert_allclose(other.positions[:, :2], plan, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        np.diff(other.poses[:, 2:], axis=0), np.diff(one.poses[:, 2:], axis=0), atol=1e-9
+    )
+    swap = np.array([1, 0, 3, 2, 5, 4])
+    if known == "joints":
+        sided = {"joints": log.stand.joints[:, [0, 2, 1]] * [-1, 1, 1], "attitude": imu["attitude"] * [-1, 1]}
+        mirrored = sw.dead_reckon(
+            arm, -log.steering[:, [1, 0, 3, 2]], log.wheel_angles[:, swap], log.stamps, **sided, **base
+        )
+        np.testing.assert_allclose(mirrored.poses, one.poses * [1, -1, 1, -1, 1, -1], rtol=0, atol=1e-9)
+
+
+def moved(x: float, y: float, dx: float, dy: float, yaw: float) -> tuple[float, float]:
+    c, s = math.cos(yaw), math.sin(yaw)
+    return (c * x - s * y + dx, s * x + c * y + dy)
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+def test_a_whole_log_is_its_rows(known: str) -> None:
+    """Bit by bit, bad rows among them."""
+    arm, ground, log = simulated()
+    totals, stamps = log.wheel_angles.copy(), log.stamps.copy()
+    totals[20, 2], stamps[40] = np.nan, stamps[39]
+    totals[20, :] = np.nan
+    attitude = np.column_stack([log.stand.roll, log.stand.pitch])
+    more = {"ground": ground} if known == "ground" else {}
+    columns = {} if known == "ground" else {"joints": log.stand.joints, "attitude": attitude}
+    track = sw.dead_reckon(arm, log.steering, totals, stamps, **columns, **more)
+    assert track.left_out.tolist() == [20, 40]
+    odometry = sw.Odometry3(arm, **more)
+    for k in range(len(stamps)):
+        row = {name: column[k] for name, column in columns.items()}
+        if k in (20, 40):
+            before = odometry.state.pose
+            with pytest.raises(ValueError, match="must be"):
+                odometry.update(log.steering[k], totals[k], stamps[k], **row)
+            np.testing.assert_array_equal(odometry.state.pose, before)
+            np.testing.assert_array_equal(track.poses[k], before)
+            continue
+        state = odometry.update(log.steering[k], totals[k], stamps[k], **row)
+        np.testing.assert_array_equal(state.pose, track.poses[k])
+        np.testing.assert_array_equal(state.twist, track.twists[k])
+        np.testing.assert_array_equal(state.covariance, track.covariances[k])
+        np.testing.assert_array_equal(state.slip, track.slips[k])
+        np.testing.assert_array_equal(state.residual, track.residuals[k])
+    np.testing.assert_allclose(state.transform[:3, 3], state.position)
+    assert track.findings()[0].startswith("FIRST")
+
+
+@pytest.mark.parametrize("known", ["joints", "yaw", "ground"])
+def test_the_covariance_is_that_of_many_drives(known: str) -> None:
+    """Noise in every reading: the normalised error squared of 150 drives over bumps lies in its band."""
+    arm, ground, log = simulated()
+    noise = sw.Noise(speed=0.01, steering=0.01)
+    attitude_noise, joint_noise, rows = 0.001, 0.0005, 120
+    stand = log.stand
+    yaw = log.truth.poses[:rows, 2]
+    attitude = np.column_stack([stand.roll[:rows], stand.pitch[:rows], yaw])
+    if known != "yaw":
+        attitude = attitude[:, :2]
+    joints, stamps = stand.joints[:rows], log.stamps[:rows]
+    dt = np.diff(stamps)[:, None]
+    rng = np.random.default_rng(3)
+    options: dict[str, Any] = {"noise": noise, "attitude_noise": attitude_noise, "joint_noise": joint_noise}
+    if known == "ground":
+        options["ground"] = ground
+
+    def reckon(read: Any) -> Any:
+        radius = 0.26288
+        rolled = np.zeros((rows, 6))
+        rolled[1:] = np.cumsum(read((rows - 1, 6)) * noise.speed * dt / radius, axis=0)
+        more = dict(options)
+        if known != "ground":
+            tilt = attitude.copy()
+            tilt[:, :2] += attitude_noise * read((rows, 2))
+            more |= {"attitude": tilt, "joints": joints + joint_noise * read(joints.shape)}
+        steering = log.steering[:rows] + noise.steering * read((rows, 4))
+        return sw.dead_reckon(arm, steering, log.wheel_angles[:rows] + rolled, stamps, **more)
+
+    true = reckon(np.zeros)
+    nees, ends = [], []
+    for _ in range(150):
+        track = reckon(rng.standard_normal)
+        gap = track.poses[-1] - true.poses[-1]
+        turn = np.array([gap[5]]) if known != "yaw" else np.zeros(0)
+        picked = [0, 1, 5] if known != "yaw" else [0, 1, 2]
+        gap = np.concatenate([gap[:2], turn]) if known != "yaw" else gap[:3]
+        ends.append(gap)
+        nees.append(gap @ np.linalg.solve(track.covariances[-1][np.ix_(picked, picked)], gap))
+    spread, told = np.cov(np.array(ends).T), true.covariances[-1][np.ix_(picked, picked)]
+    # Chi-square with 3 degrees of freedom over 150 drives: 3 ± 4 x 0.2. Twice the noise of joints and tilt
+    # makes wheels climb by its square, 0.3 % of the way.
+    assert 2.2 < np.mean(nees) < 3.8, (np.mean(nees), np.sqrt(np.diag(spread)), np.sqrt(np.diag(told)))
+
+
+def test_a_late_pose_is_worth_a_timely_one() -> None:
+    """The samples since are taken in again; with everything known at once the same comes out."""
+    arm, ground, log = simulated()
+    attitude = np.column_stack([log.stand.roll, log.stand.pitch])
+    pose = [2.0, 0.1, 0.4, 0.0, 0.0, 0.05]
+    for more in ({"attitude": attitude, "joints": log.stand.joints}, {}):
+        options = {} if more else {"ground": ground}
+        late, timely = (sw.Odometry3(arm, lag=5.0, **options) for _ in range(2))
+        for k in range(120):
+            row = {name: column[k] for name, column in more.items()}
+            late.update(log.steering[k], log.wheel_angles[k], log.stamps[k], **row)
+            timely.update(log.steering[k], log.wheel_angles[k], log.stamps[k], **row)
+            if k == 90:
+                timely.correct(pose, log.stamps[k], np.full(6, 1e-4))
+        state = late.correct(pose, log.stamps[90], np.full(6, 1e-4))
+        np.testing.assert_allclose(state.pose, timely.state.pose, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(state.covariance, timely.state.covariance, rtol=0, atol=1e-12)
+        assert np.linalg.eigvalsh(state.covariance).min() > -1e-12
+    exact = late.correct((2.5, 0.2, 0.1), log.stamps[119], (0.0, 0.0, 0.0))
+    np.testing.assert_allclose(exact.pose[[0, 1, 5]], (2.5, 0.2, 0.1), atol=1e-9)
+    with pytest.raises(ValueError, match="stamp must be between"):
+        late.correct(pose, 0.0, np.full(6, 1.0))
+
+
+def test_set_pose_and_reset() -> None:
+    """What is measured, and what the ground decides, stays."""
+    arm, ground, log = simulated()
+    odometry = sw.Odometry3(arm, ground=ground)
+    for k in range(10):
+        odometry.update(log.steering[k], log.wheel_angles[k], log.stamps[k])
+    odometry.set_pose((1.0, 0.5, 0.2), (0.01, 0.01, 0.001))
+    stand = arm.settle(ground, (1.0, 0.5, 0.2), log.steering[9])
+    np.testing.assert_allclose(odometry.state.pose[2:5], [stand.z, stand.roll, stand.pitch], atol=1e-12)
+    assert odometry.state.covariance[2, 2] > 0
+    odometry.reset()
+    assert odometry.state.stamp is None
+    matrix = np.eye(4)
+    matrix[:3, 3] = 1.0, 0.5, 9.0
+    odometry.reset(matrix)
+    np.testing.assert_array_equal(odometry.state.position, [1.0, 0.5, 9.0])
+
+
+def test_clocks_and_counters_that_restart() -> None:
+    """As in the plane: the second row that fits the one left out before goes on from there."""
+    arm = sw.RockerBogie.perseverance()
+    stamps, totals = np.arange(30.0), 0.3 * np.arange(30.0)[:, None] * np.ones(6)
+    told = {"joints": np.zeros((30, 3)), "attitude": np.zeros((30, 2))}
+    clock = stamps.copy()
+    clock[15:] -= 100.0
+    jumped = totals.copy()
+    jumped[15:] += 1e3
+    for readings, more in (((totals, clock), {}), ((jumped, stamps), {"max_speed": 1.0})):
+        track = sw.dead_reckon(arm, np.zeros((30, 4)), *readings, **told, **more)
+        assert track.rows(sw.OdometryHealth.RESTARTED).tolist() == [16]
+        assert abs(track.poses[-1, 0] - 29 * 0.3 * 0.26288) <= 0.3 * 0.26288 + 1e-9
+
+
+def test_other_chains() -> None:
+    """Without free joints, with three bogies, with pivoting axles: level ground is level ground."""
+    centres = [(0.5, 0.4, 0.2), (0.5, -0.4, 0.2), (-0.5, 0.4, 0.2), (-0.5, -0.4, 0.2)]
+    rigid = sw.Suspension.rigid(centres, 0.2)
+    odometry = sw.Odometry3(rigid, QUIET)
+    for k in range(3):
+        state = odometry.update(None, np.full(4, float(k)), k, attitude=(0.0, -0.3))
+    np.testing.assert_allclose(state.position, [0.4 * math.cos(0.3), 0, 0.4 * math.sin(0.3)], atol=1e-12)
+    zoe = sw.Suspension.pivoting_axles(wheelbase=1.91, track_width=1.64, drop=0.119, wheel_radius=0.325)
+    odometry = sw.Odometry3(zoe, QUIET)
+    for k in range(2):
+        # The front axle turns in place: its wheels roll round the pivot.
+        turn, rolled = 0.1 * k, 0.1 * k * 0.82 / 0.325
+        told = np.array([-rolled, rolled, 0, 0])
+        state = odometry.update((turn, 0.0), told, k, joints=[0.0], attitude=(0.0, 0.0))
+    np.testing.assert_allclose(state.pose, 0, atol=1e-3)
+
+
+@pytest.mark.parametrize("known", ["joints", "ground"])
+def test_it_is_the_plain_one(known: str) -> None:
+    """Steering, bumps and wheels that contradict each other, against a plain model that shares no code."""
+    from six_wheel.reference import ground as plain
+    from six_wheel.reference.ground.odometry import dead_reckon
+
+    dimensions = {
+        "rocker_pivot": (0.30402, 0.79959, 0.89288),
+        "rocker_to_front": (0.881, 0.26291, -0.63),
+        "rocker_to_bogie": (-0.754, 0.12, -0.23),
+        "bogie_to_middle": (0.44998, 0.26491, -0.4),
+        "bogie_to_rear": (-0.625, 0.14291, -0.4),
+        "wheel_radius": 0.26288,
+    }
+    arm, chain = sw.RockerBogie(**dimensions), plain.rocker_bogie(**dimensions)
+    _, ground, log = simulated()
+    rows = slice(100, 140 if known == "joints" else 106)
+    totals = log.wheel_angles[rows] + 0.002 * np.random.default_rng(4).standard_normal(
+        log.wheel_angles[rows].shape
+    )
+    steering, stamps = log.steering[rows], log.stamps[rows]
+    x, y, yaw = log.truth.poses[rows][0]
+    z = float(log.stand.z[rows][0])
+    if known == "joints":
+        attitude = np.column_stack([log.stand.roll[rows], log.stand.pitch[rows]])
+        told = {"joints": log.stand.joints[rows]}
+        reach = np.linalg.norm(arm.settle(ramp(0.0), (0, 0, 0)).wheel_centres, axis=1).max()
+        doubt = float(reach * math.sqrt(2 * (0.003**2 + 0.001**2)))
+        slow = dead_reckon(
+            chain, steering, totals, **told, attitudes=attitude, start=(x, y, z, yaw), doubt=doubt
+        )
+        start = (x, y, z, *attitude[0], yaw)
+        fast = sw.dead_reckon(
+            arm, steering, totals, stamps, **told, attitude=attitude, start=start, attitude_noise=0.003
+        )
+    else:
+        grid = plain.Terrain(np.asarray(ground.heights), 0.1, (-6.0, -6.0))
+        slow = dead_reckon(chain, steering, totals, ground=grid, start=(x, y, z, yaw))
+        fast = sw.dead_reckon(arm, steering, totals, stamps, ground=ground, start=(x, y, yaw))
+    # Settled to 1e-12, fixed points to 1e-14.
+    np.testing.assert_allclose(fast.poses, slow, rtol=0, atol=1e-9)
