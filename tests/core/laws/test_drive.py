@@ -58,7 +58,7 @@ KINDS = ["noise1e-10", "noise1e-8", "noise1e-4", "noise0.01", "noise0.1", "ramp"
 
 
 def earliest(rover: sw.Rover, limits: dict[str, float], twists: np.ndarray, times: np.ndarray) -> float:
-    """First time [s] at which joints driven from 0 at their limits could be where that time's command wants them."""
+    """First time [s] at which joints driven from 0 at their limits could be where the command of then is."""
     angles, _ = rover.inverse(twists, previous=np.zeros(len(rover.steered_names)))
     far = np.max(np.abs(angles), axis=1)
     rate, change = limits["steering_rate"], limits.get("steering_acceleration", math.inf)

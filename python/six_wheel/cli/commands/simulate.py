@@ -22,7 +22,7 @@ ROWS = 200_000  # of a table in memory at a time
 
 if TYPE_CHECKING:
     from six_wheel._core import RockerBogie, Terrain
-    from six_wheel.simulation.run_simulation import Simulation
+    from six_wheel.simulation.planar import Simulation
     from six_wheel.simulation.sticking import Controlled, Stick
 
 
