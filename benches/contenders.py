@@ -158,6 +158,16 @@ def _stateful(update, here):
         jobs.append(
             Job("controller step", {"core": Timing("step(next(stamps))", names, baseline="next(stamps)")})
         )
+        # A planner's noise of 1 %: every step turns on towards another direction.
+        noise = np.random.default_rng(0).uniform(-0.01, 0.01, 64)
+        noisy = itertools.cycle([(TWIST[0], TWIST[1], TWIST[2] * (1.0 + part)) for part in noise])
+        fresh = sw.Controller(ROVER, limits, timeout=1e9)
+        names = {"command": fresh.command, "step": fresh.step, "noisy": noisy, **stamps}
+        statement = "now = next(stamps); command(next(noisy), now); step(now)"
+        kept = "now = next(stamps); next(noisy)"
+        jobs.append(
+            Job("controller, a new command every step", {"core": Timing(statement, names, baseline=kept)})
+        )
     return jobs
 
 
