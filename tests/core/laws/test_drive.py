@@ -142,6 +142,22 @@ def test_no_rover_rests_longer_than_its_joints_take(
     pytest.fail("it never starts")
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-8, 0.01])
+def test_wheels_with_trail_go_on_in_a_direction_that_is_nearly_right(noise):
+    """They change direction at rest only, and stopped for every digit of a command."""
+    rover = sw.Rover.tricycle(**CAR, steering_limit=1.2, trail=0.03)
+    controller = sw.Controller(rover, sw.Limits(acceleration=0.5, steering_rate=1.0), timeout=None)
+    times = np.arange(0.0, 10.0, 0.01)
+    draws = np.random.default_rng(0).uniform(-1.0, 1.0, times.size)
+    twists = np.stack([0.5 + 0 * times, 0 * times, 0.3 * (1.0 + noise * draws)], axis=1)
+    run = controller.run(times, twists, times)
+    first = float(np.max(np.abs(rover.inverse((0.5, 0.0, 0.3))[0])))
+    assert times[np.argmax(np.any(run.twist, axis=1))] <= 1.1 * first + 0.25 + 0.03
+    assert np.sum(run.twist[:, 0]) * 0.01 > 0.9 * 0.5 * (10.0 - first - 0.5)
+    if noise:
+        assert run.reasons[-1] & Reason.ALIGNING
+
+
 def test_a_goal_that_moves_slower_than_the_joints_is_met():
     """Steering asked for at 0.5 and 0.9 of the joints' rate, 0.3 rad ahead; faster ones have no promise."""
     rover = sw.Rover.ackermann(**CAR, steering_limit=1.5)
