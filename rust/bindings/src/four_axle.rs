@@ -10,11 +10,12 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::SteeringRange;
 use six_wheel_core::four_axle::{self as core, Brakes};
 
-use crate::batch::any_workers;
-use crate::convert::{AnyArray, Output, Rows, compute, number, numbers, raise};
-use crate::given;
+use crate::arguments;
+use crate::classes::reduce;
+use crate::convert::{AnyArray, Output, Rows, number, numbers};
 use crate::rover::Rover;
-use crate::wheel::{reduce, steering_limit, steering_range};
+use crate::wheel::{steering_limit, steering_range};
+use crate::workers::{any_workers, fill_rows};
 use values::{array, axles, brake, drives, raised, value, vector};
 
 /// Four axles on lockable pivots: four-wheel steering, dual differential drive, and their hybrid.
@@ -57,6 +58,21 @@ impl FourAxle {
         Ok(Self { core, rover })
     }
 }
+
+getters! { FourAxle, this, py:
+    /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Half the distance of the hinges along and across the body [m].
+    hinges: (f64, f64) = this.core.hinges().into();
+    /// Hinge to wheel [m].
+    axle_length: f64 = this.core.axle_length();
+    /// Hub to ground [m].
+    wheel_radius: f64 = this.core.wheel_radius();
+    /// Side slip per metre driven up to which axle lines count as meeting in one point.
+    tolerance: f64 = this.core.tolerance();
+}
+
+equal_by!(FourAxle: core);
 
 #[pymethods]
 impl FourAxle {
@@ -116,7 +132,7 @@ impl FourAxle {
         previous: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         self.rover.get().inverse(py, twist, &PyTuple::empty(py), previous, None, None, None, out, dtype, threads, None)
     }
@@ -153,8 +169,8 @@ impl FourAxle {
         py: Python<'py>,
         angles: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::front)] front: &str,
-        #[pyo3(from_py_with = given::rear)] rear: &str,
+        #[pyo3(from_py_with = arguments::front)] front: &str,
+        #[pyo3(from_py_with = arguments::rear)] rear: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let set = Brakes { front: brake("front", front)?, rear: brake("rear", rear)? };
         let motion = self.core.forward(&axles("angles", angles)?, set, &drives("speeds", speeds)?).map_err(raised)?;
@@ -229,7 +245,7 @@ impl FourAxle {
         icr: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
         let workers = any_workers(threads, None)?;
         let points = Rows::read("icr", icr, 2)?;
@@ -239,39 +255,12 @@ impl FourAxle {
             angles = angles.beside()?; // an axle may leave its range at the last row
         }
         let (places, targets) = (points.pairs(), [(angles.flat(), 4)]);
-        compute(py, places.len(), || {
-            workers.rows(places.len(), targets, |row, [target]| {
-                let found = self.core.concurrent_angles(places[row]);
-                target.copy_from_slice(&found.map_err(|error| error.at_row(row))?);
-                Ok(())
-            })
-        })
-        .map_err(|error| raise(error, &points.leading))?;
+        fill_rows(py, workers, places.len(), &points.leading, targets, |row, [target]| {
+            let found = self.core.concurrent_angles(places[row]);
+            target.copy_from_slice(&found.map_err(|error| error.at_row(row))?);
+            Ok(())
+        })?;
         angles.finish_any()
-    }
-
-    /// The same vehicle as a `Rover` with four steered wheels, for all that needs no brakes.
-    #[getter]
-    fn rover(&self, py: Python<'_>) -> Py<Rover> {
-        self.rover.clone_ref(py)
-    }
-
-    /// Half the distance of the hinges along and across the body [m].
-    #[getter]
-    fn hinges(&self) -> (f64, f64) {
-        self.core.hinges().into()
-    }
-
-    /// Hinge to wheel [m].
-    #[getter]
-    fn axle_length(&self) -> f64 {
-        self.core.axle_length()
-    }
-
-    /// Hub to ground [m].
-    #[getter]
-    fn wheel_radius(&self) -> f64 {
-        self.core.wheel_radius()
     }
 
     /// Smallest and largest axle angle [rad].
@@ -281,15 +270,14 @@ impl FourAxle {
         (range.lower, range.upper)
     }
 
-    /// Side slip per metre driven up to which axle lines count as meeting in one point.
-    #[getter]
-    fn tolerance(&self) -> f64 {
-        self.core.tolerance()
-    }
-
     fn __repr__(&self) -> String {
         let core = &self.core;
-        let mut text = format!("FourAxle({:?}, {:?}, {:?}", self.hinges(), core.axle_length(), core.wheel_radius());
+        let mut text = format!(
+            "FourAxle({:?}, {:?}, {:?}",
+            <(f64, f64)>::from(core.hinges()),
+            core.axle_length(),
+            core.wheel_radius()
+        );
         if core.steering() != SteeringRange::default() {
             text += &format!(", steering_limit={}", steering_limit(core.steering()));
         }
@@ -297,10 +285,6 @@ impl FourAxle {
             text += &format!(", tolerance={:?}", core.tolerance());
         }
         text + ")"
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().core == self.core)
     }
 
     fn __hash__(&self) -> u64 {
@@ -317,8 +301,8 @@ impl FourAxle {
         let (py, car) = (slf.py(), slf.get());
         let keywords = PyDict::new(py);
         keywords.set_item("steering_limit", car.steering_range())?;
-        keywords.set_item("tolerance", car.tolerance())?;
-        let arguments = (car.hinges(), car.axle_length(), car.wheel_radius()).into_pyobject(py)?;
+        keywords.set_item("tolerance", car.tolerance(py))?;
+        let arguments = (car.hinges(py), car.axle_length(py), car.wheel_radius(py)).into_pyobject(py)?;
         reduce(slf.as_any(), &arguments, &keywords)
     }
 }

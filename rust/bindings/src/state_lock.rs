@@ -119,7 +119,7 @@ pub fn watch_forks(py: Python<'_>) -> PyResult<()> {
     }
     let forget = PyCFunction::new_closure(py, Some(c"forget_other_threads"), None, |_, _| {
         FORKS.fetch_add(1, Ordering::Relaxed);
-        crate::convert::after_fork();
+        crate::convert::forget_other_threads();
     })?;
     let keywords = PyDict::new(py);
     keywords.set_item("after_in_child", forget)?;

@@ -3,9 +3,10 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pyo3::prelude::*;
+use six_wheel_core::Error;
 use six_wheel_core::batch::{Level, Workers};
 
-use crate::convert::{raise, refuse};
+use crate::convert::{OrRaise, compute_rows, refuse};
 
 /// Rows from which a kernel may be worth looking for.
 const BATCH: usize = 8;
@@ -26,10 +27,23 @@ pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyRes
 pub fn any_workers(threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
     let threads = threads.map_or_else(|| Ok(DEFAULT_THREADS.load(Ordering::Relaxed)), count)?;
     let level = match kernel {
-        Some(name) => name.parse().map_err(|error| raise(error, &[]))?,
+        Some(name) => name.parse().or_raise(&[])?,
         None => Level::best(),
     };
     Ok(Workers { level, threads, fresh: false })
+}
+
+/// Fills every row of some outputs, each given with its width: `fill` gets the number of a row and its part of each
+/// output. The first error is raised with its row as an index into these leading axes.
+pub fn fill_rows<T: Send, const N: usize>(
+    py: Python<'_>,
+    workers: Workers,
+    rows: usize,
+    leading: &[usize],
+    outputs: [(&mut [T], usize); N],
+    fill: impl Fn(usize, [&mut [T]; N]) -> Result<(), Error> + Sync + Send,
+) -> PyResult<()> {
+    compute_rows(py, rows, leading, || workers.rows(rows, outputs, fill))
 }
 
 fn count(threads: i64) -> PyResult<usize> {

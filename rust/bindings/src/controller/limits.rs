@@ -6,8 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::Limits as Core;
 
+use crate::arguments::{ArgumentKind, FromArgument, constructor_call};
+use crate::classes::reduce;
 use crate::convert::{number, raise};
-use crate::wheel::reduce;
 
 /// What a motion may not exceed. A limit left out, None, or 1e60 and more, is none and reads as infinity.
 ///
@@ -71,6 +72,20 @@ impl Limits {
         };
         let pairs = Core::NAMES.into_iter().zip(core.values());
         pairs.filter(move |(name, value)| *value != left_out(name))
+    }
+}
+
+impl ArgumentKind for Limits {
+    const KIND: &'static str = "Limits";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        constructor_call("Limits", "speed", value)
+    }
+}
+
+impl<'a, 'py> FromArgument<'a, 'py> for Limits {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        Bound::<Self>::read(argument, value).map(|limits| limits.get().clone())
     }
 }
 

@@ -7,7 +7,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-use super::{ArgumentTypeError, memory, numpy, ready, refuse, short_repr};
+use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
+use super::memory;
+use super::numpy_module::{numpy, ready};
 
 /// How deep lists are looked through for arrays with a mask.
 pub const DEEP: usize = 8;
@@ -174,4 +176,36 @@ fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> Py
     }
     let kind = value.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string());
     refuse(argument, "be numbers of one rectangular shape", &format!("a ragged {kind}"))
+}
+
+/// A number of a constructor.
+pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let py = value.py();
+    let refused = || ArgumentTypeError::new_err(format!("{argument} must be a number, got {}", short_repr(value)));
+    if value.is_instance_of::<PyBool>() {
+        return Err(refused());
+    }
+    refuse_masks(argument, value, DEEP)?;
+    value.extract::<f64>().map_err(|error| match is_of_another_kind(py, &error) {
+        true => refused(),
+        false => error,
+    })
+}
+
+/// The items of an iterable, `most` at most: more are none that could be meant.
+pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let mut items = Vec::new();
+    for item in value.try_iter()? {
+        if items.len() == most {
+            return Err(refuse(argument, &format!("hold {most} at most"), "more"));
+        }
+        items.try_reserve(1).map_err(|_| memory::none_for(&[items.len()]))?;
+        items.push(item?);
+    }
+    Ok(items)
+}
+
+/// One of some names; what is none looks like itself, and is refused with the names.
+pub fn name(value: &Bound<'_, PyAny>) -> String {
+    value.extract().unwrap_or_else(|_| short_repr(value))
 }

@@ -2,7 +2,7 @@
 
 use pyo3::PyResult;
 
-use super::{refuse, shape_text};
+use super::errors::{refuse, shape_text};
 
 /// An argument with leading axes.
 pub trait Broadcast {
@@ -72,4 +72,9 @@ pub fn joint(first: &[usize], second: &[usize]) -> Option<Vec<usize>> {
             _ => None,
         })
         .collect()
+}
+
+/// Leading axes with a last one.
+pub fn joined(leading: &[usize], last: usize) -> Vec<usize> {
+    leading.iter().copied().chain([last]).collect()
 }

@@ -9,10 +9,11 @@ use six_wheel_core::batch::{Table, are_finite};
 use six_wheel_core::error::finite;
 
 use super::array::{read_array, three_numbers};
-use super::broadcast::Broadcast;
+use super::broadcast::{Broadcast, joined};
+use super::errors::{raise, refuse, shape_text};
 use super::memory::{self, Held};
+use super::numpy_module::numpy;
 use super::strided::Strided;
-use super::{joined, numpy, raise, refuse, shape_text};
 
 /// Numbers from which an array in another form is read block by block.
 const MANY: usize = 1 << 15;
@@ -148,6 +149,12 @@ impl<'py> Rows<'py> {
     pub fn is_single(&self) -> bool {
         self.leading.is_empty()
     }
+}
+
+/// Reads a point: three finite numbers.
+pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let point = Rows::read_one(argument, value, 3)?;
+    point.check_finite(argument).map(|()| point.triples()[0])
 }
 
 /// Reads so many numbers.

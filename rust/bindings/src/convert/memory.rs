@@ -13,7 +13,9 @@ use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use six_wheel_core::batch::Places;
 
-use super::{Array, pool, ready, refuse, shape_text};
+use super::errors::{refuse, shape_text};
+use super::numpy_module::{Array, ready};
+use super::pool;
 
 /// An array in use.
 struct Entry {

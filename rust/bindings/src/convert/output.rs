@@ -9,8 +9,9 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::errors::{ArgumentTypeError, refuse, shape_text, short_repr};
 use super::memory::{self, Held};
-use super::{ArgumentTypeError, Array, numpy, ready, refuse, shape_text, short_repr};
+use super::numpy_module::{Array, numpy, ready};
 
 /// Set on arrays that warn when they are written to.
 const WARN_ON_WRITE: i32 = 1 << 31;
@@ -216,6 +217,11 @@ impl<'py> Output<'py> {
             return array.call_method0(intern!(array.py(), "item"));
         }
         Ok(array.into_any())
+    }
+
+    /// The array to return, as an object of any type.
+    pub fn finish_object(self) -> PyResult<Py<PyAny>> {
+        Ok(self.finish_any()?.into_any().unbind())
     }
 
     /// The array to return, which is of `f64`.

@@ -7,8 +7,8 @@ use six_wheel_core::geometry::Steps;
 
 use super::array::read_array;
 use super::broadcast::Broadcast;
+use super::errors::{refuse, shape_text};
 use super::input::{Memory, check_finite, contiguous, spread};
-use super::{refuse, shape_text};
 
 /// One number, or one per row.
 pub struct Scalars<'py> {

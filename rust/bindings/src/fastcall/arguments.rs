@@ -9,8 +9,6 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
 
-use super::arrays::Row;
-
 /// An argument, borrowed from the caller for the call.
 pub type Object<'a, 'py> = Borrowed<'a, 'py, PyAny>;
 
@@ -55,17 +53,6 @@ impl<T> Deref for Renewed<T> {
         // SAFETY: whoever looks has a reference to the object, so that nothing is written.
         unsafe { &*self.0.get() }
     }
-}
-
-/// Three numbers in a tuple, a list or an array.
-#[inline(always)]
-pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {
-    let mut numbers = [MaybeUninit::uninit(); 3];
-    if let Some(numbers) = sequence(object, &mut numbers)? {
-        return (*numbers).try_into().ok();
-    }
-    // SAFETY: the numbers are copied at once.
-    unsafe { Row::read(object, 3)?.numbers() }.try_into().ok()
 }
 
 /// The numbers of a tuple or list of just as many, put into these places. `Some(None)` if it is neither.

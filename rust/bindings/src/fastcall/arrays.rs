@@ -152,6 +152,17 @@ unsafe fn is_float64(numpy: Numpy, description: *mut PyArray_Descr) -> bool {
         }
 }
 
+/// Three numbers in a tuple, a list or an array.
+#[inline(always)]
+pub fn three(object: Object<'_, '_>) -> Option<[f64; 3]> {
+    let mut numbers = [MaybeUninit::uninit(); 3];
+    if let Some(numbers) = sequence(object, &mut numbers)? {
+        return (*numbers).try_into().ok();
+    }
+    // SAFETY: the numbers are copied at once.
+    unsafe { Row::read(object, 3)?.numbers() }.try_into().ok()
+}
+
 /// Room for the numbers of one row that have to be copied, or come in a tuple or list.
 pub struct Numbers([MaybeUninit<f64>; MAX_WHEELS]);
 

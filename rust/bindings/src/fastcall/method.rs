@@ -30,6 +30,35 @@ pub trait Quick<const N: usize> {
     ) -> Option<Bound<'py, PyAny>>;
 }
 
+/// The arguments of a quick method, in the order of its parameters; nothing for one that is left out or `None`.
+pub type Arguments<'a, 'py, const N: usize> = [Option<Object<'a, 'py>>; N];
+
+/// What a quick method answers, or nothing.
+pub type Answer<'py> = Option<Bound<'py, PyAny>>;
+
+/// Makes a function the quick way of a method: type and number of parameters, class, name, names of the parameters, how
+/// many of them may come by position, and the function.
+macro_rules! fast_method {
+    ($quick:ident<$count:literal>: $class:ty, $name:literal, $parameters:expr, $positional:literal, $call:ident) => {
+        struct $quick;
+
+        impl crate::fastcall::Quick<$count> for $quick {
+            type Class = $class;
+
+            fn method() -> &'static crate::fastcall::Method<$count> {
+                static METHOD: crate::fastcall::Method<$count> =
+                    crate::fastcall::Method::new($name, $parameters, $positional);
+                &METHOD
+            }
+
+            #[inline(always)]
+            fn call<'py>(this: Borrowed<'_, 'py, $class>, arguments: Arguments<'_, 'py, $count>) -> Answer<'py> {
+                $call(this, arguments)
+            }
+        }
+    };
+}
+
 /// Name and parameters of a quick method, and the method behind it.
 pub struct Method<const N: usize> {
     name: &'static CStr,

@@ -6,17 +6,16 @@
 //! it with the very same arguments. How to give a class one:
 //!
 //! 1. Write the general method under `#[pymethods]`, with docstring, signature and errors.
-//! 2. `struct Update; impl Quick<2> for Update`: the class, `Method::new(c"update", [c"speeds", c"dt"], 2)` (of the
-//!    names, the first two may come by position), and `call`, which returns `None` for all it does not know.
-//!    It sees `None` for a parameter that is not given or is Python's `None`. Of `this`, take `get()`, and of what it shares
-//!    `try_lock(py)?`.
+//! 2. `fast_method!(Update<2>: Odometry, c"update", [c"speeds", c"dt"], 2, update);` (of the names, the first two may come by
+//!    position), and the function `update`, which returns `None` for all it does not know. It sees `None` for a parameter
+//!    that is left out or is Python's `None`. Of `this`, take `get()`, and of what it shares `try_lock(py)?`.
 //! 3. Read with [`float`], [`three`], [`Row::read`] and [`Row::target`]; answer with [`fresh`], [`pair`] or an
 //!    argument itself. Nothing may be changed before it is sure that the answer is `Some`.
-//! 4. `fast::install::<2, Update>(module.py())?` in `lib.rs`, after `add_class`.
+//! 4. `fastcall::install::<2, Update>(py)?` in the `install` of its folder, which `lib.rs` calls after `add_class`.
 //!
 //! # Why this is sound
 //!
-//! This is, beside `convert` and `shared`, the room of the project with `unsafe` code. What it relies on:
+//! This is, beside `convert` and `state_lock`, the folder of the project with `unsafe` code. What it relies on:
 //!
 //! - *The interpreter's lock.* It is held from the first line of a call to the last. The module declares that it needs it
 //!   (`gil_used = true`), and does not load where there is none.
@@ -30,8 +29,9 @@
 
 mod arguments;
 mod arrays;
+#[macro_use]
 mod method;
 
-pub use arguments::{Object, Renewed, float, three, two};
-pub use arrays::{Numbers, Row, fresh, pair, truth};
-pub use method::{Method, Quick, install};
+pub use arguments::{Object, Renewed, float, two};
+pub use arrays::{Numbers, Row, fresh, pair, three, truth};
+pub use method::{Answer, Arguments, Method, Quick, install};

@@ -4,13 +4,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 use six_wheel_core::moving::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
-use super::done;
-use super::results::{GroundCommand, GroundMotion, Moved, Told};
-use super::stand::Stands;
-use crate::batch::any_workers;
-use crate::convert::{Out, Output, Rows, compute, joined, number, raise, refuse, shape_text};
-use crate::given;
+use super::result_columns::Columns;
+use super::results::{GroundCommand, GroundMotion};
+use super::settled_pose_input::Stands;
+use crate::arguments;
+use crate::convert::{Out, Output, Rows, compute, compute_rows, joined, number, refuse, shape_text};
 use crate::suspension::Suspension;
+use crate::workers::any_workers;
 
 fn view(name: &str) -> PyResult<View> {
     match name {
@@ -67,18 +67,17 @@ impl Suspension {
     ///
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4), 2005.
     #[pyo3(signature = (stand, command, *, view="body", steering=None, max_wheel_speed=None, out=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn inverse<'py>(
         &self,
         py: Python<'py>,
         stand: &Bound<'py, PyAny>,
         command: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::view)] view: &str,
+        #[pyo3(from_py_with = arguments::view)] view: &str,
         steering: Option<&Bound<'py, PyAny>>,
         max_wheel_speed: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -120,17 +119,18 @@ impl Suspension {
         let [angles, speeds, twists, rates, scales] = outputs.each_mut().map(|output| output.flat());
         let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
         let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
-        compute(py, count, || inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers))
-            .map_err(|error| raise(error, &leading))?;
+        compute_rows(py, count, &leading, || {
+            inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers)
+        })?;
         let single = leading.is_empty() && !out.is_given();
         let [angles, speeds, twists, rates, scales] = outputs;
-        Ok(GroundCommand(Told::Rows {
-            steering: done(angles)?,
-            speeds: done(speeds)?,
-            twist: done(twists)?,
-            joint_rates: done(rates)?,
-            scale: scalar_if(py, single, scales)?,
-        }))
+        Ok(GroundCommand(Columns::Batch([
+            angles.finish_object()?,
+            speeds.finish_object()?,
+            twists.finish_object()?,
+            rates.finish_object()?,
+            scalar_if(py, single, scales)?,
+        ])))
     }
 
     /// The motion that the wheels tell, on the ground a rover stands on.
@@ -177,7 +177,6 @@ impl Suspension {
     ///
     /// Source: N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.
     #[pyo3(signature = (stand, steering, speeds, joint_rates=None, angular_velocity=None, *, steering_rates=None, weights=None, out=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
         py: Python<'py>,
@@ -189,8 +188,8 @@ impl Suspension {
         steering_rates: Option<&Bound<'py, PyAny>>,
         weights: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<GroundMotion> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
@@ -240,7 +239,7 @@ impl Suspension {
             forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
         });
         let [twists, rates, residuals] = outputs;
-        Ok(GroundMotion(Moved::Rows { twist: done(twists)?, joint_rates: done(rates)?, residual: done(residuals)? }))
+        Ok(GroundMotion(Columns::Batch([twists.finish_object()?, rates.finish_object()?, residuals.finish_object()?])))
     }
 }
 
@@ -248,7 +247,7 @@ impl Suspension {
 fn scalar_if(py: Python<'_>, single: bool, mut output: Output<'_>) -> PyResult<Py<PyAny>> {
     match output.flat() {
         &mut [number] if single => Ok(PyFloat::new(py, number).into_any().unbind()),
-        _ => done(output),
+        _ => output.finish_object(),
     }
 }
 

@@ -1,24 +1,16 @@
-//! What `Suspension.inverse` and `Suspension.forward` return.
+//! The results of `Suspension.inverse` and `Suspension.forward`.
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyIterator, PyTuple};
 use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
 
-use super::array;
+use super::result_columns::{Columns, array};
 use crate::convert::memory;
 
 /// What the wheels have to do on the ground, and what the rover then does. Unpacks into steering and speeds.
 #[pyclass(frozen, module = "six_wheel")]
-pub struct GroundCommand(pub(super) Told);
-
-#[allow(clippy::large_enum_variant)] // in the object itself: a box would be one more allocation of every call
-pub(super) enum Told {
-    /// The arrays of a batch.
-    Rows { steering: Py<PyAny>, speeds: Py<PyAny>, twist: Py<PyAny>, joint_rates: Py<PyAny>, scale: Py<PyAny> },
-    /// One call's numbers: a control loop need not pay for arrays that it does not look at.
-    One(CommandRow),
-}
+pub struct GroundCommand(pub(super) Columns<5, CommandRow>);
 
 /// The numbers of one row.
 pub struct CommandRow {
@@ -32,60 +24,23 @@ pub struct CommandRow {
     pub scale: f64,
 }
 
-impl GroundCommand {
-    /// That of one call.
-    pub fn one(one: CommandRow) -> Self {
-        Self(Told::One(one))
-    }
+getters! { GroundCommand, this, py:
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.steering[..one.steered]));
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.speeds[..one.wheels]));
+    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
+    twist: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, one.twist.as_flattened()));
+    /// Rates of the free angles, shape (..., joints) [rad/s].
+    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.joint_rates[..one.joints]));
+    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
+    scale: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.scale).into_any().unbind()));
 }
+
+repr_of_attributes! { GroundCommand: steering speeds }
 
 #[pymethods]
 impl GroundCommand {
-    /// Steering angles, shape (..., steered wheels) [rad].
-    #[getter]
-    fn steering(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { steering, .. } => Ok(steering.clone_ref(py)),
-            Told::One(one) => array(py, &one.steering[..one.steered]),
-        }
-    }
-
-    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    #[getter]
-    fn speeds(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { speeds, .. } => Ok(speeds.clone_ref(py)),
-            Told::One(one) => array(py, &one.speeds[..one.wheels]),
-        }
-    }
-
-    /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    #[getter]
-    fn twist(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { twist, .. } => Ok(twist.clone_ref(py)),
-            Told::One(one) => array(py, one.twist.as_flattened()),
-        }
-    }
-
-    /// Rates of the free angles, shape (..., joints) [rad/s].
-    #[getter]
-    fn joint_rates(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { joint_rates, .. } => Ok(joint_rates.clone_ref(py)),
-            Told::One(one) => array(py, &one.joint_rates[..one.joints]),
-        }
-    }
-
-    /// What is left of the wanted motion, shape (...): 1 unless a wheel would have been too fast.
-    #[getter]
-    fn scale(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { scale, .. } => Ok(scale.clone_ref(py)),
-            Told::One(one) => Ok(PyFloat::new(py, one.scale).into_any().unbind()),
-        }
-    }
-
     fn __len__(&self) -> usize {
         2
     }
@@ -101,27 +56,11 @@ impl GroundCommand {
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
         PyTuple::new(py, [self.steering(py)?, self.speeds(py)?])?.try_iter()
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!(
-            "GroundCommand(steering={}, speeds={})",
-            self.steering(py)?.bind(py).repr()?,
-            self.speeds(py)?.bind(py).repr()?
-        ))
-    }
 }
 
 /// How a rover moves on the ground.
 #[pyclass(frozen, module = "six_wheel")]
-pub struct GroundMotion(pub(super) Moved);
-
-#[allow(clippy::large_enum_variant)] // see `Told`
-pub(super) enum Moved {
-    /// The arrays of a batch.
-    Rows { twist: Py<PyAny>, joint_rates: Py<PyAny>, residual: Py<PyAny> },
-    /// One call's numbers.
-    One(MotionRow),
-}
+pub struct GroundMotion(pub(super) Columns<3, MotionRow>);
 
 /// The numbers of one row.
 pub struct MotionRow {
@@ -132,52 +71,21 @@ pub struct MotionRow {
     pub residual: [[f64; 3]; MAX_WHEELS],
 }
 
-impl GroundMotion {
-    /// That of one call.
-    pub fn one(one: MotionRow) -> Self {
-        Self(Moved::One(one))
+impl MotionRow {
+    fn residuals(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let rows = self.residual[..self.wheels].as_flattened();
+        Ok(memory::array(py, rows, &[self.wheels, 3])?.into_any().unbind())
     }
 }
 
-#[pymethods]
-impl GroundMotion {
+getters! { GroundMotion, this, py:
     /// ``vx, vy, vz, wx, wy, wz`` of the body's origin in its own axes, shape (..., 6) [m/s, rad/s].
-    #[getter]
-    fn twist(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Moved::Rows { twist, .. } => Ok(twist.clone_ref(py)),
-            Moved::One(one) => array(py, one.twist.as_flattened()),
-        }
-    }
-
+    twist: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, one.twist.as_flattened()));
     /// Rates of the free angles, shape (..., joints) [rad/s].
-    #[getter]
-    fn joint_rates(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Moved::Rows { joint_rates, .. } => Ok(joint_rates.clone_ref(py)),
-            Moved::One(one) => array(py, &one.joint_rates[..one.joints]),
-        }
-    }
-
+    joint_rates: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.joint_rates[..one.joints]));
     /// What every touching point does along the normal of the ground, along the rim and to the left,
     /// shape (..., wheels, 3) [m/s]; NaN in the air.
-    #[getter]
-    fn residual(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Moved::Rows { residual, .. } => Ok(residual.clone_ref(py)),
-            Moved::One(one) => {
-                let rows = one.residual[..one.wheels].as_flattened();
-                let array = memory::array(py, rows, &[one.wheels, 3])?;
-                Ok(array.into_any().unbind())
-            }
-        }
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!(
-            "GroundMotion(twist={}, joint_rates={})",
-            self.twist(py)?.bind(py).repr()?,
-            self.joint_rates(py)?.bind(py).repr()?
-        ))
-    }
+    residual: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| one.residuals(py));
 }
+
+repr_of_attributes! { GroundMotion: twist joint_rates }

@@ -4,9 +4,9 @@ use pyo3::prelude::*;
 use six_wheel_core::Chain;
 use six_wheel_core::moving::{Footings, Told};
 
+use crate::arguments::other_kind;
 use crate::convert::{Rows, Scalars, refuse, shape_text};
-use crate::given::other_kind;
-use crate::ground::Stand;
+use crate::settle::Stand;
 
 /// Where a rover stands: what `settle` says, or somebody with the face of it. Read once for all rows.
 pub enum Stands<'py> {

@@ -3,29 +3,22 @@
 use pyo3::prelude::*;
 use six_wheel_core::moving::{SlipTest, Slips, slip_rows};
 
-use super::done;
-use super::stand::Stands;
-use crate::batch::any_workers;
-use crate::convert::{Out, Output, Rows, compute, joined, raise, refuse};
-use crate::given;
+use super::settled_pose_input::Stands;
+use crate::arguments;
+use crate::convert::{OrRaise, Out, Output, Rows, compute_rows, joined, refuse};
 use crate::suspension::Suspension;
+use crate::workers::any_workers;
 
-/// How wheels slip.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct WheelSlip {
-    /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
-    /// wheel does not turn or does not touch.
-    ratio: Py<PyAny>,
-    /// Of the way of the touching point against the wheel's heading, positive to the left, shape (..., wheels) [rad].
-    angle: Py<PyAny>,
-}
-
-#[pymethods]
-impl WheelSlip {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let (ratio, angle) = (self.ratio.bind(py).repr()?, self.angle.bind(py).repr()?);
-        Ok(format!("WheelSlip(ratio={ratio}, angle={angle})"))
+result_class! {
+    /// How wheels slip.
+    pub struct WheelSlip {
+        /// ``1 - travelled / rolled``, shape (..., wheels): 0 rolls, 1 spins on the spot, negative brakes; NaN where a
+        /// wheel does not turn or does not touch.
+        ratio: Py<PyAny>,
+        /// Of the way of the touching point against the wheel's heading, positive to the left, shape (..., wheels) [rad].
+        angle: Py<PyAny>,
     }
+    repr { ratio angle }
 }
 
 #[pymethods]
@@ -58,7 +51,6 @@ impl Suspension {
     /// ValueError
     ///     If a number is not finite or a shape does not fit.
     #[pyo3(signature = (stand, speeds, twist, joint_rates, *, out=None, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn slip<'py>(
         &self,
         py: Python<'py>,
@@ -67,7 +59,7 @@ impl Suspension {
         twist: &Bound<'py, PyAny>,
         joint_rates: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<WheelSlip> {
         let workers = any_workers(threads, None)?;
         let chain = &self.chain;
@@ -90,25 +82,27 @@ impl Suspension {
         let slips = Slips { ratios: ratios.flat(), angles: angles.flat() };
         let (speeds, rates) = (speeds.flat(), rates.flat());
         let twists = twists.flat().as_chunks().0;
-        compute(py, stands.count(), || slip_rows(chain, &footings, speeds, twists, rates, slips, workers))
-            .map_err(|error| raise(error, &leading))?;
-        Ok(WheelSlip { ratio: done(ratios)?, angle: done(angles)? })
+        compute_rows(py, stands.count(), &leading, || {
+            slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
+        })?;
+        Ok(WheelSlip { ratio: ratios.finish_object()?, angle: angles.finish_object()? })
     }
 }
 
-/// Whether, and by how much, a whole rover slips.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct BodySlip {
-    /// The navigated motion less the kinematic one, shape (n,).
-    slip: Py<PyAny>,
-    /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
-    statistic: f64,
-    /// What the statistic stays below without slip, but for the false alarms.
-    threshold: f64,
-    /// Probability of such a statistic, or a larger one, without slip.
-    probability: f64,
-    /// Whether it slips.
-    slipping: bool,
+result_class! {
+    /// Whether, and by how much, a whole rover slips.
+    pub struct BodySlip {
+        /// The navigated motion less the kinematic one, shape (n,).
+        slip: Py<PyAny>,
+        /// Its squared length in the metric of the covariance: chi-squared, with n degrees of freedom, without slip.
+        statistic: f64,
+        /// What the statistic stays below without slip, but for the false alarms.
+        threshold: f64,
+        /// Probability of such a statistic, or a larger one, without slip.
+        probability: f64,
+        /// Whether it slips.
+        slipping: bool,
+    }
 }
 
 #[pymethods]
@@ -143,7 +137,7 @@ impl BodySlip {
         for (k, command) in command.flat().iter_mut().enumerate() {
             *command = wanted.flat()[k] - share * slips.flat()[k];
         }
-        done(command)
+        command.finish_object()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -188,7 +182,7 @@ pub fn body_slip(
     navigated: &Bound<'_, PyAny>,
     kinematic: &Bound<'_, PyAny>,
     covariance: &Bound<'_, PyAny>,
-    #[pyo3(from_py_with = given::false_alarm)] false_alarm: f64,
+    #[pyo3(from_py_with = arguments::false_alarm)] false_alarm: f64,
 ) -> PyResult<BodySlip> {
     let length = navigated.len().unwrap_or(0);
     if !(1..=6).contains(&length) {
@@ -208,9 +202,9 @@ pub fn body_slip(
     for (k, slip) in slip.flat().iter_mut().enumerate() {
         *slip = navigated.flat()[k] - kinematic.flat()[k];
     }
-    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).map_err(|error| raise(error, &[]))?;
+    let test = SlipTest::new(slip.flat(), covariance.flat(), false_alarm).or_raise(&[])?;
     Ok(BodySlip {
-        slip: done(slip)?,
+        slip: slip.finish_object()?,
         statistic: test.statistic,
         threshold: test.threshold,
         probability: test.probability,

@@ -5,32 +5,18 @@ use pyo3::types::PyFloat;
 use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
 use six_wheel_core::suspension::MAX_WHEELS;
 
-use super::{array, done};
-use crate::batch::any_workers;
-use crate::convert::{Out, Rows, Scalars, compute, joined, memory, raise, refuse, scalar_or_array};
-use crate::given;
+use super::result_columns::{Columns, array};
+use crate::arguments;
+use crate::convert::{Out, Rows, Scalars, compute_rows, joined, memory, refuse, scalar_or_array};
 use crate::suspension::Suspension;
+use crate::workers::any_workers;
 
 /// Wheels over ground that nobody has mapped.
 #[pyclass(frozen, module = "six_wheel")]
-pub struct Traction(Told);
-
-#[allow(clippy::large_enum_variant)] // in the object itself: a box would be one more allocation of every call
-enum Told {
-    /// The arrays of a batch.
-    Rows {
-        speeds: Py<PyAny>,
-        steering: Py<PyAny>,
-        contact_angles: Py<PyAny>,
-        lifted: Py<PyAny>,
-        vertical_speed: Py<PyAny>,
-    },
-    /// One call's numbers: a control loop need not pay for arrays that it does not look at.
-    One(One),
-}
+pub struct Traction(pub(super) Columns<5, TractionRow>);
 
 /// The numbers of one row.
-pub struct One {
+pub struct TractionRow {
     pub wheels: usize,
     pub steered: usize,
     pub speeds: [f64; MAX_WHEELS],
@@ -40,67 +26,38 @@ pub struct One {
     pub vertical: f64,
 }
 
-impl Traction {
-    /// That of one call.
-    pub fn one(one: One) -> Self {
-        Self(Told::One(one))
-    }
+getters! { Traction, this, py:
+    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
+    speeds: PyResult<Py<PyAny>> = this.0.get(py, 0, |one| array(py, &one.speeds[..one.wheels]));
+    /// Steering angles, shape (..., steered wheels) [rad].
+    steering: PyResult<Py<PyAny>> = this.0.get(py, 1, |one| array(py, &one.steering[..one.steered]));
+    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
+    contact_angles: PyResult<Py<PyAny>> = this.0.get(py, 2, |one| array(py, &one.contact_angles[..one.wheels]));
+    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
+    lifted: PyResult<Py<PyAny>> = this.0.get(py, 3, |one| array(py, &one.lifted[..one.wheels]));
+    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
+    vertical_speed: PyResult<Py<PyAny>> = this.0.get(py, 4, |one| Ok(PyFloat::new(py, one.vertical).into_any().unbind()));
 }
 
-#[pymethods]
-impl Traction {
-    /// Speed of every wheel against the link that carries it, shape (..., wheels) [rad/s].
-    #[getter]
-    fn speeds(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { speeds, .. } => Ok(speeds.clone_ref(py)),
-            Told::One(one) => array(py, &one.speeds[..one.wheels]),
+repr_of_attributes! { Traction: speeds steering }
+
+/// One finite number for all rows, or one for each.
+fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[usize]) -> PyResult<Scalars<'py>> {
+    let scalars = Scalars::read(name, value)?;
+    if !scalars.shape.is_empty() {
+        scalars.fit_exactly(name, leading)?;
+    }
+    scalars.check_finite(name).map(|()| scalars)
+}
+
+/// Thresholds from which a wheel counts as lifted, neither below 0.
+fn read_lift(angle: f64, speed: f64) -> PyResult<Lift> {
+    for (name, value) in [("lift_angle", angle), ("lift_speed", speed)] {
+        if value.is_nan() || value < 0.0 {
+            return Err(refuse(name, "be a number not below 0", &value.to_string()));
         }
     }
-
-    /// Steering angles, shape (..., steered wheels) [rad].
-    #[getter]
-    fn steering(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { steering, .. } => Ok(steering.clone_ref(py)),
-            Told::One(one) => array(py, &one.steering[..one.steered]),
-        }
-    }
-
-    /// Where every wheel touches the ground, positive towards the front, shape (..., wheels) [rad].
-    #[getter]
-    fn contact_angles(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { contact_angles, .. } => Ok(contact_angles.clone_ref(py)),
-            Told::One(one) => array(py, &one.contact_angles[..one.wheels]),
-        }
-    }
-
-    /// Whether the joints lift or drop a wheel as no ground would, shape (..., wheels) of bool.
-    #[getter]
-    fn lifted(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { lifted, .. } => Ok(lifted.clone_ref(py)),
-            Told::One(one) => array(py, &one.lifted[..one.wheels]),
-        }
-    }
-
-    /// Vertical speed of the body's origin in its axes, shape (...) [m/s].
-    #[getter]
-    fn vertical_speed(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        match &self.0 {
-            Told::Rows { vertical_speed, .. } => Ok(vertical_speed.clone_ref(py)),
-            Told::One(one) => Ok(PyFloat::new(py, one.vertical).into_any().unbind()),
-        }
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!(
-            "Traction(speeds={}, steering={})",
-            self.speeds(py)?.bind(py).repr()?,
-            self.steering(py)?.bind(py).repr()?
-        ))
-    }
+    Ok(Lift { angle: angle.min(std::f64::consts::FRAC_PI_2), speed })
 }
 
 #[pymethods]
@@ -158,7 +115,6 @@ impl Suspension {
     /// Source: O. Toupet et al., Terrain-adaptive wheel speed control on the Curiosity Mars rover, JFR 37(5), 2020.
     #[pyo3(signature = (speed, curvature, angular_velocity, joints, joint_rates, *, yaw_rate=None, steering=None,
                         wheel_speeds=None, lift_angle=1.0, lift_speed=0.01, out=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn traction<'py>(
         &self,
         py: Python<'py>,
@@ -170,11 +126,11 @@ impl Suspension {
         yaw_rate: Option<&Bound<'py, PyAny>>,
         steering: Option<&Bound<'py, PyAny>>,
         wheel_speeds: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::lift_angle)] lift_angle: f64,
-        #[pyo3(from_py_with = given::lift_speed)] lift_speed: f64,
+        #[pyo3(from_py_with = arguments::lift_angle)] lift_angle: f64,
+        #[pyo3(from_py_with = arguments::lift_speed)] lift_speed: f64,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Traction> {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
@@ -191,33 +147,16 @@ impl Suspension {
             rows.check_finite(name)?;
         }
         for (name, rows) in [("steering", &present), ("wheel_speeds", &measured)] {
-            if let Some(rows) = rows {
-                rows.check_finite(name)?;
-            }
+            rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(name))?;
         }
-        let scalars = |name: &'static str, value| {
-            let scalars = Scalars::read(name, value)?;
-            if !scalars.shape.is_empty() {
-                scalars.fit_exactly(name, &leading)?;
-            }
-            scalars.check_finite(name)?;
-            PyResult::Ok(scalars)
-        };
-        let speed = scalars("speed", speed)?;
+        let speed = read_speeds("speed", speed, &leading)?;
         let (curved, turn) = match (curvature, yaw_rate) {
-            (Some(curvature), None) => (true, scalars("curvature", curvature)?),
-            (None, Some(yaw_rate)) => (false, scalars("yaw_rate", yaw_rate)?),
-            (Some(_), Some(_)) => {
-                return Err(refuse("curvature", "be None where yaw_rate is given", "both"));
-            }
+            (Some(curvature), None) => (true, read_speeds("curvature", curvature, &leading)?),
+            (None, Some(yaw_rate)) => (false, read_speeds("yaw_rate", yaw_rate, &leading)?),
+            (Some(_), Some(_)) => return Err(refuse("curvature", "be None where yaw_rate is given", "both")),
             (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
         };
-        for (name, value) in [("lift_angle", lift_angle), ("lift_speed", lift_speed)] {
-            if value.is_nan() || value < 0.0 {
-                return Err(refuse(name, "be a number not below 0", &value.to_string()));
-            }
-        }
-        let lift = Lift { angle: lift_angle.min(std::f64::consts::FRAC_PI_2), speed: lift_speed };
+        let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, kernel)?;
         let out = Out::<3>::read(out, ["speeds", "steering", "contact_angles"])?;
         let result = |k, width| out.result(py, k, &joined(&leading, width), true);
@@ -237,17 +176,14 @@ impl Suspension {
         let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
         let drives =
             Drives { steering: steers, speeds, contact_angles: contacts, lifted: &mut lifted, vertical: &mut vertical };
-        compute(py, count, || traction_rows(chain, &self.motion, &driving, drives, workers))
-            .map_err(|error| raise(error, &leading))?;
+        compute_rows(py, count, &leading, || traction_rows(chain, &self.motion, &driving, drives, workers))?;
         let [speeds, steers, contacts] = outputs;
-        let mut flags = leading.clone();
-        flags.push(wheels);
-        Ok(Traction(Told::Rows {
-            speeds: done(speeds)?,
-            steering: done(steers)?,
-            contact_angles: done(contacts)?,
-            lifted: scalar_or_array(py, lifted, &flags)?,
-            vertical_speed: scalar_or_array(py, vertical, &leading)?,
-        }))
+        Ok(Traction(Columns::Batch([
+            speeds.finish_object()?,
+            steers.finish_object()?,
+            contacts.finish_object()?,
+            scalar_or_array(py, lifted, &joined(&leading, wheels))?,
+            scalar_or_array(py, vertical, &leading)?,
+        ])))
     }
 }

@@ -7,8 +7,8 @@ use six_wheel_core::odometry::dimensions::NUMBERS;
 use six_wheel_core::odometry::{Deviations, Encoder as CoreEncoder};
 
 use super::values::Encoder;
-use crate::convert::{Rows, Scalars, items, number, raise, refuse};
-use crate::given::other_kind;
+use crate::arguments::other_kind;
+use crate::convert::{OrRaise, Rows, Scalars, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
@@ -88,7 +88,7 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
             return Err(rows.refuse_shape("dimensions", &wanted));
         }
     }
-    Deviations::new(rows.flat(), wheels).map_err(|error| raise(error, &[]))
+    Deviations::new(rows.flat(), wheels).or_raise(&[])
 }
 
 /// A number that may be left out.

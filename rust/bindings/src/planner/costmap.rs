@@ -4,8 +4,8 @@ use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use six_wheel_core::planner::Costmap as Core;
 
-use crate::convert::{ArgumentTypeError, number, raise, refuse, shape_text};
-use crate::given;
+use crate::arguments::{self, ArgumentKind};
+use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
 
 /// Costs on a grid, for a planner.
 ///
@@ -39,6 +39,25 @@ pub struct Costmap {
     pub frame: Option<String>,
 }
 
+impl ArgumentKind for Costmap {
+    const KIND: &'static str = "a Costmap";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "sw.Costmap(costs, spacing=...)".into()
+    }
+}
+
+getters! { Costmap, this, py:
+    /// Distance between cells, along x and along y [m].
+    spacing: (f64, f64) = this.core.spacing().into();
+    /// Where cell ``[0, 0]`` is [m].
+    origin: (f64, f64) = this.core.origin().into();
+    /// Cost from which on a place is forbidden, or None.
+    lethal: Option<f64> = this.core.lethal();
+    /// Cost of every place beyond the map, or None.
+    outside: Option<f64> = this.core.outside();
+}
+
 #[pymethods]
 impl Costmap {
     #[new]
@@ -53,7 +72,7 @@ impl Costmap {
         origin: Option<&Bound<'_, PyAny>>,
         lethal: Option<&Bound<'_, PyAny>>,
         outside: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::frame)] frame: Option<String>,
+        #[pyo3(from_py_with = arguments::frame)] frame: Option<String>,
     ) -> PyResult<Self> {
         let numpy = py.import("numpy")?;
         let array = numpy.call_method1("asarray", (values,))?;
@@ -80,7 +99,7 @@ impl Costmap {
             |argument: &str, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
         let (lethal, outside) = (given("lethal", lethal)?, given("outside", outside)?);
         let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
-        Ok(Self { core: core.map_err(|error| raise(error, &[]))?, frame })
+        Ok(Self { core: core.or_raise(&[])?, frame })
     }
 
     /// Costs, shape (rows, columns), float32; a copy.
@@ -88,30 +107,6 @@ impl Costmap {
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let array = numpy::PyArray1::from_slice(py, self.core.values());
         array.call_method1("reshape", (self.core.shape(),))
-    }
-
-    /// Distance between cells, along x and along y [m].
-    #[getter]
-    fn spacing(&self) -> (f64, f64) {
-        self.core.spacing().into()
-    }
-
-    /// Where cell ``[0, 0]`` is [m].
-    #[getter]
-    fn origin(&self) -> (f64, f64) {
-        self.core.origin().into()
-    }
-
-    /// Cost from which on a place is forbidden, or None.
-    #[getter]
-    fn lethal(&self) -> Option<f64> {
-        self.core.lethal()
-    }
-
-    /// Cost of every place beyond the map, or None.
-    #[getter]
-    fn outside(&self) -> Option<f64> {
-        self.core.outside()
     }
 
     fn __repr__(&self) -> String {

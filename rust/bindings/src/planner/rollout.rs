@@ -5,11 +5,11 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Costs, Workers};
 
-use crate::batch::workers;
+use crate::arguments;
 use crate::convert::{Output, Precision, Rows, compute, refuse};
 use crate::geometry::Course;
-use crate::given;
 use crate::rover::Rover;
+use crate::workers::workers;
 
 /// Fields of the result after its poses.
 const COSTS: [&str; 4] = ["wheel_speed", "steering_angle", "steering_rate", "scrub"];
@@ -60,7 +60,6 @@ impl Rover {
         signature = (controls, dt, start=None, *, previous=None, out=None, dtype=None, threads=None, kernel=None),
         text_signature = "($self, controls, dt, start=(0.0, 0.0, 0.0), *, previous=None, out=None, dtype=None, threads=None, kernel=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn rollout_cost<'py>(
         &self,
         py: Python<'py>,
@@ -70,8 +69,8 @@ impl Rover {
         previous: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;

@@ -4,10 +4,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 
-use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
+use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
 use super::made::{Made, class, known_by_its_call};
+use crate::arguments;
 use crate::convert::refuse;
-use crate::given;
 use crate::rover::Rover;
 
 macro_rules! value_methods {
@@ -74,19 +74,18 @@ impl BodyTransition {
     #[staticmethod]
     #[pyo3(signature = (rover, start_twist, end_twist, duration=None, *, shape=None, acceleration=None,
         angular_acceleration=None, jerk=None, angular_jerk=None, synchronise=None, previous=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
         acceleration: Option<&Bound<'py, PyAny>>,
         angular_acceleration: Option<&Bound<'py, PyAny>>,
         jerk: Option<&Bound<'py, PyAny>>,
         angular_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
@@ -199,20 +198,19 @@ impl ModuleTransition {
     #[pyo3(signature = (rover, start, end, duration=None, *, shape=None, steering_rate=None,
         steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
         synchronise=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start: &Bound<'py, PyAny>,
         end: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
         steering_rate: Option<&Bound<'py, PyAny>>,
         steering_acceleration: Option<&Bound<'py, PyAny>>,
         steering_jerk: Option<&Bound<'py, PyAny>>,
         wheel_acceleration: Option<&Bound<'py, PyAny>>,
         wheel_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -279,6 +277,11 @@ pub struct IcrTransition {
 value_methods!(IcrTransition);
 known_by_its_call!(IcrTransition);
 
+getters! { IcrTransition, this, py:
+    /// How often the rover has to come to rest on the way.
+    stops: usize = this.core.stops();
+}
+
 #[pymethods]
 impl IcrTransition {
     /// From one twist to another with one centre of rotation (ICR) at every instant: no wheel scrubs.
@@ -321,10 +324,9 @@ impl IcrTransition {
     #[pyo3(signature = (rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None,
         steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
         angular_acceleration=None, previous=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         steering_rate: &Bound<'py, PyAny>,
@@ -358,12 +360,6 @@ impl IcrTransition {
                 keywords: keywords.0.unbind(),
             },
         })
-    }
-
-    /// How often the rover has to come to rest on the way.
-    #[getter]
-    fn stops(&self) -> usize {
-        self.core.stops()
     }
 
     /// What happens when and why: a tuple of `Phase`.

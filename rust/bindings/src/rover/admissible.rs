@@ -7,69 +7,10 @@ use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Workers};
 use six_wheel_core::{Keep, Twist};
 
-use crate::batch::any_workers;
-use crate::convert::{AnyArray, Output, Rows, compute, joined, memory, name, one_twist, raise, scalar_or_array};
-use crate::fast::{self, Method, Object, Quick, Row, fresh, three, truth};
-use crate::given;
-use crate::rover::Rover;
-
-/// Puts the quick ways before the methods of the class.
-pub fn install(py: Python<'_>) -> PyResult<()> {
-    fast::install::<1, Admissible>(py)?;
-    fast::install::<2, Project>(py)
-}
-
-struct Admissible;
-
-impl Quick<1> for Admissible {
-    type Class = Rover;
-
-    fn method() -> &'static Method<1> {
-        static METHOD: Method<1> = Method::new(c"admissible", [c"twist"], 1);
-        &METHOD
-    }
-
-    #[inline(always)]
-    fn call<'py>(this: Borrowed<'_, 'py, Rover>, [twist]: [Option<Object<'_, 'py>>; 1]) -> Option<Bound<'py, PyAny>> {
-        let twist = Twist::from(three(twist?)?);
-        let answer = batch::admissible_one(&this.get().core, twist).ok()?;
-        Some(truth(this.py(), answer))
-    }
-}
-
-struct Project;
-
-impl Quick<2> for Project {
-    type Class = Rover;
-
-    fn method() -> &'static Method<2> {
-        static METHOD: Method<2> = Method::new(c"project", [c"twist", c"out"], 1);
-        &METHOD
-    }
-
-    #[inline(always)]
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Rover>,
-        [twist, out]: [Option<Object<'_, 'py>>; 2],
-    ) -> Option<Bound<'py, PyAny>> {
-        let (py, twist) = (this.py(), twist?);
-        let wanted = Twist::from(three(twist)?);
-        let (array, target) = match out {
-            Some(out) => {
-                let target = Row::target(out, 3)?;
-                if Row::read(twist, 3).is_some_and(|twist| twist.overlaps(target)) {
-                    return None;
-                }
-                (out.to_owned(), target)
-            }
-            None => fresh(py, 3)?,
-        };
-        let found = batch::project_one(&this.get().core, wanted, Keep::Curvature).ok()?;
-        // SAFETY: the twist has been copied, and nothing else is at work.
-        unsafe { target.numbers_mut() }.copy_from_slice(&<[f64; 3]>::from(found));
-        Some(array)
-    }
-}
+use super::Rover;
+use crate::arguments;
+use crate::convert::{AnyArray, OrRaise, Output, Rows, compute_rows, joined, memory, name, one_twist, scalar_or_array};
+use crate::workers::any_workers;
 
 #[pymethods]
 impl Rover {
@@ -100,15 +41,14 @@ impl Rover {
         py: Python<'py>,
         twist: &Bound<'py, PyAny>,
         more: &Bound<'py, PyTuple>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
         one_twist("Rover.admissible((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
         let twists = Rows::read("twist", twist, 3)?;
         let rows = twists.triples();
         let mut answers = memory::filled(false, rows.len())?;
-        compute(py, rows.len(), || batch::admissible(&self.core, rows, &mut answers, workers))
-            .map_err(|error| raise(error, &twists.leading))?;
+        compute_rows(py, rows.len(), &twists.leading, || batch::admissible(&self.core, rows, &mut answers, workers))?;
         scalar_or_array(py, answers, &twists.leading)
     }
 
@@ -145,7 +85,6 @@ impl Rover {
         signature = (twist, keep=None, *more, out=None, dtype=None, threads=None),
         text_signature = "($self, twist, keep='curvature', *, out=None, dtype=None, threads=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn project<'py>(
         &self,
         py: Python<'py>,
@@ -154,17 +93,16 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
         let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
-        let keep = keep.map_err(|error| raise(error, &[]))?;
+        let keep = keep.or_raise(&[])?;
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;
         let workers = Workers { fresh: projected.is_unseen(), ..any_workers(threads, None)? };
         let (rows, target) = (twists.triples(), projected.triples());
-        compute(py, rows.len(), || batch::project(&self.core, rows, keep, target, workers))
-            .map_err(|error| raise(error, &twists.leading))?;
+        compute_rows(py, rows.len(), &twists.leading, || batch::project(&self.core, rows, keep, target, workers))?;
         projected.finish_any()
     }
 
@@ -202,7 +140,7 @@ impl Rover {
         more: &Bound<'py, PyTuple>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
         one_twist("Rover.icr((vx, vy, omega))", 1, more)?;
         let workers = any_workers(threads, None)?;
@@ -210,8 +148,7 @@ impl Rover {
         twists.check_finite("twist")?;
         let mut centres = Output::asked(py, (out, dtype), &joined(&twists.leading, 2))?;
         let (rows, target) = (twists.triples(), centres.flat().as_chunks_mut().0);
-        compute(py, rows.len(), || batch::fill(target, workers, |k| Twist::from(rows[k]).icr()))
-            .map_err(|error| raise(error, &twists.leading))?;
+        compute_rows(py, rows.len(), &twists.leading, || batch::fill(target, workers, |k| Twist::from(rows[k]).icr()))?;
         centres.finish_any()
     }
 }

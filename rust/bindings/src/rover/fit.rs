@@ -7,49 +7,35 @@ use pyo3::prelude::*;
 use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::{Method, batch};
 
-use crate::batch::any_workers;
-use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};
-use crate::given;
-use crate::kinematics::unseen;
-use crate::rover::Rover;
+use super::Rover;
+use super::kinematics::unseen;
+use crate::arguments;
+use crate::convert::{OrRaise, Output, compute_rows, joined, memory, scalar_or_array};
+use crate::workers::any_workers;
 
-/// Twist fitted to the readings of all wheels, with what speaks for and against it.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct Fit {
-    /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    pub twist: Py<PyAny>,
-    /// Speed at which each wheel contradicts the twist, shape (..., wheels) [m/s].
-    #[pyo3(get)]
-    pub residual: Py<PyAny>,
-    /// Independent directions of the twist that the readings determine: 3 if all.
-    #[pyo3(get)]
-    pub rank: Py<PyAny>,
-    /// Smallest singular value of the stacked, weighted rows of the wheel equation.
-    #[pyo3(get)]
-    pub sigma_min: Py<PyAny>,
-    /// Say of each wheel, shape (..., wheels), 0 to 1.
-    #[pyo3(get)]
-    pub weights: Py<PyAny>,
-    rover: Py<Rover>,
-    leading: Vec<usize>,
+result_class! {
+    /// Twist fitted to the readings of all wheels, with what speaks for and against it.
+    pub struct Fit {
+        /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
+        twist: Py<PyAny>,
+        /// Speed at which each wheel contradicts the twist, shape (..., wheels) [m/s].
+        residual: Py<PyAny>,
+        /// Independent directions of the twist that the readings determine: 3 if all.
+        rank: Py<PyAny>,
+        /// Smallest singular value of the stacked, weighted rows of the wheel equation.
+        sigma_min: Py<PyAny>,
+        /// Say of each wheel, shape (..., wheels), 0 to 1.
+        weights: Py<PyAny>,
+    }
+    hidden {
+        rover: Py<Rover>,
+        leading: Vec<usize>,
+    }
+    repr { twist residual rank sigma_min weights worst_wheel }
 }
 
 #[pymethods]
 impl Fit {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "Fit(twist={}, residual={}, rank={}, sigma_min={}, weights={}, worst_wheel={})",
-            text(&self.twist)?,
-            text(&self.residual)?,
-            text(&self.rank)?,
-            text(&self.sigma_min)?,
-            text(&self.weights)?,
-            text(&self.worst_wheel(py)?)?,
-        ))
-    }
-
     /// Name of the wheel with the largest residual, None where there is none; nested lists of them for a batch.
     #[getter]
     fn worst_wheel(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
@@ -112,20 +98,19 @@ impl Rover {
     /// ValueError
     ///     If a value is not finite, a shape does not fit or the method is unknown.
     #[pyo3(signature = (steering, speeds, *, method="least_squares", steering_rates=None, allow_underdetermined=false, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn fit<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
         steering_rates: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::allow_underdetermined)] allow_underdetermined: bool,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::allow_underdetermined)] allow_underdetermined: bool,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Fit> {
         let workers = any_workers(threads, None)?;
         let this = slf.get();
-        let method = Method::from_str(method).map_err(|error| raise(error, &[]))?;
+        let method = Method::from_str(method).or_raise(&[])?;
         let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
         let output = |width| Output::fresh(py, &joined(leading, width));
@@ -142,16 +127,15 @@ impl Rover {
             residual: residual.flat(),
             weights: weights.flat(),
         };
-        compute(py, count, || batch::fit(&this.core, log, method, unseen, fits, workers))
-            .map_err(|error| raise(error, leading))?;
+        compute_rows(py, count, leading, || batch::fit(&this.core, log, method, unseen, fits, workers))?;
         Ok(Fit {
             rover: slf.clone().unbind(),
             leading: leading.to_vec(),
             rank: scalar_or_array(py, ranks, leading)?,
             sigma_min: scalar_or_array(py, sigmas, leading)?,
-            twist: twist.finish()?.into_any().unbind(),
-            residual: residual.finish()?.into_any().unbind(),
-            weights: weights.finish()?.into_any().unbind(),
+            twist: twist.finish_object()?,
+            residual: residual.finish_object()?,
+            weights: weights.finish_object()?,
         })
     }
 }

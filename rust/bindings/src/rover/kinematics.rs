@@ -1,20 +1,17 @@
 //! `Rover.inverse` and `Rover.forward`.
 
-mod quick;
-
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Beside, Log, Source, Table, Workers};
 use six_wheel_core::{Twist, Unseen, units};
 
-use crate::batch::any_workers;
+use super::Rover;
+use super::unit_warnings::warn_units;
+use crate::arguments;
 use crate::convert::{
-    AnyArray, Blocks, Output, Precision, Rows, ask, compute, given, joined, named, one_twist, raise, refuse, together,
+    AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, refuse, together,
 };
-use crate::given;
-use crate::rover::Rover;
-
-pub use quick::install;
+use crate::workers::any_workers;
 
 /// Twists of points of the body, read as those of its origin.
 struct About<'a> {
@@ -117,7 +114,7 @@ impl Rover {
         let leading = together(all.into_iter().flatten())?;
         if let Some(angles) = &angles {
             let asked = units::angles(&self.core, angles.table(), angles.count());
-            ask(py, asked)?;
+            warn_units(py, asked)?;
         }
         Ok(Tables { steering: angles, speeds, rates, leading })
     }
@@ -174,7 +171,6 @@ impl Rover {
         signature = (twist, *more, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None),
         text_signature = "($self, twist, *, previous=None, steering_rates=None, centre=None, previous_speeds=None, out=None, dtype=None, threads=None, kernel=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     pub fn inverse<'py>(
         &self,
         py: Python<'py>,
@@ -186,8 +182,8 @@ impl Rover {
         previous_speeds: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<(AnyArray<'py>, AnyArray<'py>)> {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
@@ -236,8 +232,7 @@ impl Rover {
         };
         let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, kernel)? };
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute(py, count, || batch::inverse(&self.core, rows, beside, angles, rotations, workers))
-            .map_err(|error| raise(error, &leading))?;
+        compute_rows(py, count, &leading, || batch::inverse(&self.core, rows, beside, angles, rotations, workers))?;
         Ok((steering.finish_any()?, speeds.finish_any()?))
     }
 
@@ -275,18 +270,17 @@ impl Rover {
     /// ValueError
     ///     If a value is not finite or a shape does not fit.
     #[pyo3(signature = (steering, speeds, *, steering_rates=None, allow_underdetermined=false, out=None, dtype=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn forward<'py>(
         &self,
         py: Python<'py>,
         steering: &Bound<'py, PyAny>,
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::allow_underdetermined)] allow_underdetermined: bool,
+        #[pyo3(from_py_with = arguments::allow_underdetermined)] allow_underdetermined: bool,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<AnyArray<'py>> {
         let readings = self.read_log(steering, speeds, steering_rates)?;
         let leading = readings.leading.as_slice();
@@ -295,8 +289,7 @@ impl Rover {
         let (tables, target) = (readings.tables(), twists.triples());
         let unseen = unseen(allow_underdetermined);
         let workers = Workers { fresh, ..any_workers(threads, kernel)? };
-        compute(py, target.len(), || batch::forward(&self.core, tables, unseen, target, workers))
-            .map_err(|error| raise(error, leading))?;
+        compute_rows(py, target.len(), leading, || batch::forward(&self.core, tables, unseen, target, workers))?;
         twists.finish_any()
     }
 }

@@ -7,9 +7,9 @@ use pyo3::types::PyDict;
 use six_wheel_core::rover::MAX_WHEELS;
 use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, presets};
 
-use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
-use crate::given;
-use crate::rover::Rover;
+use super::Rover;
+use crate::arguments;
+use crate::convert::{OrRaise, Rows, memory, number, refuse};
 use crate::wheel::steering_range;
 
 /// One radius for both sides, or one for each.
@@ -20,12 +20,12 @@ fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
     }
 }
 
-fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
     value.map(|value| number(argument, value)).transpose()
 }
 
 /// Positions, one row per wheel.
-fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
+pub fn positions(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     let rows = Rows::read_table("positions", value, 2)?;
     memory::gathered(rows.pairs().iter().copied())
 }
@@ -35,7 +35,7 @@ fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
 }
 
 fn drive(name: &str) -> PyResult<Drive> {
-    Drive::from_str(name).map_err(|error| raise(error, &[]))
+    Drive::from_str(name).or_raise(&[])
 }
 
 impl Rover {
@@ -164,12 +164,11 @@ impl Rover {
         signature = (track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=None),
         text_signature = "(track_width, wheel_radius, *, wheels_per_side=1, wheelbase=None, icr_left=None, icr_right=None, icr_forward=0.0)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn differential(
         py: Python<'_>,
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = given::wheels_per_side)] wheels_per_side: i64,
+        #[pyo3(from_py_with = arguments::wheels_per_side)] wheels_per_side: i64,
         wheelbase: Option<&Bound<'_, PyAny>>,
         icr_left: Option<&Bound<'_, PyAny>>,
         icr_right: Option<&Bound<'_, PyAny>>,
@@ -261,7 +260,7 @@ impl Rover {
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::driven)] driven: &str,
+        #[pyo3(from_py_with = arguments::driven)] driven: &str,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         Self::car(py, lengths, steering_limit, driven, Core::ackermann)
@@ -294,7 +293,7 @@ impl Rover {
         track_width: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::driven)] driven: &str,
+        #[pyo3(from_py_with = arguments::driven)] driven: &str,
     ) -> PyResult<Self> {
         let lengths = [wheelbase, track_width, wheel_radius];
         Self::car(py, lengths, steering_limit, driven, Core::tricycle)
@@ -324,87 +323,11 @@ impl Rover {
         wheelbase: &Bound<'_, PyAny>,
         wheel_radius: &Bound<'_, PyAny>,
         steering_limit: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::driven)] driven: &str,
+        #[pyo3(from_py_with = arguments::driven)] driven: &str,
     ) -> PyResult<Self> {
         let base = number("wheelbase", wheelbase)?;
         let (radius, range) = (number("wheel_radius", wheel_radius)?, limit(steering_limit)?);
         Self::named(py, Core::bicycle(base, radius, range, drive(driven)?))
-    }
-
-    /// Four mecanum wheels, the usual way round.
-    ///
-    /// Seen from above, the axes of the rollers on top point to the middle; those of the rollers that touch the
-    /// ground form a diamond around it, so that all four have a lever to turn the body.
-    ///
-    /// Parameters
-    /// ----------
-    /// half_wheelbase, half_track : float
-    ///     Middle to axle, and to wheel [m].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// roller_angle : float
-    ///     Between the axes of rollers and wheel [rad]; default an eighth of a turn.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a length is not finite and positive, or the rollers leave nothing to drive.
-    #[staticmethod]
-    #[pyo3(
-        signature = (half_wheelbase, half_track, wheel_radius, *, roller_angle=None),
-        text_signature = "(half_wheelbase, half_track, wheel_radius, *, roller_angle=0.7853981633974483)"
-    )]
-    fn mecanum(
-        py: Python<'_>,
-        half_wheelbase: &Bound<'_, PyAny>,
-        half_track: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        roller_angle: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let half_base = number("half_wheelbase", half_wheelbase)?;
-        let (half_track, radius) = (number("half_track", half_track)?, number("wheel_radius", wheel_radius)?);
-        let angle = optional("roller_angle", roller_angle)?.unwrap_or(std::f64::consts::FRAC_PI_4);
-        Self::named(py, Core::mecanum(half_base, half_track, radius, angle))
-    }
-
-    /// Omni wheels, any number of them and any way round.
-    ///
-    /// Parameters
-    /// ----------
-    /// positions : array_like, shape (n, 2)
-    ///     ``[x, y]`` of the wheels [m].
-    /// headings : array_like, shape (n,)
-    ///     Directions in which they drive [rad].
-    /// wheel_radius : float
-    ///     Hub to ground [m].
-    /// roller_angle : float
-    ///     Between the axes of rollers and wheel [rad]; default a quarter turn.
-    /// names : sequence of str, optional
-    ///     Default ``wheel_0``, ``wheel_1``, ...
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a value is not finite, the radius not positive, or the rollers leave nothing to drive.
-    #[staticmethod]
-    #[pyo3(
-        signature = (positions, headings, wheel_radius, *, roller_angle=None, names=None),
-        text_signature = "(positions, headings, wheel_radius, *, roller_angle=1.5707963267948966, names=None)"
-    )]
-    fn omni(
-        py: Python<'_>,
-        positions: &Bound<'_, PyAny>,
-        headings: &Bound<'_, PyAny>,
-        wheel_radius: &Bound<'_, PyAny>,
-        roller_angle: Option<&Bound<'_, PyAny>>,
-        names: Option<Vec<String>>,
-    ) -> PyResult<Self> {
-        let positions = self::positions(positions)?;
-        let headings = Scalars::read("headings", headings)?;
-        headings.check_finite("headings")?;
-        headings.fit_exactly("headings", &[positions.len()])?;
-        let (radius, angle) = (number("wheel_radius", wheel_radius)?, optional("roller_angle", roller_angle)?);
-        Self::named(py, Core::omni(&positions, headings.flat(), names, radius, angle))
     }
 
     /// A published rover by name; `Rover.presets` lists them.
@@ -424,7 +347,7 @@ impl Rover {
     #[pyo3(signature = (name, *, steering_limit=None))]
     fn preset(
         py: Python<'_>,
-        #[pyo3(from_py_with = given::name)] name: &str,
+        #[pyo3(from_py_with = arguments::name)] name: &str,
         steering_limit: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         Self::named(py, presets::preset(name, steering_range(steering_limit)?))

@@ -4,8 +4,8 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use six_wheel_core::Mobility as Core;
 
-use crate::convert::{Rows, raise};
-use crate::rover::Rover;
+use super::Rover;
+use crate::convert::{OrRaise, Rows};
 
 /// What a rover can do at given steering angles, from the rank of its constraints.
 ///
@@ -13,45 +13,24 @@ use crate::rover::Rover;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Mobility(pub Core);
 
-#[pymethods]
-impl Mobility {
+getters! { Mobility, this, py:
     /// Dimension of the motions that no wheel resists; 0 if the rover is locked.
-    #[getter]
-    fn degree_of_mobility(&self) -> usize {
-        self.0.degree_of_mobility
-    }
-
+    degree_of_mobility: usize = this.0.degree_of_mobility;
     /// Number of steering directions that can be chosen independently.
-    #[getter]
-    fn degree_of_steerability(&self) -> usize {
-        self.0.degree_of_steerability
-    }
-
+    degree_of_steerability: usize = this.0.degree_of_steerability;
     /// Degree of mobility and degree of steerability together.
-    #[getter]
-    fn degree_of_manoeuvrability(&self) -> usize {
-        self.0.degree_of_manoeuvrability()
-    }
-
+    degree_of_manoeuvrability: usize = this.0.degree_of_manoeuvrability();
     /// Rank of the no-side-slip rows.
-    #[getter]
-    fn rank(&self) -> usize {
-        self.0.rank
-    }
-
+    rank: usize = this.0.rank;
     /// The smallest singular value that is not zero: how far a locked rover is from moving, or a mobile
     /// one from losing a constraint; 0 without constraints.
-    #[getter]
-    fn margin(&self) -> f64 {
-        self.0.margin()
-    }
-
+    margin: f64 = this.0.margin();
     /// Singular values of the no-side-slip rows, largest first, shape (3,).
-    #[getter]
-    fn singular_values<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.0.singular_values)
-    }
+    singular_values: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.0.singular_values);
+}
 
+#[pymethods]
+impl Mobility {
     /// The free motions, unit twists ``[vx, vy, omega]``, shape (degree_of_mobility, 3).
     #[getter]
     fn motion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -99,6 +78,6 @@ impl Rover {
     fn mobility(&self, steering: Option<&Bound<'_, PyAny>>) -> PyResult<Mobility> {
         let steering = Rows::read_beside("steering", steering, self.joints(), &[])?;
         let mobility = self.core.mobility(steering.as_ref().map(Rows::flat));
-        mobility.map(Mobility).map_err(|error| raise(error, &[]))
+        mobility.map(Mobility).or_raise(&[])
     }
 }

@@ -5,10 +5,10 @@ use pyo3::types::PyString;
 use six_wheel_core::batch;
 use six_wheel_core::estimate::sensitivity::Quantity;
 
-use crate::batch::any_workers;
-use crate::convert::{Output, compute, items, joined, raise, refuse};
-use crate::given;
-use crate::rover::Rover;
+use super::Rover;
+use crate::arguments;
+use crate::convert::{Output, compute_rows, items, joined, refuse};
+use crate::workers::any_workers;
 
 /// Names that are read at most.
 const MOST_NAMES: usize = 1000;
@@ -46,86 +46,37 @@ impl Sensitivity {
     }
 }
 
+getters! { Sensitivity, this, py:
+    /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
+    twist: Option<Py<PyAny>> = this.twist.as_ref().map(|twist| twist.clone_ref(py));
+    /// By the reading of each wheel's speed [rad/s], shape (..., 3, wheels).
+    speeds: Option<Py<PyAny>> = this.get(py, "speeds");
+    /// By the reading of each steering angle [rad], shape (..., 3, steered wheels).
+    steering: Option<Py<PyAny>> = this.get(py, "steering");
+    /// By the rate of each steering angle [rad/s], shape (..., 3, steered wheels).
+    steering_rates: Option<Py<PyAny>> = this.get(py, "steering_rates");
+    /// By the speed at which each contact slips forwards [m/s], shape (..., 3, wheels).
+    slip: Option<Py<PyAny>> = this.get(py, "slip");
+    /// By the speed at which each contact slips to its left [m/s], shape (..., 3, wheels).
+    side_slip: Option<Py<PyAny>> = this.get(py, "side_slip");
+    /// By each pivot's place forward of the origin [m], shape (..., 3, wheels).
+    x: Option<Py<PyAny>> = this.get(py, "x");
+    /// By each pivot's place left of the origin [m], shape (..., 3, wheels).
+    y: Option<Py<PyAny>> = this.get(py, "y");
+    /// By each wheel's direction at steering angle 0 [rad], shape (..., 3, wheels): the offset of a steering angle.
+    heading: Option<Py<PyAny>> = this.get(py, "heading");
+    /// By each radius [m], shape (..., 3, wheels).
+    radius: Option<Py<PyAny>> = this.get(py, "radius");
+    /// By each contact's place left of its steering axis [m], shape (..., 3, wheels).
+    scrub: Option<Py<PyAny>> = this.get(py, "scrub");
+    /// By each contact's place behind its steering axis [m], shape (..., 3, wheels).
+    trail: Option<Py<PyAny>> = this.get(py, "trail");
+    /// By each roller angle [rad], shape (..., 3, wheels); 0 for a wheel without rollers.
+    roller_angle: Option<Py<PyAny>> = this.get(py, "roller_angle");
+}
+
 #[pymethods]
 impl Sensitivity {
-    /// ``[vx, vy, omega]`` in body axes, shape (..., 3) [m/s, m/s, rad/s].
-    #[getter]
-    fn twist(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.twist.as_ref().map(|twist| twist.clone_ref(py))
-    }
-
-    /// By the reading of each wheel's speed [rad/s], shape (..., 3, wheels).
-    #[getter]
-    fn speeds(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "speeds")
-    }
-
-    /// By the reading of each steering angle [rad], shape (..., 3, steered wheels).
-    #[getter]
-    fn steering(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "steering")
-    }
-
-    /// By the rate of each steering angle [rad/s], shape (..., 3, steered wheels).
-    #[getter]
-    fn steering_rates(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "steering_rates")
-    }
-
-    /// By the speed at which each contact slips forwards [m/s], shape (..., 3, wheels).
-    #[getter]
-    fn slip(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "slip")
-    }
-
-    /// By the speed at which each contact slips to its left [m/s], shape (..., 3, wheels).
-    #[getter]
-    fn side_slip(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "side_slip")
-    }
-
-    /// By each pivot's place forward of the origin [m], shape (..., 3, wheels).
-    #[getter]
-    fn x(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "x")
-    }
-
-    /// By each pivot's place left of the origin [m], shape (..., 3, wheels).
-    #[getter]
-    fn y(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "y")
-    }
-
-    /// By each wheel's direction at steering angle 0 [rad], shape (..., 3, wheels): the offset of a steering angle.
-    #[getter]
-    fn heading(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "heading")
-    }
-
-    /// By each radius [m], shape (..., 3, wheels).
-    #[getter]
-    fn radius(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "radius")
-    }
-
-    /// By each contact's place left of its steering axis [m], shape (..., 3, wheels).
-    #[getter]
-    fn scrub(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "scrub")
-    }
-
-    /// By each contact's place behind its steering axis [m], shape (..., 3, wheels).
-    #[getter]
-    fn trail(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "trail")
-    }
-
-    /// By each roller angle [rad], shape (..., 3, wheels); 0 for a wheel without rollers.
-    #[getter]
-    fn roller_angle(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.get(py, "roller_angle")
-    }
-
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
         format!("Sensitivity(of the twist by {})", names.join(", "))
@@ -185,7 +136,6 @@ impl Rover {
     /// ValueError
     ///     If a value is not finite, a shape does not fit or a quantity is unknown.
     #[pyo3(signature = (steering, speeds, *, steering_rates=None, quantities=None, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn sensitivity<'py>(
         &self,
         py: Python<'py>,
@@ -193,7 +143,7 @@ impl Rover {
         speeds: &Bound<'py, PyAny>,
         steering_rates: Option<&Bound<'py, PyAny>>,
         quantities: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Sensitivity> {
         let workers = any_workers(threads, None)?;
         let wanted = wanted(quantities)?;
@@ -212,13 +162,12 @@ impl Rover {
         let mut targets: Vec<_> =
             wanted.iter().zip(&mut columns).map(|((_, quantity), column)| (*quantity, column.flat())).collect();
         let (log, rows) = (readings.log(), twists.triples());
-        compute(py, rows.len(), || batch::sensitivity(&self.core, log, rows, &mut targets, workers))
-            .map_err(|error| raise(error, leading))?;
+        compute_rows(py, rows.len(), leading, || batch::sensitivity(&self.core, log, rows, &mut targets, workers))?;
         let columns = wanted
             .iter()
             .zip(columns)
-            .map(|((name, _), column)| Ok((*name, column.finish()?.into_any().unbind())))
+            .map(|((name, _), column)| Ok((*name, column.finish_object()?)))
             .collect::<PyResult<_>>()?;
-        Ok(Sensitivity { twist: Some(twists.finish()?.into_any().unbind()), columns })
+        Ok(Sensitivity { twist: Some(twists.finish_object()?), columns })
     }
 }

@@ -4,44 +4,32 @@ use pyo3::prelude::*;
 use six_wheel_core::ground::{self, Settler, Status};
 
 use super::Stand;
-use crate::fast::{self, Method, Object, Quick, three};
+use crate::fastcall::{self, Answer, Arguments, three};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 
 /// Puts the quick way before the method of the class.
 pub fn install(py: Python<'_>) -> PyResult<()> {
-    fast::install::<2, OnePose>(py)
+    fastcall::install::<2, SettleCall>(py)
 }
 
-struct OnePose;
+fast_method!(SettleCall<2>: Suspension, c"settle", [c"ground", c"poses"], 2, settle);
 
-impl Quick<2> for OnePose {
-    type Class = Suspension;
-
-    fn method() -> &'static Method<2> {
-        static METHOD: Method<2> = Method::new(c"settle", [c"ground", c"poses"], 2);
-        &METHOD
-    }
-
-    #[inline(always)]
-    fn call<'py>(
-        this: Borrowed<'_, 'py, Suspension>,
-        [ground, pose]: [Option<Object<'_, 'py>>; 2],
-    ) -> Option<Bound<'py, PyAny>> {
-        let (py, suspension) = (this.py(), this.get());
-        let (ground, pose) = (&ground?.cast::<Terrain>().ok()?.get().0, three(pose?)?);
-        let settler = Settler::new(ground, &suspension.chain);
-        let mut stands = vec![ground::Stand::nothing(Status::NotConverged)];
-        ground::settle(&settler, &[pose], &[], 1, &mut stands).ok()?;
-        let stand = Stand {
-            suspension: this.to_owned().unbind(),
-            ground: ground.clone(),
-            poses: vec![pose],
-            steering: Vec::new(),
-            stands,
-            leading: Vec::new(),
-            derivatives: false,
-        };
-        Some(Bound::new(py, stand).ok()?.into_any())
-    }
+#[inline(always)]
+fn settle<'py>(this: Borrowed<'_, 'py, Suspension>, [ground, pose]: Arguments<'_, 'py, 2>) -> Answer<'py> {
+    let (py, suspension) = (this.py(), this.get());
+    let (ground, pose) = (&ground?.cast::<Terrain>().ok()?.get().0, three(pose?)?);
+    let settler = Settler::new(ground, &suspension.chain);
+    let mut stands = vec![ground::Stand::nothing(Status::NotConverged)];
+    ground::settle(&settler, &[pose], &[], 1, &mut stands).ok()?;
+    let stand = Stand {
+        suspension: this.to_owned().unbind(),
+        ground: ground.clone(),
+        poses: vec![pose],
+        steering: Vec::new(),
+        stands,
+        leading: Vec::new(),
+        derivatives: false,
+    };
+    Some(Bound::new(py, stand).ok()?.into_any())
 }

@@ -4,35 +4,24 @@ use pyo3::prelude::*;
 use six_wheel_core::batch::Workers;
 use six_wheel_core::bounds;
 
-use crate::convert::{Output, compute, raise};
-use crate::ground::Stand;
+use super::stand::Stand;
+use crate::convert::Output;
+use crate::workers::fill_rows;
 
-/// Derivatives of margins by x, y and yaw, or by the dimensions of a rocker-bogie in the order of `Stand.by_dimension`, with
-/// belly and centre of mass as they are. NaN where the rover does not stand, and of a tilt of 0.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct MarginSlopes {
-    /// Of `Stability.tip_over_angle`, shape (..., 3) or (..., 16).
-    tip_over_angle: Py<PyAny>,
-    /// Of `Stability.clearance`, shape (..., 3) or (..., 16).
-    clearance: Py<PyAny>,
-    /// Of `Stability.joint_margins`, shape (..., joints, 3) or (..., joints, 16).
-    joint_margins: Py<PyAny>,
-    /// Of `Stability.tilt`, shape (..., 3) or (..., 16).
-    tilt: Py<PyAny>,
-}
-
-#[pymethods]
-impl MarginSlopes {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "MarginSlopes(tip_over_angle={}, clearance={}, joint_margins={}, tilt={})",
-            text(&self.tip_over_angle)?,
-            text(&self.clearance)?,
-            text(&self.joint_margins)?,
-            text(&self.tilt)?,
-        ))
+result_class! {
+    /// Derivatives of margins by x, y and yaw, or by the dimensions of a rocker-bogie in the order of `Stand.by_dimension`, with
+    /// belly and centre of mass as they are. NaN where the rover does not stand, and of a tilt of 0.
+    pub struct MarginSlopes {
+        /// Of `Stability.tip_over_angle`, shape (..., 3) or (..., 16).
+        tip_over_angle: Py<PyAny>,
+        /// Of `Stability.clearance`, shape (..., 3) or (..., 16).
+        clearance: Py<PyAny>,
+        /// Of `Stability.joint_margins`, shape (..., joints, 3) or (..., joints, 16).
+        joint_margins: Py<PyAny>,
+        /// Of `Stability.tilt`, shape (..., 3) or (..., 16).
+        tilt: Py<PyAny>,
     }
+    repr { tip_over_angle clearance joint_margins tilt }
 }
 
 /// By `N` numbers, row after row; None for a row without.
@@ -51,31 +40,27 @@ pub fn slopes<const N: usize>(
     let [tipping, clear, turns, tilts] = outputs.each_mut().map(|output| output.flat());
     let count = stand.stands.len();
     let rows = [(tipping, N), (clear, N), (turns, joints * N), (tilts, N)];
-    compute(py, count, || {
-        workers.rows(count, rows, |k, [tipping, clear, turns, tilts]| {
-            let Some(found) = of(k) else {
-                for row in [tipping, clear, turns, tilts] {
-                    row.fill(f64::NAN);
-                }
-                return Ok(());
-            };
-            tipping.copy_from_slice(&found.tip_over_angle);
-            clear.copy_from_slice(&found.clearance);
-            tilts.copy_from_slice(&found.tilt);
-            for (row, joint) in turns.chunks_exact_mut(N).zip(&found.joints) {
-                row.copy_from_slice(joint);
+    fill_rows(py, workers, count, &stand.leading, rows, |k, [tipping, clear, turns, tilts]| {
+        let Some(found) = of(k) else {
+            for row in [tipping, clear, turns, tilts] {
+                row.fill(f64::NAN);
             }
-            Ok(())
-        })
-    })
-    .map_err(|error| raise(error, &stand.leading))?;
+            return Ok(());
+        };
+        tipping.copy_from_slice(&found.tip_over_angle);
+        clear.copy_from_slice(&found.clearance);
+        tilts.copy_from_slice(&found.tilt);
+        for (row, joint) in turns.chunks_exact_mut(N).zip(&found.joints) {
+            row.copy_from_slice(joint);
+        }
+        Ok(())
+    })?;
     let [tipping, clear, turns, tilts] = outputs;
-    let done = |output: Output<'_>| PyResult::Ok(output.finish()?.into_any().unbind());
     let slopes = MarginSlopes {
-        tip_over_angle: done(tipping)?,
-        clearance: done(clear)?,
-        joint_margins: done(turns)?,
-        tilt: done(tilts)?,
+        tip_over_angle: tipping.finish_object()?,
+        clearance: clear.finish_object()?,
+        joint_margins: turns.finish_object()?,
+        tilt: tilts.finish_object()?,
     };
     Py::new(py, slopes)
 }

@@ -1,18 +1,22 @@
 //! `Suspension.settle` and `six_wheel.Stand`: chains on ground.
 
-mod quick;
+mod fastcall;
+mod margins;
+mod stability;
 mod stand;
 
 use pyo3::prelude::*;
 use six_wheel_core::ground::{self, Settler, Status};
 
-use crate::batch::any_workers;
-use crate::convert::{Rows, compute, memory, raise};
-use crate::given;
+use crate::arguments;
+use crate::convert::{Rows, compute, memory, raise, read_point};
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
+use crate::workers::any_workers;
 
-pub use quick::install;
+pub use fastcall::install;
+pub use margins::MarginSlopes;
+pub use stability::{Feasible, Stability};
 pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.
@@ -70,27 +74,23 @@ impl Suspension {
     /// Source: M. Tarokh, G. McDermott, Kinematics modeling and analyses of articulated rovers, IEEE T-RO 21(4),
     /// 2005, for the kinematics; the contact of circle and grid is solved over every cell (`docs/ground.md`).
     #[pyo3(signature = (ground, poses, steering=None, *, derivatives=false, centre_of_mass=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn settle(
         slf: &Bound<'_, Self>,
         py: Python<'_>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'_, Terrain>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'_, Terrain>,
         poses: &Bound<'_, PyAny>,
         steering: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::derivatives)] derivatives: bool,
+        #[pyo3(from_py_with = arguments::derivatives)] derivatives: bool,
         centre_of_mass: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Stand> {
         let chain = &slf.get().chain;
         let poses = Rows::read("poses", poses, 3)?;
         let steering = read_steering(steering, chain.steering().len(), &poses.leading)?;
         let mut settler = Settler::new(&ground.get().0, chain);
         if let Some(centre) = centre_of_mass {
-            let centre = Rows::read("centre_of_mass", centre, 3)?;
-            centre.check_leading("centre_of_mass", &[])?;
-            centre.check_finite("centre_of_mass")?;
-            settler.balance = centre.triples()[0].into();
+            settler.balance = read_point("centre_of_mass", centre)?.into();
         }
         let workers = any_workers(threads, kernel)?;
         settler.level = workers.level;

@@ -1,76 +1,60 @@
 //! `Suspension.stability` and `RockerBogie.feasible`.
 
 use pyo3::prelude::*;
+use six_wheel_core::batch::Workers;
 use six_wheel_core::bounds::{
     Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt, tip_over_angle,
 };
 use six_wheel_core::ground::Settler;
 
 use super::margins::{MarginSlopes, slopes};
-use super::{RockerBogie, Suspension};
-use crate::batch::any_workers;
-use crate::convert::{Out, Rows, compute, joined, memory, number, raise, refuse, scalar_or_array};
-use crate::given;
-use crate::ground::Stand;
+use super::stand::Stand;
+use crate::arguments;
+use crate::convert::{OrRaise, Out, Rows, compute_rows, joined, memory, number, read_point, refuse, scalar_or_array};
+use crate::suspension::{RockerBogie, Suspension};
 use crate::terrain::Terrain;
+use crate::workers::{any_workers, fill_rows};
 
-/// What a settled pose means for the rover: see `Suspension.stability`.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct Stability {
-    /// What every wheel carries, straight up, shape (..., wheels) [N]; a negative one would have to pull.
-    loads: Py<PyAny>,
-    /// Least angle by which the rover has to be turned about a line through two contacts to tip over, shape (...)
-    /// [rad]; negative where it does.
-    tip_over_angle: Py<PyAny>,
-    /// Least vertical distance from the ground to the belly, shape (...) [m]; negative where the ground is in it.
-    clearance: Py<PyAny>,
-    /// Angle of every free joint to its nearer stop, shape (..., joints) [rad]; infinite without stops.
-    joint_margins: Py<PyAny>,
-    /// Angle between the rover's z axis and the vertical, shape (...) [rad].
-    tilt: Py<PyAny>,
-    /// Derivatives of these margins by x, y and yaw; None unless the stand was asked for `derivatives`.
-    by_pose: Option<Py<MarginSlopes>>,
-    /// Derivatives by the dimensions of a rocker-bogie; None for other chains, and unless the stand was asked for them.
-    by_dimension: Option<Py<MarginSlopes>>,
-}
-
-#[pymethods]
-impl Stability {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "Stability(loads={}, tip_over_angle={}, clearance={}, joint_margins={}, tilt={})",
-            text(&self.loads)?,
-            text(&self.tip_over_angle)?,
-            text(&self.clearance)?,
-            text(&self.joint_margins)?,
-            text(&self.tilt)?,
-        ))
+result_class! {
+    /// What a settled pose means for the rover: see `Suspension.stability`.
+    pub struct Stability {
+        /// What every wheel carries, straight up, shape (..., wheels) [N]; a negative one would have to pull.
+        loads: Py<PyAny>,
+        /// Least angle by which the rover has to be turned about a line through two contacts to tip over, shape (...)
+        /// [rad]; negative where it does.
+        tip_over_angle: Py<PyAny>,
+        /// Least vertical distance from the ground to the belly, shape (...) [m]; negative where the ground is in it.
+        clearance: Py<PyAny>,
+        /// Angle of every free joint to its nearer stop, shape (..., joints) [rad]; infinite without stops.
+        joint_margins: Py<PyAny>,
+        /// Angle between the rover's z axis and the vertical, shape (...) [rad].
+        tilt: Py<PyAny>,
+        /// Derivatives of these margins by x, y and yaw; None unless the stand was asked for `derivatives`.
+        by_pose: Option<Py<MarginSlopes>>,
+        /// Derivatives by the dimensions of a rocker-bogie; None for other chains, and unless the stand was asked for them.
+        by_dimension: Option<Py<MarginSlopes>>,
     }
+    repr { loads tip_over_angle clearance joint_margins tilt }
 }
 
-/// Whether a rover may stand at poses: see `RockerBogie.feasible`.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct Feasible {
-    /// Whether it may, shape (...).
-    #[pyo3(get)]
-    ok: Py<PyAny>,
-    /// Numbers of the reasons in `six_wheel.FeasibleReason`, shape (...), as in the layer of `six-wheel traverse`.
-    #[pyo3(get)]
-    reason_codes: Py<PyAny>,
-    /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
-    /// radii. NaN where nothing is known.
-    #[pyo3(get)]
-    margin: Py<PyAny>,
-    /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
-    #[pyo3(get)]
-    tilt: Py<PyAny>,
-    /// Clearance, shape (...) [m]; the least possible where `exact` is false.
-    #[pyo3(get)]
-    clearance: Py<PyAny>,
-    /// Whether the rover was settled to know, shape (...).
-    #[pyo3(get)]
-    exact: Py<PyAny>,
+result_class! {
+    /// Whether a rover may stand at poses: see `RockerBogie.feasible`.
+    pub struct Feasible {
+        /// Whether it may, shape (...).
+        ok: Py<PyAny>,
+        /// Numbers of the reasons in `six_wheel.FeasibleReason`, shape (...), as in the layer of `six-wheel traverse`.
+        reason_codes: Py<PyAny>,
+        /// What is left of the limit of which least is, shape (...): shares of angles and drops, clearances in wheel
+        /// radii. NaN where nothing is known.
+        margin: Py<PyAny>,
+        /// Tilt, shape (...) [rad]; the largest possible where `exact` is false.
+        tilt: Py<PyAny>,
+        /// Clearance, shape (...) [m]; the least possible where `exact` is false.
+        clearance: Py<PyAny>,
+        /// Whether the rover was settled to know, shape (...).
+        exact: Py<PyAny>,
+    }
+    repr { ok reason margin tilt clearance exact }
 }
 
 #[pymethods]
@@ -81,19 +65,6 @@ impl Feasible {
         let module = py.import("six_wheel.bounding")?;
         let reasons = module.call_method1("reasons", (&self.reason_codes,))?;
         Ok(reasons.unbind())
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "Feasible(ok={}, reason={}, margin={}, tilt={}, clearance={}, exact={})",
-            text(&self.ok)?,
-            text(&self.reason(py)?)?,
-            text(&self.margin)?,
-            text(&self.tilt)?,
-            text(&self.clearance)?,
-            text(&self.exact)?,
-        ))
     }
 }
 
@@ -119,7 +90,7 @@ fn allowed(py: Python<'_>, limits: Option<&Bound<'_, PyAny>>) -> PyResult<Allowe
         clearance: read("clearance")?,
         wheel_drop: read("wheel_drop")?,
     };
-    allowed.check().map_err(|error| raise(error, &[]))?;
+    allowed.check().or_raise(&[])?;
     Ok(allowed)
 }
 
@@ -156,17 +127,16 @@ impl RockerBogie {
     /// ValueError
     ///     If a number is not finite, a limit not positive or a shape does not fit.
     #[pyo3(signature = (ground, poses, limits=None, *, map_error=0.0, belly=None, out=None, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn feasible<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'py, Terrain>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
         poses: &Bound<'py, PyAny>,
         limits: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::map_error)] map_error: f64,
-        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Feasible> {
         let this = slf.get();
         let error = this.question(map_error, belly, None)?.error;
@@ -177,7 +147,7 @@ impl RockerBogie {
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
         let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
-        let judge = judge.map_err(|error| raise(error, &[]))?;
+        let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
         let out = Out::<3>::read(out, ["margin", "tilt", "clearance"])?;
         let mut outputs = [
@@ -185,8 +155,9 @@ impl RockerBogie {
             out.result(py, 1, leading, false)?,
             out.result(py, 2, leading, false)?,
         ];
-        compute(py, rows.len().max(ground.heights().len() / 1000), || judge.judge(rows, &mut verdicts, workers))
-            .map_err(|error| raise(error, &[]))?;
+        compute_rows(py, rows.len().max(ground.heights().len() / 1000), &[], || {
+            judge.judge(rows, &mut verdicts, workers)
+        })?;
         let truths =
             |value: fn(&Verdict) -> bool| scalar_or_array(py, memory::gathered(verdicts.iter().map(value))?, leading);
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
@@ -207,6 +178,41 @@ impl RockerBogie {
             exact,
         })
     }
+}
+
+/// The belly that is given, or that of a rocker-bogie between its wheels.
+fn belly_of(suspension: &Bound<'_, Suspension>, given: Option<(f64, f64, f64, f64)>) -> PyResult<Option<Belly>> {
+    match (given, suspension.cast::<RockerBogie>()) {
+        (Some((rear, front, half_width, z)), _) => Belly::new([rear, front], half_width, z).map(Some).or_raise(&[]),
+        (None, Ok(rover)) => Ok(Some(Belly::between_wheels(rover.get().0.dimensions()))),
+        (None, Err(_)) => Ok(None),
+    }
+}
+
+/// Derivatives of the margins by pose and by dimensions, where the stand was asked for them.
+fn derivatives(
+    suspension: &Bound<'_, Suspension>,
+    stand: &Stand,
+    workers: Workers,
+    centre: [f64; 3],
+    belly: Option<Belly>,
+) -> PyResult<[Option<Py<MarginSlopes>>; 2]> {
+    if !stand.derivatives {
+        return Ok([None, None]);
+    }
+    let (py, chain) = (suspension.py(), &suspension.get().chain);
+    let by_pose = slopes(py, stand, workers, |k| {
+        let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+        margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
+    })?;
+    let by_dimension = |rover: &Bound<'_, RockerBogie>| {
+        let of = (chain, rover.get().0.dimensions());
+        slopes(py, stand, workers, |k| {
+            let (one, placed) = (&stand.stands[k], stand.placed(k)?);
+            margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
+        })
+    };
+    Ok([Some(by_pose), suspension.cast::<RockerBogie>().ok().map(by_dimension).transpose()?])
 }
 
 #[pymethods]
@@ -249,17 +255,16 @@ impl Suspension {
     /// Source: E. Papadopoulos, D. Rey, A new measure of tipover stability margin for mobile manipulators,
     /// ICRA 1996.
     #[pyo3(signature = (stand, *, mass, centre_of_mass=None, gravity=9.80665, belly=None, out=None, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn stability<'py>(
         slf: &Bound<'py, Self>,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::stand)] stand: Bound<'py, Stand>,
-        #[pyo3(from_py_with = given::mass)] mass: f64,
+        #[pyo3(from_py_with = arguments::stand)] stand: Bound<'py, Stand>,
+        #[pyo3(from_py_with = arguments::mass)] mass: f64,
         centre_of_mass: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::gravity)] gravity: f64,
-        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::gravity)] gravity: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Stability> {
         let workers = any_workers(threads, None)?;
         for (name, value) in [("mass", mass), ("gravity", gravity)] {
@@ -271,48 +276,18 @@ impl Suspension {
         if !stand.suspension.bind(py).is(slf) && stand.suspension.get().chain.wheels().len() != chain.wheels().len() {
             return Err(refuse("stand", "be one of this suspension", "one of another"));
         }
-        let centre = match centre_of_mass {
-            Some(centre) => {
-                let centre = Rows::read("centre_of_mass", centre, 3)?;
-                centre.check_leading("centre_of_mass", &[])?;
-                centre.check_finite("centre_of_mass")?;
-                centre.triples()[0]
-            }
-            None => chain.balance().into(),
-        };
-        let belly = match (belly, slf.cast::<RockerBogie>()) {
-            (Some((rear, front, half_width, z)), _) => {
-                Some(Belly::new([rear, front], half_width, z).map_err(|error| raise(error, &[]))?)
-            }
-            (None, Ok(rover)) => Some(Belly::between_wheels(rover.get().0.dimensions())),
-            (None, Err(_)) => None,
-        };
+        let centre =
+            centre_of_mass.map_or(Ok(chain.balance().into()), |centre| read_point("centre_of_mass", centre))?;
+        let belly = belly_of(slf, belly)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
-        let count = stand.stands.len();
         let leading = stand.leading.as_slice();
-        let names = ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"];
-        let out = Out::<5>::read(out, names)?;
+        let out = Out::<5>::read(out, ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"])?;
         let number = |k| out.result(py, k, leading, false);
         let mut carried = out.result(py, 0, &joined(leading, wheels), false)?;
         let (mut tipping, mut clear) = (number(1)?, number(2)?);
         let mut margins = out.result(py, 3, &joined(leading, joints), false)?;
         let mut tilts = number(4)?;
-        let rover = slf.cast::<RockerBogie>().ok().filter(|_| stand.derivatives);
-        let by_pose = || {
-            slopes(py, stand, workers, |k| {
-                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
-                margins_by_pose(&stand.ground, chain, one, &placed, centre, belly)
-            })
-        };
-        let by_dimension = |rover: &Bound<'_, RockerBogie>| {
-            let of = (chain, rover.get().0.dimensions());
-            slopes(py, stand, workers, |k| {
-                let (one, placed) = (&stand.stands[k], stand.placed(k)?);
-                margins_by_dimension(&stand.ground, of, one, &placed, centre, belly)
-            })
-        };
-        let by_pose = stand.derivatives.then(by_pose).transpose()?;
-        let by_dimension = rover.map(by_dimension).transpose()?;
+        let [by_pose, by_dimension] = derivatives(slf, stand, workers, centre, belly)?;
         let outputs = [
             (carried.flat(), wheels),
             (margins.flat(), joints),
@@ -320,15 +295,18 @@ impl Suspension {
             (clear.flat(), 1),
             (tilts.flat(), 1),
         ];
-        compute(py, count, || {
-            workers.rows(count, outputs, |k, [carried, margins, tipping, clear, tilts]| {
+        fill_rows(
+            py,
+            workers,
+            stand.stands.len(),
+            leading,
+            outputs,
+            |k, [carried, margins, tipping, clear, tilts]| {
+                for row in [&mut *carried, &mut *margins, &mut *tipping, &mut *clear, &mut *tilts] {
+                    row.fill(f64::NAN);
+                }
                 let one = &stand.stands[k];
-                carried.fill(f64::NAN);
-                margins.fill(f64::NAN);
-                (tipping[0], clear[0], tilts[0]) = (f64::NAN, f64::NAN, f64::NAN);
-                let Some(placed) = stand.placed(k) else {
-                    return Ok(());
-                };
+                let Some(placed) = stand.placed(k) else { return Ok(()) };
                 if let Some(shares) = loads(chain, one, &placed, centre) {
                     for (load, share) in carried.iter_mut().zip(shares) {
                         *load = share * mass * gravity;
@@ -337,15 +315,13 @@ impl Suspension {
                 for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
                     *margin = value;
                 }
-                let angle = tip_over_angle(chain, one, &placed, centre);
                 let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
-                tipping[0] = angle.unwrap_or(f64::NAN);
+                tipping[0] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
                 clear[0] = clearance.unwrap_or(f64::NAN);
                 tilts[0] = tilt(&placed);
                 Ok(())
-            })
-        })
-        .map_err(|error| raise(error, &stand.leading))?;
+            },
+        )?;
         Ok(Stability {
             loads: out.finish(0, carried)?,
             tip_over_angle: out.finish(1, tipping)?,

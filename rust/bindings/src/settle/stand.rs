@@ -9,6 +9,7 @@ use six_wheel_core::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, r
 use six_wheel_core::suspension::{Placed, PlanPose};
 use six_wheel_core::wheels::Direction;
 
+use crate::arguments::ArgumentKind;
 use crate::convert::{Array, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
 
@@ -103,6 +104,39 @@ impl Stand {
     }
 }
 
+impl ArgumentKind for Stand {
+    const KIND: &'static str = "a Stand";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "what settle(...) has returned".into()
+    }
+}
+
+getters! { Stand, this, py:
+    /// The ground it stands on.
+    ground: crate::terrain::Terrain = crate::terrain::Terrain(this.ground.clone());
+    /// The suspension that stands.
+    suspension: Py<Suspension> = this.suspension.clone_ref(py);
+    /// Rows ``[x, y, yaw]`` that were asked for, shape (..., 3) [m, m, rad].
+    poses: PyResult<Array<'py>> = this.array(py, &[3], |k, _, row| row.copy_from_slice(&this.poses[k]));
+    /// Height of the body's origin, shape (...) [m].
+    z: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[0]);
+    /// Roll, positive with the right side down, shape (...) [rad].
+    roll: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[1]);
+    /// Pitch, positive with the nose down, shape (...) [rad].
+    pitch: PyResult<Py<PyAny>> = this.scalars(py, |stand| stand.state[2]);
+    /// Least vertical distance of every rim over the ground, shape (..., wheels) [m]: 0 but for wheels that hang.
+    gap: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.gap);
+    /// Contact angles, shape (..., wheels) [rad]: 0 straight below the wheel, positive to its front.
+    contact_angles: PyResult<Array<'py>> = this.per_wheel(py, Contact::angle);
+    /// Contact angles of the next best contact, shape (..., wheels) [rad]; NaN unless its gap is the same to 1e-7 m.
+    next_contact_angles: PyResult<Array<'py>> = this.per_wheel(py, |contact| contact.next);
+    /// Points of the rims where the gaps are least, in the world, shape (..., wheels, 3) [m].
+    contacts: PyResult<Array<'py>> = this.points(py, |contact| contact.at);
+    /// The next best contacts, shape (..., wheels, 3) [m]; NaN unless their gaps are the same to 1e-7 m.
+    next_contacts: PyResult<Array<'py>> = this.points(py, |contact| Direction::from(contact.next));
+}
+
 #[pymethods]
 impl Stand {
     /// `SettleStatus` of the pose, or an array of them: settled, at_stop, off_map, unknown_cells, not_converged.
@@ -132,24 +166,6 @@ impl Stand {
         scalar_or_array(py, memory::gathered(stands)?, &self.leading)
     }
 
-    /// The ground it stands on.
-    #[getter]
-    fn ground(&self) -> crate::terrain::Terrain {
-        crate::terrain::Terrain(self.ground.clone())
-    }
-
-    /// The suspension that stands.
-    #[getter]
-    fn suspension(&self, py: Python<'_>) -> Py<Suspension> {
-        self.suspension.clone_ref(py)
-    }
-
-    /// Rows ``[x, y, yaw]`` that were asked for, shape (..., 3) [m, m, rad].
-    #[getter]
-    fn poses<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.array(py, &[3], |k, _, row| row.copy_from_slice(&self.poses[k]))
-    }
-
     /// Steering angles that were given, shape (..., steered) [rad].
     #[getter]
     fn steering<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
@@ -158,24 +174,6 @@ impl Stand {
             let angles = self.angles(k);
             row[..angles.len()].copy_from_slice(angles);
         })
-    }
-
-    /// Height of the body's origin, shape (...) [m].
-    #[getter]
-    fn z(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.scalars(py, |stand| stand.state[0])
-    }
-
-    /// Roll, positive with the right side down, shape (...) [rad].
-    #[getter]
-    fn roll(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.scalars(py, |stand| stand.state[1])
-    }
-
-    /// Pitch, positive with the nose down, shape (...) [rad].
-    #[getter]
-    fn pitch(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.scalars(py, |stand| stand.state[2])
     }
 
     /// Free angles, shape (..., joints) [rad]: rho, beta_1, beta_2 of a rocker-bogie.
@@ -195,36 +193,6 @@ impl Stand {
                 *target = f64::from(stop);
             }
         })
-    }
-
-    /// Least vertical distance of every rim over the ground, shape (..., wheels) [m]: 0 but for wheels that hang.
-    #[getter]
-    fn gap<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.per_wheel(py, |contact| contact.gap)
-    }
-
-    /// Contact angles, shape (..., wheels) [rad]: 0 straight below the wheel, positive to its front.
-    #[getter]
-    fn contact_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.per_wheel(py, Contact::angle)
-    }
-
-    /// Contact angles of the next best contact, shape (..., wheels) [rad]; NaN unless its gap is the same to 1e-7 m.
-    #[getter]
-    fn next_contact_angles<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.per_wheel(py, |contact| contact.next)
-    }
-
-    /// Points of the rims where the gaps are least, in the world, shape (..., wheels, 3) [m].
-    #[getter]
-    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.points(py, |contact| contact.at)
-    }
-
-    /// The next best contacts, shape (..., wheels, 3) [m]; NaN unless their gaps are the same to 1e-7 m.
-    #[getter]
-    fn next_contacts<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        self.points(py, |contact| Direction::from(contact.next))
     }
 
     /// Unit normals of the ground at the contacts, in the world, shape (..., wheels, 3). On a crease the mix of

@@ -7,10 +7,11 @@ use six_wheel_core::moving::Prepared;
 use six_wheel_core::suspension::TripleBogie;
 use six_wheel_core::{Chain, Error, SteeringRange};
 
-use super::joint_range;
-use crate::convert::{Rows, number, numbers, raise, refuse, shape_text};
-use crate::given;
-use crate::wheel::{reduce, steering_range};
+use super::joint_range::joint_range;
+use crate::arguments::{self, ArgumentKind};
+use crate::classes::{reduce, repr_of_call};
+use crate::convert::{OrRaise, Rows, number, numbers, refuse, shape_text};
+use crate::wheel::steering_range;
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -34,7 +35,7 @@ impl Suspension {
 
     /// The face of a chain, and how it is made again.
     fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
-        let chain = chain.map_err(|error| raise(error, &[]))?;
+        let chain = chain.or_raise(&[])?;
         Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
 }
@@ -51,6 +52,23 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
         }
     }
 }
+
+impl ArgumentKind for Suspension {
+    const KIND: &'static str = "a Suspension, such as a RockerBogie";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "one like sw.RockerBogie.perseverance()".into()
+    }
+}
+
+getters! { Suspension, this, py:
+    /// Names of the wheels, in the order of every array.
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.wheels().iter().map(|wheel| &*wheel.name));
+    /// Names of the free angles, in the order of `joints` of a settled pose.
+    free_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.joints().iter().map(|joint| &*joint.name));
+}
+
+equal_by!(Suspension: chain);
 
 #[pymethods]
 impl Suspension {
@@ -86,7 +104,6 @@ impl Suspension {
     ///     If a number is not finite, or the radius or a limit makes no sense.
     #[staticmethod]
     #[pyo3(signature = (*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered="corners", steering_limit=None, bogie_limit=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn triple_bogie<'py>(
         py: Python<'py>,
         bogie_pivot: &Bound<'py, PyAny>,
@@ -95,7 +112,7 @@ impl Suspension {
         rear_pivot: &Bound<'py, PyAny>,
         rear_to_wheel: &Bound<'py, PyAny>,
         wheel_radius: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::steered)] steered: &str,
+        #[pyo3(from_py_with = arguments::steered)] steered: &str,
         steering_limit: Option<&Bound<'py, PyAny>>,
         bogie_limit: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
@@ -271,31 +288,11 @@ impl Suspension {
         Self::made(Chain::rigid(&wheels, radius), "rigid", arguments)
     }
 
-    /// Names of the wheels, in the order of every array.
-    #[getter]
-    fn wheel_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.chain.wheels().iter().map(|wheel| &*wheel.name))
-    }
-
-    /// Names of the free angles, in the order of `joints` of a settled pose.
-    #[getter]
-    fn free_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.chain.joints().iter().map(|joint| &*joint.name))
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Some((name, arguments)) = &self.made else {
             return Ok("Suspension(...)".into());
         };
-        let mut texts = Vec::new();
-        for (argument, value) in arguments.bind(py).iter() {
-            texts.push(format!("{argument}={}", value.repr()?));
-        }
-        Ok(format!("Suspension.{name}({})", texts.join(", ")))
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().chain == self.chain)
+        repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

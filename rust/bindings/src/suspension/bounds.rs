@@ -7,44 +7,42 @@ use pyo3::types::PyFloat;
 use six_wheel_core::Error;
 use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
 
-use super::RockerBogie;
-use crate::batch::any_workers;
-use crate::convert::{Out, Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together};
-use crate::given;
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
+use crate::convert::{
+    OrRaise, Out, Rows, Scalars, compute_rows, joined, memory, named, refuse, scalar_or_array, together,
+};
 use crate::terrain::Terrain;
+use crate::workers::any_workers;
 
-/// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
-///
-/// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct Bounds {
-    /// Height of the origin of the rover's frame, shape (..., 2) [m].
-    #[pyo3(get)]
-    z: Py<PyAny>,
-    /// Roll, shape (..., 2) [rad].
-    #[pyo3(get)]
-    roll: Py<PyAny>,
-    /// Pitch, shape (..., 2) [rad].
-    #[pyo3(get)]
-    pitch: Py<PyAny>,
-    /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
-    #[pyo3(get)]
-    tilt: Py<PyAny>,
-    /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
-    #[pyo3(get)]
-    clearance: Py<PyAny>,
-    /// Angle of the left rocker, shape (..., 2) [rad].
-    #[pyo3(get)]
-    rocker: Py<PyAny>,
-    /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
-    #[pyo3(get)]
-    bogies: Py<PyAny>,
-    /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
-    /// (..., 2) [m].
-    #[pyo3(get)]
-    wheel_drop: Py<PyAny>,
-    worth: Vec<Knowledge>,
-    leading: Vec<usize>,
+result_class! {
+    /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
+    ///
+    /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
+    pub struct Bounds {
+        /// Height of the origin of the rover's frame, shape (..., 2) [m].
+        z: Py<PyAny>,
+        /// Roll, shape (..., 2) [rad].
+        roll: Py<PyAny>,
+        /// Pitch, shape (..., 2) [rad].
+        pitch: Py<PyAny>,
+        /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
+        tilt: Py<PyAny>,
+        /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
+        clearance: Py<PyAny>,
+        /// Angle of the left rocker, shape (..., 2) [rad].
+        rocker: Py<PyAny>,
+        /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
+        bogies: Py<PyAny>,
+        /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
+        /// (..., 2) [m].
+        wheel_drop: Py<PyAny>,
+    }
+    hidden {
+        worth: Vec<Knowledge>,
+        leading: Vec<usize>,
+    }
+    repr { z roll pitch tilt clearance rocker bogies wheel_drop status }
 }
 
 #[pymethods]
@@ -56,22 +54,6 @@ impl Bounds {
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
         let module = py.import("six_wheel.bounding")?;
         module.call_method1("statuses", (codes,)).map(Bound::unbind)
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "Bounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
-            text(&self.z)?,
-            text(&self.roll)?,
-            text(&self.pitch)?,
-            text(&self.tilt)?,
-            text(&self.clearance)?,
-            text(&self.rocker)?,
-            text(&self.bogies)?,
-            text(&self.wheel_drop)?,
-            text(&self.status(py)?)?,
-        ))
     }
 }
 
@@ -126,7 +108,7 @@ impl RockerBogie {
             }
             (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
         };
-        Ok(Question { plans: plans.map_err(|error| raise(error, &[]))?, error: map_error })
+        Ok(Question { plans: plans.or_raise(&[])?, error: map_error })
     }
 
     fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
@@ -206,20 +188,19 @@ impl RockerBogie {
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
     #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn bounds<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'py, Terrain>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
         poses: &Bound<'py, PyAny>,
         yaw_margin: Option<&Bound<'py, PyAny>>,
         position_margin: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::map_error)] map_error: f64,
-        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
-        #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::within)] within: Option<(f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
         let mut poses = Rows::read("poses", poses, 3)?;
@@ -242,7 +223,7 @@ impl RockerBogie {
         let (z, rolls, pitches, tilts) = (zs.pairs(), roll.pairs(), pitch.pairs(), tilt.pairs());
         let (belly, turns, drops) = (clearance.pairs(), rocker.pairs(), drop.pairs());
         let pairs = bogies.flat().as_chunks_mut::<4>().0;
-        compute(py, count.max(ground.heights().len() / 1000), || {
+        compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
             let map = Ground { pyramid: ground.pyramid()?, error: question.error };
             let margins = Margins { yaw: &yaw, position: &position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
@@ -252,8 +233,7 @@ impl RockerBogie {
                 *pair = [left[0], left[1], right[0], right[1]];
             }
             Ok(())
-        })
-        .map_err(|error: Error| raise(error, &[]))?;
+        })?;
         let leading = leading.to_vec();
         Ok(Bounds {
             z: out.finish(0, zs)?,

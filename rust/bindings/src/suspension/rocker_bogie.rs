@@ -1,11 +1,4 @@
-//! `six_wheel.Suspension` and `six_wheel.RockerBogie`: suspensions as data.
-
-mod base;
-mod bounds;
-mod chain;
-mod margins;
-mod stability;
-mod steer;
+//! `six_wheel.RockerBogie`.
 
 use std::sync::OnceLock;
 
@@ -15,15 +8,12 @@ use six_wheel_core::bounds::Plan;
 use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
 use six_wheel_core::{Error, RockerBogie as Core};
 
-use crate::convert::{ArgumentTypeError, number, numbers, raise, refuse};
-use crate::given;
-use crate::wheel::{reduce, steering_range};
-
-pub use base::Suspension;
-pub use bounds::Bounds;
-pub use margins::MarginSlopes;
-pub use stability::{Feasible, Stability};
-pub use steer::SteeringCommand;
+use super::base::Suspension;
+use super::joint_range::joint_range;
+use crate::arguments;
+use crate::classes::{reduce, repr_of_call};
+use crate::convert::{ArgumentTypeError, OrRaise, number, numbers, refuse};
+use crate::wheel::steering_range;
 
 /// A rover on a rocker-bogie suspension: frames and Jacobians in 3D, and the rover seen from above.
 ///
@@ -74,14 +64,14 @@ pub use steer::SteeringCommand;
 /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
 /// ICRA 1999.
 #[pyclass(frozen, extends = Suspension, module = "six_wheel")]
-pub struct RockerBogie(pub Core, UsualPlans);
+pub struct RockerBogie(pub Core, pub(super) UsualPlans);
 
 /// Those of its bounds, when they have been asked for.
 type UsualPlans = OnceLock<[Plan; 2]>;
 
 impl RockerBogie {
     fn build(core: Result<Core, Error>) -> PyResult<PyClassInitializer<Self>> {
-        let core = core.map_err(|error| raise(error, &[]))?;
+        let core = core.or_raise(&[])?;
         let base = Suspension::of(core.chain().clone());
         Ok(PyClassInitializer::from(base).add_subclass(Self(core, UsualPlans::new())))
     }
@@ -95,7 +85,7 @@ impl RockerBogie {
         &self.0
     }
 
-    fn steered(&self) -> &'static [usize] {
+    pub(super) fn steered(&self) -> &'static [usize] {
         self.0.dimensions().steered.wheels()
     }
 
@@ -109,25 +99,26 @@ impl RockerBogie {
     }
 }
 
-/// One row of the Denavit-Hartenberg table: ``Rotz(gamma) Transz(d) Transx(a) Rotx(alpha)`` from the parent.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct Link {
-    /// Name of the frame.
-    frame: &'static str,
-    /// Name of the frame it starts from; R is the rover's own.
-    parent: &'static str,
-    /// Name of the joint whose angle is added to `gamma`, or None.
-    joint: Option<String>,
-    /// Sign with which it is; 0 without a joint.
-    sign: f64,
-    /// Angle about the parent's z axis at joint angle 0 [rad].
-    gamma: f64,
-    /// Shift along the parent's z axis [m].
-    d: f64,
-    /// Shift along the new x axis [m].
-    a: f64,
-    /// Angle about the new x axis [rad].
-    alpha: f64,
+result_class! {
+    /// One row of the Denavit-Hartenberg table: ``Rotz(gamma) Transz(d) Transx(a) Rotx(alpha)`` from the parent.
+    pub struct Link {
+        /// Name of the frame.
+        frame: &'static str,
+        /// Name of the frame it starts from; R is the rover's own.
+        parent: &'static str,
+        /// Name of the joint whose angle is added to `gamma`, or None.
+        joint: Option<String>,
+        /// Sign with which it is; 0 without a joint.
+        sign: f64,
+        /// Angle about the parent's z axis at joint angle 0 [rad].
+        gamma: f64,
+        /// Shift along the parent's z axis [m].
+        d: f64,
+        /// Shift along the new x axis [m].
+        a: f64,
+        /// Angle about the new x axis [rad].
+        alpha: f64,
+    }
 }
 
 #[pymethods]
@@ -146,24 +137,7 @@ fn given<'a, 'py>(argument: &str, value: Option<&'a Bound<'py, PyAny>>) -> PyRes
     value.ok_or_else(|| ArgumentTypeError::new_err(format!("{argument} must be given, got nothing")))
 }
 
-/// Stops of a joint: one angle for both sides, a pair, or none.
-pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
-    let Some(limit) = limit else {
-        return Ok(JointRange::default());
-    };
-    let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
-        Ok([lower, upper]) => JointRange {
-            lower: number(&format!("{argument}[0]"), &lower)?,
-            upper: number(&format!("{argument}[1]"), &upper)?,
-        },
-        Err(_) => {
-            let limit = number(argument, limit)?;
-            JointRange { lower: -limit, upper: limit }
-        }
-    };
-    range.check(argument).map_err(|error| raise(error, &[]))?;
-    Ok(range)
-}
+equal_by!(RockerBogie: 0);
 
 #[pymethods]
 impl RockerBogie {
@@ -173,7 +147,6 @@ impl RockerBogie {
         wheel_radius=None, steered="corners", steering_limit=None, *, rocker_to_rear=None, bogie_to_front=None,
         rocker_limit=None, bogie_limit=None, differential_bar=None
     ))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         rocker_pivot: &Bound<'_, PyAny>,
         rocker_to_front: Option<&Bound<'_, PyAny>>,
@@ -181,7 +154,7 @@ impl RockerBogie {
         bogie_to_middle: Option<&Bound<'_, PyAny>>,
         bogie_to_rear: Option<&Bound<'_, PyAny>>,
         wheel_radius: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::steered)] steered: &str,
+        #[pyo3(from_py_with = arguments::steered)] steered: &str,
         steering_limit: Option<&Bound<'_, PyAny>>,
         rocker_to_rear: Option<&Bound<'_, PyAny>>,
         bogie_to_front: Option<&Bound<'_, PyAny>>,
@@ -217,7 +190,7 @@ impl RockerBogie {
             bogie_to_wheels: [first, second],
             bogie,
             wheel_radius: number("wheel_radius", given("wheel_radius", wheel_radius)?)?,
-            steered: steered.map_err(|error| raise(error, &[]))?,
+            steered: steered.or_raise(&[])?,
             steering: steering_range(steering_limit)?.unwrap_or_default(),
             rocker_limit: joint_range("rocker_limit", rocker_limit)?,
             bogie_limit: joint_range("bogie_limit", bogie_limit)?,
@@ -339,15 +312,7 @@ impl RockerBogie {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let mut texts = Vec::new();
-        for (argument, value) in self.dimensions(py)?.iter() {
-            texts.push(format!("{argument}={}", value.repr()?));
-        }
-        Ok(format!("RockerBogie({})", texts.join(", ")))
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
+        repr_of_call("RockerBogie", &self.dimensions(py)?)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

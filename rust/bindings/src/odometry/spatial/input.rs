@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use six_wheel_core::odometry::preintegrated::space::Motion3;
 use six_wheel_core::odometry::spatial::{Attitude, Pose3, attitude};
 
-use crate::convert::{Rows, Scalars, raise, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, Scalars, refuse, shape_text};
 
 /// Places of x, y and yaw among six numbers.
 const PLAN: [usize; 3] = [0, 1, 5];
@@ -13,7 +13,7 @@ const PLAN: [usize; 3] = [0, 1, 5];
 pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
     let numbers = Scalars::read("attitude", value)?;
     match numbers.shape.as_slice() {
-        [2..=4] => attitude(numbers.flat()).map_err(|error| raise(error, &[])),
+        [2..=4] => attitude(numbers.flat()).or_raise(&[]),
         shape => {
             let rule = "have shape (2,), (3,) or (4,)";
             let got = format!("shape {}", shape_text(shape));
@@ -48,7 +48,7 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
             let mut matrix = [[0.0; 4]; 4];
             matrix.as_flattened_mut().copy_from_slice(flat);
             let motion = Motion3::from_matrix(argument, &matrix);
-            Ok(Pose3::of(&motion.map_err(|error| raise(error, &[]))?))
+            Ok(Pose3::of(&motion.or_raise(&[])?))
         }
         (shape, _) => {
             let got = format!("shape {}", shape_text(shape));

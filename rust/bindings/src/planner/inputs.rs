@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::planner::{Precision, Weights};
 
+use super::costmap::Costmap;
 use crate::convert::{ArgumentTypeError, Rows, memory, number, refuse};
-use crate::costmap::Costmap;
 
 /// What an object says about where the rover is.
 pub struct Seen<'py> {

@@ -1,0 +1,25 @@
+//! Stops of a joint, as arguments have them.
+
+use pyo3::prelude::*;
+use six_wheel_core::suspension::JointRange;
+
+use crate::convert::{OrRaise, number};
+
+/// Stops of a joint: one angle for both sides, a pair, or none.
+pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
+    let Some(limit) = limit else {
+        return Ok(JointRange::default());
+    };
+    let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
+        Ok([lower, upper]) => JointRange {
+            lower: number(&format!("{argument}[0]"), &lower)?,
+            upper: number(&format!("{argument}[1]"), &upper)?,
+        },
+        Err(_) => {
+            let limit = number(argument, limit)?;
+            JointRange { lower: -limit, upper: limit }
+        }
+    };
+    range.check(argument).or_raise(&[])?;
+    Ok(range)
+}
