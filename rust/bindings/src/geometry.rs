@@ -191,10 +191,8 @@ pub fn compose<'py>(
     #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
 ) -> PyResult<AnyArray<'py>> {
     let workers = any_workers(threads, None)?;
-    let mut first = Rows::read("first", first, 3)?;
-    first.check_finite("first")?;
-    let mut second = Rows::read("second", second, 3)?;
-    second.check_finite("second")?;
+    let mut first = Rows::read_finite("first", first, 3)?;
+    let mut second = Rows::read_finite("second", second, 3)?;
     together([named("first", &mut first), named("second", &mut second)])?;
     let mut result = Output::asked(py, (out, dtype), &first.shape())?;
     let (from, then, target) = (first.triples(), second.triples(), result.triples());
@@ -231,8 +229,7 @@ pub fn wrap_angle<'py>(
     #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let workers = any_workers(threads, None)?;
-    let angles = Scalars::read("angle", angle)?;
-    angles.check_finite("angle")?;
+    let angles = Scalars::read_finite("angle", angle)?;
     if angles.shape.is_empty() && out.is_none() && dtype.is_none() {
         let wrapped = core::wrap_angle(angles.flat()[0]);
         return Ok(wrapped.into_pyobject(py)?.into_any());

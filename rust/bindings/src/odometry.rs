@@ -19,10 +19,10 @@ use six_wheel_core::{Error, Method};
 pub use fastcall::install;
 
 use crate::arguments;
-use crate::convert::{OrRaise, Rows, number, numbers, one_twist_first, refuse};
+use crate::convert::{OrRaise, Rows, number, numbers, one_twist_first, optional_number, refuse};
 use crate::rover::Rover;
 use crate::state_lock::Shared;
-use input::{by_wheel, deviations, encoders, optional, row};
+use input::{by_wheel, deviations, encoders, row};
 use state::{OdometryState, Spares};
 use values::Noise;
 
@@ -173,12 +173,12 @@ impl Odometry {
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
             method: Method::from_str(method).or_raise(&[])?,
             inflate,
-            slip_threshold: optional("slip_threshold", slip_threshold)?,
-            max_gap: optional("max_gap", max_gap)?,
-            max_speed: optional("max_speed", max_speed)?,
-            max_steering_rate: optional("max_steering_rate", max_steering_rate)?,
-            smoothing: optional("smoothing", smoothing)?.unwrap_or(0.0),
-            lag: optional("lag", lag)?.unwrap_or(0.0),
+            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
+            max_gap: optional_number("max_gap", max_gap)?,
+            max_speed: optional_number("max_speed", max_speed)?,
+            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
+            smoothing: optional_number("smoothing", smoothing)?.unwrap_or(0.0),
+            lag: optional_number("lag", lag)?.unwrap_or(0.0),
             history,
         };
         let core = Core::new(core.clone(), settings).or_raise(&[])?;
@@ -228,8 +228,8 @@ impl Odometry {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
             stamp: number("stamp", stamp)?,
-            yaw: optional("yaw", yaw)?,
-            yaw_rate: optional("yaw_rate", yaw_rate)?,
+            yaw: optional_number("yaw", yaw)?,
+            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
     }

@@ -12,9 +12,9 @@ use six_wheel_core::planner::{Mppi as Core, Options, Precision, Situation, State
 
 use crate::arguments;
 use crate::controller::limits::Limits;
-use crate::convert::{Array, OrRaise, Output, Rows, compute, compute_rows, number, one_row, refuse};
+use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
 use crate::rover::Rover;
-use crate::state_lock::Shared;
+use crate::state_lock::{Shared, Turn};
 use crate::workers::any_workers;
 use costmap::Costmap;
 use inputs::{Seen, check_frame, place, points, precision, read_weights, size, whole};
@@ -253,25 +253,11 @@ impl Mppi {
         compute_rows(py, rollouts, &[], || planner.roll(situation, workers))?;
         let mut extra = None;
         if let Some(function) = extra_cost {
-            let rolls = core.rolls();
-            let [poses, twists] = self.recorded(py, &mut core)?;
-            // The function may want to look at the planner.
-            drop(core);
-            let costs = function.call1((poses, twists))?;
-            extra = Some(Rows::read("extra_cost", &costs, self.options.samples)?);
-            core = self.core.lock(py)?;
-            if core.rolls() != rolls {
-                return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
-            }
+            let (costs, locked) = self.extra_costs(py, core, function)?;
+            (extra, core) = (Some(costs), locked);
         }
-        let costs = extra.as_ref().map(|rows| {
-            rows.check_leading("extra_cost", &[])?;
-            PyResult::Ok(rows.flat())
-        });
-        let costs = costs.transpose()?;
-        let planner = &mut *core;
-        let outcome = compute(py, rollouts, || planner.weigh(costs, workers).cloned());
-        let outcome = outcome.or_raise(&[self.options.samples])?;
+        let (costs, planner) = (extra.as_ref().map(Rows::flat), &mut *core);
+        let outcome = compute_rows(py, rollouts, &[self.options.samples], || planner.weigh(costs, workers).cloned())?;
         let [steering, speeds] = &mut outputs;
         steering.flat().copy_from_slice(&outcome.steering);
         speeds.flat().copy_from_slice(&outcome.speeds);
@@ -361,20 +347,32 @@ impl Mppi {
 }
 
 impl Mppi {
+    /// Costs of the rollouts by a function of Python, which may look at the planner: the lock is released meanwhile.
+    fn extra_costs<'a, 'py>(
+        &'a self,
+        py: Python<'py>,
+        mut core: Turn<'a, Core>,
+        function: &Bound<'py, PyAny>,
+    ) -> PyResult<(Rows<'py>, Turn<'a, Core>)>
+    where
+        'py: 'a,
+    {
+        let rolls = core.rolls();
+        let [poses, twists] = self.recorded(py, &mut core)?;
+        drop(core);
+        let costs = Rows::read("extra_cost", &function.call1((poses, twists))?, self.options.samples)?;
+        let core = self.core.lock(py)?;
+        if core.rolls() != rolls {
+            return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
+        }
+        costs.check_leading("extra_cost", &[])?;
+        Ok((costs, core))
+    }
+
     /// Where steering angles and wheel speeds go.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
-        let outs = match out {
-            None => [None, None],
-            Some(out) => {
-                let pair = out.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
-                let Some(pair) = pair else {
-                    let got = out.get_type().name()?.to_string();
-                    return Err(refuse("out", "be a tuple of two arrays, steering and speeds", &got));
-                };
-                [Some(pair.get_item(0)?), Some(pair.get_item(1)?)]
-            }
-        };
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
         Ok([
             Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
             Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles as core;
 
-use crate::convert::{OrRaise, Scalars, memory, number, scalar_or_array};
+use crate::convert::{OrRaise, Scalars, memory, number, optional_number, scalar_or_array};
 use made::{Made, class, known_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 use values::{Values, axes};
@@ -128,7 +128,7 @@ impl Profile {
         duration: &Bound<'_, PyAny>,
         ramp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let ramp = ramp.map(|ramp| number("ramp", ramp)).transpose()?;
+        let ramp = optional_number("ramp", ramp)?;
         Self::shaped(py, "trapezoid", [start, end, duration], ramp, |start, end, duration| {
             core::trapezoid(start, end, duration, ramp.unwrap_or(duration / 3.0))
         })
@@ -160,7 +160,7 @@ impl Profile {
         duration: &Bound<'_, PyAny>,
         ramp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let ramp = ramp.map(|ramp| number("ramp", ramp)).transpose()?;
+        let ramp = optional_number("ramp", ramp)?;
         Self::shaped(py, "s_curve", [start, end, duration], ramp, |start, end, duration| {
             core::s_curve(start, end, duration, ramp.unwrap_or(duration / 2.0))
         })
@@ -193,8 +193,7 @@ impl Profile {
     /// ValueError
     ///     If a time is not finite.
     fn at<'py>(&self, py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let times = Scalars::read("times", times)?;
-        times.check_finite("times")?;
+        let times = Scalars::read_finite("times", times)?;
         let width = self.core.width();
         let mut parts: [Vec<f64>; 4] = Default::default();
         let count = memory::count(&[times.flat().len(), width])?;

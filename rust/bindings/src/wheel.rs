@@ -8,7 +8,7 @@ use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
 
 use crate::arguments;
 use crate::classes::reduce;
-use crate::convert::{OrRaise, number, refuse};
+use crate::convert::{OrRaise, number, optional_number, refuse};
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
 ///
@@ -156,7 +156,7 @@ impl Wheel {
             pivot,
             scrub: optional("scrub", scrub)?,
             trail: optional("trail", trail)?,
-            roller_angle: roller_angle.map(|angle| number("roller_angle", angle)).transpose()?,
+            roller_angle: optional_number("roller_angle", roller_angle)?,
             driven: driven.unwrap_or(!castor),
         };
         wheel.check().or_raise(&[])?;

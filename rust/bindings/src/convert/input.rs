@@ -69,6 +69,17 @@ impl<'py> Rows<'py> {
         Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, width })
     }
 
+    /// Reads finite rows.
+    pub fn read_finite(argument: &'static str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// Reads an optional argument.
+    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)).transpose()
+    }
+
     /// Reads a table: one leading axis.
     pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
         let rows = Self::read(argument, value, width)?;
@@ -213,6 +224,11 @@ impl<'py> Blocks<'py> {
             return Rows::read(argument, value, width).map(Self::Flat);
         }
         Self::of(argument, &read_array(argument, value)?, width)
+    }
+
+    /// Reads an optional argument.
+    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)).transpose()
     }
 
     fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {

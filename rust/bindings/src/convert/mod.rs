@@ -13,7 +13,7 @@ mod pool;
 mod scalars;
 mod strided;
 
-pub use array::{items, name, number, read_array, singles};
+pub use array::{items, name, number, optional_number, read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joined, joint, named, together};
 pub use compute::{batches_at_work, compute, compute_rows, forget_other_threads};
 pub use errors::{
@@ -22,6 +22,6 @@ pub use errors::{
 };
 pub use input::{Blocks, Rows, numbers, read_point};
 pub use numpy_module::{AnyArray, Array, is_ready, ready};
-pub use out::Out;
+pub use out::{Out, Results, out_tuple};
 pub use output::{Asked, Output, Precision, scalar_or_array};
 pub use scalars::Scalars;

@@ -185,11 +185,6 @@ impl<'py> Output<'py> {
         unsafe { std::slice::from_raw_parts_mut(self.data, self.count) }
     }
 
-    /// Where to write, as pairs.
-    pub fn pairs(&mut self) -> &mut [[f64; 2]] {
-        self.flat().as_chunks_mut().0
-    }
-
     /// Where to write, as triples.
     pub fn triples(&mut self) -> &mut [[f64; 3]] {
         self.flat().as_chunks_mut().0

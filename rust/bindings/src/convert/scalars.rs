@@ -27,6 +27,12 @@ impl<'py> Scalars<'py> {
         Self::of(argument, &read_array(argument, value)?)
     }
 
+    /// Reads a finite number or an array of finite numbers.
+    pub fn read_finite(argument: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let scalars = Self::read(argument, value)?;
+        scalars.check_finite(argument).map(|()| scalars)
+    }
+
     /// The numbers of an array of real ones.
     fn of(argument: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Self> {
         let shape = array.shape().to_vec();

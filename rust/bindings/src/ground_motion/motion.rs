@@ -1,14 +1,13 @@
 //! `Suspension.inverse` and `Suspension.forward`.
 
 use pyo3::prelude::*;
-use pyo3::types::PyFloat;
 use six_wheel_core::moving::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
 use super::result_columns::Columns;
 use super::results::{GroundCommand, GroundMotion};
 use super::settled_pose_input::Stands;
 use crate::arguments;
-use crate::convert::{Out, Output, Rows, compute, compute_rows, joined, number, refuse, shape_text};
+use crate::convert::{Out, Rows, compute, compute_rows, joined, number, refuse, shape_text};
 use crate::suspension::Suspension;
 use crate::workers::any_workers;
 
@@ -81,8 +80,7 @@ impl Suspension {
     ) -> PyResult<GroundCommand> {
         let chain = &self.chain;
         let stands = Stands::read(chain, stand)?;
-        let commands = Rows::read("command", command, 2)?;
-        commands.check_finite("command")?;
+        let commands = Rows::read_finite("command", command, 2)?;
         let leading = if stands.is_single() {
             commands.leading.clone()
         } else {
@@ -106,31 +104,20 @@ impl Suspension {
             }
         }
         let workers = any_workers(threads, kernel)?;
-        let out = Out::<5>::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
-        let result = |k, width: Option<usize>| out.result(py, k, &with(&leading, width), true);
-        let mut outputs = [
-            result(0, Some(steered))?,
-            result(1, Some(wheels))?,
-            result(2, Some(6))?,
-            result(3, Some(joints))?,
-            result(4, None)?,
-        ];
+        let out = Out::read(out, ["steering", "speeds", "twist", "joint_rates", "scale"])?;
+        let single = leading.is_empty() && !out.is_given();
+        let [a, b, c, d] = [steered, wheels, 6, joints].map(|width| joined(&leading, width));
+        let mut results = out.results(py, [a, b, c, d, leading.clone()], true)?;
         let footings = stands.footings();
-        let [angles, speeds, twists, rates, scales] = outputs.each_mut().map(|output| output.flat());
+        let [angles, speeds, twists, rates, scales] = results.flat();
         let asked = Commands { steering: angles, speeds, twists: twists.as_chunks_mut().0, joint_rates: rates, scales };
         let (wanted, kept) = (commands.pairs(), kept.as_ref().map(Rows::flat));
         compute_rows(py, count, &leading, || {
             inverse_rows(chain, &self.motion, &footings, &how, wanted, kept, asked, workers)
         })?;
-        let single = leading.is_empty() && !out.is_given();
-        let [angles, speeds, twists, rates, scales] = outputs;
-        Ok(GroundCommand(Columns::Batch([
-            angles.finish_object()?,
-            speeds.finish_object()?,
-            twists.finish_object()?,
-            rates.finish_object()?,
-            scalar_if(py, single, scales)?,
-        ])))
+        let [steering, speeds, twist, rates, scale] = results.finish_arrays()?;
+        let scale = if single { scale.call_method0(py, "item")? } else { scale };
+        Ok(GroundCommand(Columns::Batch([steering, speeds, twist, rates, scale])))
     }
 
     /// The motion that the wheels tell, on the ground a rover stands on.
@@ -218,12 +205,9 @@ impl Suspension {
         let weights = weights.map(|weights| self.read_weights(weights)).transpose()?;
         let count = speeds.count();
         let workers = any_workers(threads, kernel)?;
-        let out = Out::<3>::read_or_first(out, ["twist", "joint_rates", "residual"])?;
-        let mut outputs = [
-            out.result(py, 0, &joined(&leading, 6), false)?,
-            out.result(py, 1, &joined(&leading, joints), false)?,
-            out.result(py, 2, &joined(&joined(&leading, wheels), 3), false)?,
-        ];
+        let shapes = [joined(&leading, 6), joined(&leading, joints), joined(&joined(&leading, wheels), 3)];
+        let out = Out::read_or_first(out, ["twist", "joint_rates", "residual"])?;
+        let mut results = out.results(py, shapes, false)?;
         let footings = stands.footings();
         let readings = ReadingRows {
             steering: steering.as_ref().map(Rows::flat),
@@ -233,26 +217,13 @@ impl Suspension {
             angular_velocity: turning.as_ref().map(Rows::flat),
             weights: weights.as_deref(),
         };
-        let [twists, rates, residuals] = outputs.each_mut().map(|output| output.flat());
+        let [twists, rates, residuals] = results.flat();
         let movings = Movings { twists: twists.as_chunks_mut().0, joint_rates: rates, residuals };
         compute(py, count, || {
             forward_rows(chain, &self.motion, &footings, &readings, movings, workers);
         });
-        let [twists, rates, residuals] = outputs;
-        Ok(GroundMotion(Columns::Batch([twists.finish_object()?, rates.finish_object()?, residuals.finish_object()?])))
+        Ok(GroundMotion(Columns::Batch(results.finish_arrays()?)))
     }
-}
-
-/// A number of a single call, and an array where there is one to write to, or many.
-fn scalar_if(py: Python<'_>, single: bool, mut output: Output<'_>) -> PyResult<Py<PyAny>> {
-    match output.flat() {
-        &mut [number] if single => Ok(PyFloat::new(py, number).into_any().unbind()),
-        _ => output.finish_object(),
-    }
-}
-
-fn with(leading: &[usize], width: Option<usize>) -> Vec<usize> {
-    leading.iter().copied().chain(width).collect()
 }
 
 impl Suspension {

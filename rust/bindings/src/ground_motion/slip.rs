@@ -75,17 +75,18 @@ impl Suspension {
         let speeds = read("speeds", speeds, wheels)?;
         let twists = read("twist", twist, 6)?;
         let rates = read("joint_rates", joint_rates, joints)?;
-        let out = Out::<2>::read(out, ["ratio", "angle"])?;
-        let result = |k| out.result(py, k, &joined(&leading, wheels), false);
-        let (mut ratios, mut angles) = (result(0)?, result(1)?);
+        let shapes = [(); 2].map(|()| joined(&leading, wheels));
+        let mut results = Out::read(out, ["ratio", "angle"])?.results(py, shapes, false)?;
         let footings = stands.footings();
-        let slips = Slips { ratios: ratios.flat(), angles: angles.flat() };
+        let [ratios, angles] = results.flat();
+        let slips = Slips { ratios, angles };
         let (speeds, rates) = (speeds.flat(), rates.flat());
         let twists = twists.flat().as_chunks().0;
         compute_rows(py, stands.count(), &leading, || {
             slip_rows(chain, &footings, speeds, twists, rates, slips, workers)
         })?;
-        Ok(WheelSlip { ratio: ratios.finish_object()?, angle: angles.finish_object()? })
+        let [ratio, angle] = results.finish_arrays()?;
+        Ok(WheelSlip { ratio, angle })
     }
 }
 

@@ -50,6 +50,20 @@ fn read_speeds<'py>(name: &'static str, value: &Bound<'py, PyAny>, leading: &[us
     scalars.check_finite(name).map(|()| scalars)
 }
 
+/// True and the curvature, or false and the yaw rate: one of them is given.
+fn read_turn<'py>(
+    curvature: Option<&Bound<'py, PyAny>>,
+    yaw_rate: Option<&Bound<'py, PyAny>>,
+    leading: &[usize],
+) -> PyResult<(bool, Scalars<'py>)> {
+    match (curvature, yaw_rate) {
+        (Some(curvature), None) => Ok((true, read_speeds("curvature", curvature, leading)?)),
+        (None, Some(yaw_rate)) => Ok((false, read_speeds("yaw_rate", yaw_rate, leading)?)),
+        (Some(_), Some(_)) => Err(refuse("curvature", "be None where yaw_rate is given", "both")),
+        (None, None) => Err(refuse("curvature", "be given, or yaw_rate", "neither")),
+    }
+}
+
 /// Thresholds from which a wheel counts as lifted, neither below 0.
 fn read_lift(angle: f64, speed: f64) -> PyResult<Lift> {
     for (name, value) in [("lift_angle", angle), ("lift_speed", speed)] {
@@ -150,17 +164,11 @@ impl Suspension {
             rows.as_ref().map_or(Ok(()), |rows| rows.check_finite(name))?;
         }
         let speed = read_speeds("speed", speed, &leading)?;
-        let (curved, turn) = match (curvature, yaw_rate) {
-            (Some(curvature), None) => (true, read_speeds("curvature", curvature, &leading)?),
-            (None, Some(yaw_rate)) => (false, read_speeds("yaw_rate", yaw_rate, &leading)?),
-            (Some(_), Some(_)) => return Err(refuse("curvature", "be None where yaw_rate is given", "both")),
-            (None, None) => return Err(refuse("curvature", "be given, or yaw_rate", "neither")),
-        };
+        let (curved, turn) = read_turn(curvature, yaw_rate, &leading)?;
         let lift = read_lift(lift_angle, lift_speed)?;
         let workers = any_workers(threads, kernel)?;
-        let out = Out::<3>::read(out, ["speeds", "steering", "contact_angles"])?;
-        let result = |k, width| out.result(py, k, &joined(&leading, width), true);
-        let mut outputs = [result(0, wheels)?, result(1, steered)?, result(2, wheels)?];
+        let shapes = [wheels, steered, wheels].map(|width| joined(&leading, width));
+        let mut results = Out::read(out, ["speeds", "steering", "contact_angles"])?.results(py, shapes, true)?;
         let mut lifted = memory::filled(false, count * wheels)?;
         let mut vertical = memory::filled(0.0, count)?;
         let driving = Driving {
@@ -173,17 +181,13 @@ impl Suspension {
             wheel_speeds: measured.as_ref().map(Rows::flat),
             lift,
         };
-        let [speeds, steers, contacts] = outputs.each_mut().map(|output| output.flat());
+        let [speeds, steers, contacts] = results.flat();
         let drives =
             Drives { steering: steers, speeds, contact_angles: contacts, lifted: &mut lifted, vertical: &mut vertical };
         compute_rows(py, count, &leading, || traction_rows(chain, &self.motion, &driving, drives, workers))?;
-        let [speeds, steers, contacts] = outputs;
-        Ok(Traction(Columns::Batch([
-            speeds.finish_object()?,
-            steers.finish_object()?,
-            contacts.finish_object()?,
-            scalar_or_array(py, lifted, &joined(&leading, wheels))?,
-            scalar_or_array(py, vertical, &leading)?,
-        ])))
+        let [speeds, steering, contacts] = results.finish_arrays()?;
+        let lifted = scalar_or_array(py, lifted, &joined(&leading, wheels))?;
+        let vertical_speed = scalar_or_array(py, vertical, &leading)?;
+        Ok(Traction(Columns::Batch([speeds, steering, contacts, lifted, vertical_speed])))
     }
 }

@@ -91,11 +91,6 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
     Deviations::new(rows.flat(), wheels).or_raise(&[])
 }
 
-/// A number that may be left out.
-pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
-}
-
 /// A covariance: three variances or a matrix.
 pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
     let mut matrix = [[0.0; 3]; 3];

@@ -13,11 +13,11 @@ use six_wheel_core::odometry::{Preintegrated as Core, Recording, Settings};
 use six_wheel_core::{Error, Method};
 
 use super::gyroscope::Gyroscope;
-use super::input::{encoders, optional, steering_left_out};
+use super::input::{encoders, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
 use crate::arguments::{self, ArgumentKind};
-use crate::convert::{OrRaise, Rows, Scalars, compute, number, raise, refuse};
+use crate::convert::{OrRaise, Rows, Scalars, compute, number, optional_number, raise, refuse};
 use crate::rover::Rover;
 use columns::{SLIPS, dimension};
 
@@ -124,7 +124,7 @@ impl Preintegrated {
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,
-            attitude_noise: optional("attitude_noise", attitude_noise)?.unwrap_or(0.01),
+            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(0.01),
         };
         Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
     }

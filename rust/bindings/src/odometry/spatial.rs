@@ -10,11 +10,11 @@ use six_wheel_core::Error;
 use six_wheel_core::odometry::Settings;
 use six_wheel_core::odometry::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 
-use super::input::{Columns, build_track, encoders, optional, row};
+use super::input::{Columns, build_track, encoders, row};
 use super::readings_named;
 use super::values::Noise;
 use crate::arguments;
-use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, number, ready};
+use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, number, optional_number, ready};
 use crate::state_lock::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
@@ -135,19 +135,19 @@ impl Odometry3 {
             readings: readings_named(readings)?,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-            slip_threshold: optional("slip_threshold", slip_threshold)?,
-            max_gap: optional("max_gap", max_gap)?,
-            max_speed: optional("max_speed", max_speed)?,
-            max_steering_rate: optional("max_steering_rate", max_steering_rate)?,
-            lag: optional("lag", lag)?.unwrap_or(0.0),
+            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
+            max_gap: optional_number("max_gap", max_gap)?,
+            max_speed: optional_number("max_speed", max_speed)?,
+            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
+            lag: optional_number("lag", lag)?.unwrap_or(0.0),
             history,
             ..Settings::default()
         };
         let usual = Settings3::default();
         let settings = Settings3 {
             common,
-            attitude_noise: optional("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
-            joint_noise: optional("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
+            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
+            joint_noise: optional_number("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
         };
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
         let core = Core::new(chain.clone(), map, settings).or_raise(&[])?;
@@ -208,7 +208,7 @@ impl Odometry3 {
             stamp: number("stamp", stamp)?,
             joints: joints.as_ref().map(Rows::flat),
             attitude,
-            yaw_rate: optional("yaw_rate", yaw_rate)?,
+            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
     }

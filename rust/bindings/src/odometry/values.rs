@@ -6,7 +6,7 @@ use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
 
 use crate::arguments::{ArgumentKind, constructor_call};
 use crate::classes::{hash_of_numbers, reduce};
-use crate::convert::{OrRaise, number};
+use crate::convert::{OrRaise, number, optional_number};
 
 /// How far readings and wheels may err: standard deviations.
 ///
@@ -117,7 +117,7 @@ impl Noise {
                 *target = number(argument, value)?;
             }
         }
-        noise.period = period.map(|period| number("period", period)).transpose()?;
+        noise.period = optional_number("period", period)?;
         noise.check().or_raise(&[])?;
         Ok(Self(noise))
     }
@@ -198,13 +198,11 @@ impl Encoder {
         modulus: Option<&Bound<'_, PyAny>>,
         offset: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let optional =
-            |argument, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
         let encoder = CoreEncoder {
-            resolution: optional("resolution", resolution)?,
-            gear: optional("gear", gear)?.unwrap_or(1.0),
-            modulus: optional("modulus", modulus)?,
-            offset: optional("offset", offset)?.unwrap_or(0.0),
+            resolution: optional_number("resolution", resolution)?,
+            gear: optional_number("gear", gear)?.unwrap_or(1.0),
+            modulus: optional_number("modulus", modulus)?,
+            offset: optional_number("offset", offset)?.unwrap_or(0.0),
         };
         encoder.check().or_raise(&[])?;
         Ok(Self(encoder))

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use six_wheel_core::planner::Costmap as Core;
 
 use crate::arguments::{self, ArgumentKind};
-use crate::convert::{ArgumentTypeError, OrRaise, number, refuse, shape_text};
+use crate::convert::{ArgumentTypeError, OrRaise, number, optional_number, refuse, shape_text};
 
 /// Costs on a grid, for a planner.
 ///
@@ -95,9 +95,7 @@ impl Costmap {
             Err(_) => pair("spacing", spacing)?,
         };
         let origin = origin.map_or(Ok([0.0; 2]), |origin| pair("origin", origin))?;
-        let given =
-            |argument: &str, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
-        let (lethal, outside) = (given("lethal", lethal)?, given("outside", outside)?);
+        let (lethal, outside) = (optional_number("lethal", lethal)?, optional_number("outside", outside)?);
         let core = Core::new(array.to_vec()?, [rows, columns], spacing, origin, lethal, outside);
         Ok(Self { core: core.or_raise(&[])?, frame })
     }

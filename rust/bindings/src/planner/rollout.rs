@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Costs, Workers};
 
 use crate::arguments;
-use crate::convert::{Output, Precision, Rows, compute, refuse};
+use crate::convert::{Output, Precision, Rows, compute, out_tuple, refuse};
 use crate::geometry::Course;
 use crate::rover::Rover;
 use crate::workers::workers;
@@ -74,7 +74,8 @@ impl Rover {
     ) -> PyResult<Bound<'py, PyAny>> {
         let course = Course::read_controls(controls, dt, start)?;
         let previous = Rows::read_beside("previous", previous, self.joints(), &[])?;
-        let (outs, precision) = (five(out)?, Precision::read(py, dtype, out)?);
+        let (outs, precision) =
+            (out_tuple::<5>(out, "be a RolloutCost or a tuple of its five arrays")?, Precision::read(py, dtype, out)?);
         let mut poses = course.poses(py, "out.poses", outs[0].as_ref(), precision)?;
         let mut costs = Vec::with_capacity(COSTS.len());
         for (name, out) in COSTS.iter().zip(&outs[1..]) {
@@ -116,22 +117,4 @@ fn result<'py>(py: Python<'py>, arrays: Bound<'py, PyTuple>) -> PyResult<Bound<'
         module.getattr("RolloutCost").map(Bound::unbind)
     })?;
     class.bind(py).call1(arrays)
-}
-
-/// The five arrays of `out=`, if given.
-fn five<'py>(out: Option<&Bound<'py, PyAny>>) -> PyResult<[Option<Bound<'py, PyAny>>; 5]> {
-    let Some(out) = out else {
-        return Ok(Default::default());
-    };
-    let tuple = out.cast::<PyTuple>().ok().filter(|tuple| tuple.len() == 5);
-    let Some(tuple) = tuple else {
-        let got = out.get_type().name()?.to_string();
-        let rule = "be a RolloutCost or a tuple of its five arrays";
-        return Err(refuse("out", rule, &got));
-    };
-    let mut outs: [Option<Bound<'py, PyAny>>; 5] = Default::default();
-    for (target, item) in outs.iter_mut().zip(tuple.iter()) {
-        *target = Some(item);
-    }
-    Ok(outs)
 }

@@ -8,7 +8,9 @@ use six_wheel_core::profiles::Wheels;
 use six_wheel_core::{Error, Rover as CoreRover, Twist};
 
 use super::made::class;
-use crate::convert::{Rows, Scalars, compute, memory, number, numbers, raise, refuse, scalar_or_array};
+use crate::convert::{
+    Rows, Scalars, compute, memory, number, numbers, optional_number, raise, refuse, scalar_or_array,
+};
 use crate::rover::Rover;
 
 /// A core error without rows.
@@ -68,7 +70,7 @@ impl<'py> Keywords<'py> {
     }
 
     pub fn duration(&self, value: Option<&Bound<'py, PyAny>>) -> PyResult<Option<f64>> {
-        let duration = value.map(|value| number("duration", value)).transpose()?;
+        let duration = optional_number("duration", value)?;
         if let Some(duration) = duration {
             self.0.set_item("duration", duration)?;
         }
@@ -100,8 +102,7 @@ pub fn states<'py>(
     times: &Bound<'py, PyAny>,
     at: impl Fn(f64, &mut Wheels<'_>) -> Option<Twist> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let times = Scalars::read("times", times)?;
-    times.check_finite("times")?;
+    let times = Scalars::read_finite("times", times)?;
     let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
     let rows = times.flat().len();
     let zeros = |width| memory::filled(0.0, memory::count(&[rows, width])?);

@@ -9,7 +9,7 @@ use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
 use super::Profile;
 use super::values::{Values, axes};
 use crate::arguments;
-use crate::convert::{OrRaise, number, refuse};
+use crate::convert::{OrRaise, optional_number, refuse};
 
 /// Arguments by name, and as keywords where they differ from their defaults.
 struct Given<'py> {
@@ -139,7 +139,7 @@ impl Profile {
         given.read("end_acceleration", end_acceleration, 0.0)?;
         given.read_mirrored("minimum_velocity", minimum_velocity)?;
         given.read_mirrored("minimum_acceleration", minimum_acceleration)?;
-        let duration = duration.map(|time| number("duration", time)).transpose()?;
+        let duration = optional_number("duration", duration)?;
         if let Some(duration) = duration {
             given.keywords.set_item("duration", duration)?;
         }

@@ -10,7 +10,7 @@ use six_wheel_core::{Method, batch};
 use super::Rover;
 use super::kinematics::unseen;
 use crate::arguments;
-use crate::convert::{OrRaise, Output, compute_rows, joined, memory, scalar_or_array};
+use crate::convert::{OrRaise, Results, compute_rows, joined, memory, scalar_or_array};
 use crate::workers::any_workers;
 
 result_class! {
@@ -113,29 +113,18 @@ impl Rover {
         let method = Method::from_str(method).or_raise(&[])?;
         let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
-        let output = |width| Output::fresh(py, &joined(leading, width));
-        let (mut twist, mut residual) = (output(3)?, output(this.count())?);
-        let mut weights = output(this.count())?;
+        let widths = [3, this.count(), this.count()];
+        let mut results = Results::fresh(py, widths.map(|width| joined(leading, width)))?;
+        let [twists, residual, weights] = results.flat();
         let count = readings.speeds.count();
         let (mut ranks, mut sigmas) = (memory::filled(0, count)?, memory::filled(0.0, count)?);
         let unseen = unseen(allow_underdetermined);
         let log = readings.log();
-        let fits = batch::Fits {
-            twists: twist.triples(),
-            ranks: &mut ranks,
-            sigmas: &mut sigmas,
-            residual: residual.flat(),
-            weights: weights.flat(),
-        };
+        let fits =
+            batch::Fits { twists: twists.as_chunks_mut().0, ranks: &mut ranks, sigmas: &mut sigmas, residual, weights };
         compute_rows(py, count, leading, || batch::fit(&this.core, log, method, unseen, fits, workers))?;
-        Ok(Fit {
-            rover: slf.clone().unbind(),
-            leading: leading.to_vec(),
-            rank: scalar_or_array(py, ranks, leading)?,
-            sigma_min: scalar_or_array(py, sigmas, leading)?,
-            twist: twist.finish_object()?,
-            residual: residual.finish_object()?,
-            weights: weights.finish_object()?,
-        })
+        let [twist, residual, weights] = results.finish_arrays()?;
+        let (rank, sigma_min) = (scalar_or_array(py, ranks, leading)?, scalar_or_array(py, sigmas, leading)?);
+        Ok(Fit { twist, residual, rank, sigma_min, weights, rover: slf.clone().unbind(), leading: leading.to_vec() })
     }
 }

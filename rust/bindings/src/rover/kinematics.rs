@@ -9,7 +9,8 @@ use super::Rover;
 use super::unit_warnings::warn_units;
 use crate::arguments;
 use crate::convert::{
-    AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, refuse, together,
+    AnyArray, Blocks, Output, Precision, Rows, compute_rows, given, joined, named, one_twist, out_tuple, refuse,
+    together,
 };
 use crate::workers::any_workers;
 
@@ -101,14 +102,12 @@ impl Rover {
     ) -> PyResult<Tables<'py>> {
         let py = speeds.py();
         let mut speeds = Blocks::read("speeds", speeds, self.count())?;
-        let optional = |argument, value: Option<&Bound<'py, PyAny>>| {
-            value.map(|value| Blocks::read(argument, value, self.joints())).transpose()
-        };
-        let mut angles = optional("steering", (!steering.is_none()).then_some(steering))?;
+        let steering = (!steering.is_none()).then_some(steering);
+        let mut angles = Blocks::read_optional("steering", steering, self.joints())?;
         if angles.is_none() && self.joints() > 0 {
             return Err(refuse("steering", "hold the angles of the steered wheels", "None"));
         }
-        let mut rates = optional("steering_rates", steering_rates)?;
+        let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
         let all =
             [Some(named("speeds", &mut speeds)), given("steering", &mut angles), given("steering_rates", &mut rates)];
         let leading = together(all.into_iter().flatten())?;
@@ -188,13 +187,10 @@ impl Rover {
         one_twist("Rover.inverse((vx, vy, omega))", 1, more)?;
         let precision = Precision::read(py, dtype, out)?;
         let mut twists = Blocks::read("twist", twist, 3)?;
-        let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
-            value.map(|value| Blocks::read(argument, value, width)).transpose()
-        };
-        let mut centres = centre.map(|centre| Rows::read("centre", centre, 2)).transpose()?;
-        let mut previous = optional("previous", previous, self.joints())?;
-        let mut rates = optional("steering_rates", steering_rates, self.joints())?;
-        let mut rolling = optional("previous_speeds", previous_speeds, self.count())?;
+        let mut centres = Rows::read_optional("centre", centre, 2)?;
+        let mut previous = Blocks::read_optional("previous", previous, self.joints())?;
+        let mut rates = Blocks::read_optional("steering_rates", steering_rates, self.joints())?;
+        let mut rolling = Blocks::read_optional("previous_speeds", previous_speeds, self.count())?;
         let all = [
             Some(named("twist", &mut twists)),
             // One for all rows stays one.
@@ -204,27 +200,22 @@ impl Rover {
             given("previous_speeds", &mut rolling),
         ];
         let leading = together(all.into_iter().flatten())?;
-        if let Some(centres) = &centres {
-            centres.check_finite("centre")?;
-        }
+        centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
         let about = centres.as_ref().map(|centres| About { twists: twists.table(), centres: centres.pairs() });
-        let outputs = pair(out)?;
+        let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, speeds)")?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {
                 input.release_if(out)?;
             }
         }
-        let [out_steering, out_speeds] = &outputs;
-        let output = |argument, out: &Option<Bound<'py, PyAny>>, width| {
-            Output::of(py, argument, out.as_ref(), precision, &joined(&leading, width))
+        let output = |k: usize, width| {
+            Output::of(py, &format!("out[{k}]"), outputs[k].as_ref(), precision, &joined(&leading, width))
         };
-        let mut steering = output("out[0]", out_steering, self.joints())?;
-        let mut speeds = output("out[1]", out_speeds, self.count())?;
+        let (mut steering, mut speeds) = (output(0, self.joints())?, output(1, self.count())?);
         let rows = match &about {
             Some(about) => Table::Read(about),
             None => twists.table(),
         };
-        let count = twists.count();
         let beside = Beside {
             previous: previous.as_ref().map(Blocks::table),
             previous_speeds: rolling.as_ref().map(Blocks::table),
@@ -232,7 +223,9 @@ impl Rover {
         };
         let workers = Workers { fresh: steering.is_unseen() && speeds.is_unseen(), ..any_workers(threads, kernel)? };
         let (angles, rotations) = (steering.flat(), speeds.flat());
-        compute_rows(py, count, &leading, || batch::inverse(&self.core, rows, beside, angles, rotations, workers))?;
+        compute_rows(py, twists.count(), &leading, || {
+            batch::inverse(&self.core, rows, beside, angles, rotations, workers)
+        })?;
         Ok((steering.finish_any()?, speeds.finish_any()?))
     }
 
@@ -292,17 +285,4 @@ impl Rover {
         compute_rows(py, target.len(), leading, || batch::forward(&self.core, tables, unseen, target, workers))?;
         twists.finish_any()
     }
-}
-
-/// The two arrays of `out=`, if given.
-fn pair<'py>(out: Option<&Bound<'py, PyAny>>) -> PyResult<[Option<Bound<'py, PyAny>>; 2]> {
-    let Some(out) = out else {
-        return Ok([None, None]);
-    };
-    let tuple = out.cast::<PyTuple>().ok().filter(|tuple| tuple.len() == 2);
-    let Some(tuple) = tuple else {
-        let got = out.get_type().name()?.to_string();
-        return Err(refuse("out", "be a pair of arrays (steering, speeds)", &got));
-    };
-    Ok([Some(tuple.get_item(0)?), Some(tuple.get_item(1)?)])
 }

@@ -9,7 +9,7 @@ use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, pr
 
 use super::Rover;
 use crate::arguments;
-use crate::convert::{OrRaise, Rows, memory, number, refuse};
+use crate::convert::{OrRaise, Rows, memory, number, optional_number, refuse};
 use crate::wheel::steering_range;
 
 /// One radius for both sides, or one for each.
@@ -18,10 +18,6 @@ fn radii(value: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
         Ok([left, right]) => Ok([number("wheel_radius[0]", &left)?, number("wheel_radius[1]", &right)?]),
         Err(_) => Ok([number("wheel_radius", value)?; 2]),
     }
-}
-
-pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
 }
 
 /// Positions, one row per wheel.
@@ -175,12 +171,12 @@ impl Rover {
         icr_forward: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let skid = SkidCentres {
-            left: optional("icr_left", icr_left)?,
-            right: optional("icr_right", icr_right)?,
-            forward: optional("icr_forward", icr_forward)?.unwrap_or_default(),
+            left: optional_number("icr_left", icr_left)?,
+            right: optional_number("icr_right", icr_right)?,
+            forward: optional_number("icr_forward", icr_forward)?.unwrap_or_default(),
         };
         let track = number("track_width", track_width)?;
-        let wheelbase = optional("wheelbase", wheelbase)?;
+        let wheelbase = optional_number("wheelbase", wheelbase)?;
         let radii = radii(wheel_radius)?;
         let Ok(per_side) = usize::try_from(wheels_per_side) else {
             let got = wheels_per_side.to_string();

@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use six_wheel_core::Rover as Core;
 
 use super::Rover;
-use super::layouts::{self, optional};
-use crate::convert::{Scalars, number};
+use super::layouts::{self};
+use crate::convert::{Scalars, number, optional_number};
 
 #[pymethods]
 impl Rover {
@@ -41,7 +41,7 @@ impl Rover {
     ) -> PyResult<Self> {
         let half_base = number("half_wheelbase", half_wheelbase)?;
         let (half_track, radius) = (number("half_track", half_track)?, number("wheel_radius", wheel_radius)?);
-        let angle = optional("roller_angle", roller_angle)?.unwrap_or(std::f64::consts::FRAC_PI_4);
+        let angle = optional_number("roller_angle", roller_angle)?.unwrap_or(std::f64::consts::FRAC_PI_4);
         Self::named(py, Core::mecanum(half_base, half_track, radius, angle))
     }
 
@@ -78,10 +78,9 @@ impl Rover {
         names: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let positions = layouts::positions(positions)?;
-        let headings = Scalars::read("headings", headings)?;
-        headings.check_finite("headings")?;
+        let headings = Scalars::read_finite("headings", headings)?;
         headings.fit_exactly("headings", &[positions.len()])?;
-        let (radius, angle) = (number("wheel_radius", wheel_radius)?, optional("roller_angle", roller_angle)?);
+        let (radius, angle) = (number("wheel_radius", wheel_radius)?, optional_number("roller_angle", roller_angle)?);
         Self::named(py, Core::omni(&positions, headings.flat(), names, radius, angle))
     }
 }

@@ -5,7 +5,7 @@ use six_wheel_core::batch::Workers;
 use six_wheel_core::bounds;
 
 use super::stand::Stand;
-use crate::convert::Output;
+use crate::convert::{Results, joined};
 use crate::workers::fill_rows;
 
 result_class! {
@@ -32,12 +32,10 @@ pub fn slopes<const N: usize>(
     of: impl Fn(usize) -> Option<bounds::MarginSlopes<N>> + Sync + Send,
 ) -> PyResult<Py<MarginSlopes>> {
     let joints = stand.suspension.get().chain.joints().len();
-    let output = |last: &[usize]| {
-        let shape: Vec<usize> = stand.leading.iter().chain(last).copied().collect();
-        Output::fresh(py, &shape)
-    };
-    let mut outputs = [output(&[N])?, output(&[N])?, output(&[joints, N])?, output(&[N])?];
-    let [tipping, clear, turns, tilts] = outputs.each_mut().map(|output| output.flat());
+    let one = joined(&stand.leading, N);
+    let shapes = [one.clone(), one.clone(), joined(&joined(&stand.leading, joints), N), one];
+    let mut results = Results::fresh(py, shapes)?;
+    let [tipping, clear, turns, tilts] = results.flat();
     let count = stand.stands.len();
     let rows = [(tipping, N), (clear, N), (turns, joints * N), (tilts, N)];
     fill_rows(py, workers, count, &stand.leading, rows, |k, [tipping, clear, turns, tilts]| {
@@ -55,12 +53,6 @@ pub fn slopes<const N: usize>(
         }
         Ok(())
     })?;
-    let [tipping, clear, turns, tilts] = outputs;
-    let slopes = MarginSlopes {
-        tip_over_angle: tipping.finish_object()?,
-        clearance: clear.finish_object()?,
-        joint_margins: turns.finish_object()?,
-        tilt: tilts.finish_object()?,
-    };
-    Py::new(py, slopes)
+    let [tip_over_angle, clearance, joint_margins, tilt] = results.finish_arrays()?;
+    Py::new(py, MarginSlopes { tip_over_angle, clearance, joint_margins, tilt })
 }

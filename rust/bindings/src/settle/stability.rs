@@ -141,20 +141,15 @@ impl RockerBogie {
         let this = slf.get();
         let error = this.question(map_error, belly, None)?.error;
         let allowed = allowed(py, limits)?;
-        let poses = Rows::read("poses", poses, 3)?;
-        poses.check_finite("poses")?;
+        let poses = Rows::read_finite("poses", poses, 3)?;
         let workers = any_workers(threads, None)?;
         let (rows, ground, leading) = (poses.triples(), &*ground.get().0, &poses.leading);
         let settler = Settler::new(ground, this.0.chain());
         let judge = this.belly(belly).and_then(|belly| Judge::new(settler, this.0.dimensions(), belly, allowed, error));
         let judge = judge.or_raise(&[])?;
         let mut verdicts = memory::filled(Verdict::UNKNOWN, rows.len())?;
-        let out = Out::<3>::read(out, ["margin", "tilt", "clearance"])?;
-        let mut outputs = [
-            out.result(py, 0, leading, false)?,
-            out.result(py, 1, leading, false)?,
-            out.result(py, 2, leading, false)?,
-        ];
+        let shapes = [(); 3].map(|()| leading.clone());
+        let mut results = Out::read(out, ["margin", "tilt", "clearance"])?.results(py, shapes, false)?;
         compute_rows(py, rows.len().max(ground.heights().len() / 1000), &[], || {
             judge.judge(rows, &mut verdicts, workers)
         })?;
@@ -163,20 +158,20 @@ impl RockerBogie {
         let codes = verdicts.iter().map(|verdict| verdict.reason as u8);
         let reason_codes = scalar_or_array(py, memory::gathered(codes)?, leading)?;
         let (ok, exact) = (truths(|verdict| verdict.reason as u8 == 0)?, truths(|verdict| verdict.exact)?);
-        let [margins, tilts, clear] = outputs.each_mut().map(|output| output.flat());
-        let rooms = margins.iter_mut().zip(tilts).zip(clear);
-        for (verdict, ((margin, tilt), clearance)) in verdicts.iter().zip(rooms) {
+        let [margins, tilts, clear] = results.flat();
+        let targets = margins.iter_mut().zip(tilts).zip(clear);
+        for (verdict, ((margin, tilt), clearance)) in verdicts.iter().zip(targets) {
             (*margin, *tilt, *clearance) = (verdict.margin, verdict.tilt, verdict.clearance);
         }
-        let [margins, tilts, clear] = outputs;
-        Ok(Feasible {
-            ok,
-            reason_codes,
-            margin: out.finish(0, margins)?,
-            tilt: out.finish(1, tilts)?,
-            clearance: out.finish(2, clear)?,
-            exact,
-        })
+        let [margin, tilt, clearance] = results.finish()?;
+        Ok(Feasible { ok, reason_codes, margin, tilt, clearance, exact })
+    }
+}
+
+fn check_positive(argument: &str, value: f64) -> PyResult<()> {
+    match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(refuse(argument, "be finite and positive", &format!("{value:?}"))),
     }
 }
 
@@ -267,11 +262,8 @@ impl Suspension {
         #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Stability> {
         let workers = any_workers(threads, None)?;
-        for (name, value) in [("mass", mass), ("gravity", gravity)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(refuse(name, "be finite and positive", &format!("{value:?}")));
-            }
-        }
+        check_positive("mass", mass)?;
+        check_positive("gravity", gravity)?;
         let (chain, stand) = (&slf.get().chain, stand.get());
         if !stand.suspension.bind(py).is(slf) && stand.suspension.get().chain.wheels().len() != chain.wheels().len() {
             return Err(refuse("stand", "be one of this suspension", "one of another"));
@@ -281,55 +273,35 @@ impl Suspension {
         let belly = belly_of(slf, belly)?;
         let (wheels, joints) = (chain.wheels().len(), chain.joints().len());
         let leading = stand.leading.as_slice();
-        let out = Out::<5>::read(out, ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"])?;
-        let number = |k| out.result(py, k, leading, false);
-        let mut carried = out.result(py, 0, &joined(leading, wheels), false)?;
-        let (mut tipping, mut clear) = (number(1)?, number(2)?);
-        let mut margins = out.result(py, 3, &joined(leading, joints), false)?;
-        let mut tilts = number(4)?;
+        let [one, wheel, joint] = [leading.to_vec(), joined(leading, wheels), joined(leading, joints)];
+        let shapes = [wheel, one.clone(), one.clone(), joint, one];
+        let names = ["loads", "tip_over_angle", "clearance", "joint_margins", "tilt"];
+        let mut results = Out::read(out, names)?.results(py, shapes, false)?;
         let [by_pose, by_dimension] = derivatives(slf, stand, workers, centre, belly)?;
-        let outputs = [
-            (carried.flat(), wheels),
-            (margins.flat(), joints),
-            (tipping.flat(), 1),
-            (clear.flat(), 1),
-            (tilts.flat(), 1),
-        ];
-        fill_rows(
-            py,
-            workers,
-            stand.stands.len(),
-            leading,
-            outputs,
-            |k, [carried, margins, tipping, clear, tilts]| {
-                for row in [&mut *carried, &mut *margins, &mut *tipping, &mut *clear, &mut *tilts] {
-                    row.fill(f64::NAN);
+        let [carried, tipping, clear, margins, tilts] = results.flat();
+        let outputs = [(carried, wheels), (tipping, 1), (clear, 1), (margins, joints), (tilts, 1)];
+        let fill = |k: usize, [carried, tipping, clear, margins, tilts]: [&mut [f64]; 5]| {
+            for row in [&mut *carried, &mut *tipping, &mut *clear, &mut *margins, &mut *tilts] {
+                row.fill(f64::NAN);
+            }
+            let one = &stand.stands[k];
+            let Some(placed) = stand.placed(k) else { return Ok(()) };
+            if let Some(shares) = loads(chain, one, &placed, centre) {
+                for (load, share) in carried.iter_mut().zip(shares) {
+                    *load = share * mass * gravity;
                 }
-                let one = &stand.stands[k];
-                let Some(placed) = stand.placed(k) else { return Ok(()) };
-                if let Some(shares) = loads(chain, one, &placed, centre) {
-                    for (load, share) in carried.iter_mut().zip(shares) {
-                        *load = share * mass * gravity;
-                    }
-                }
-                for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
-                    *margin = value;
-                }
-                let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
-                tipping[0] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
-                clear[0] = clearance.unwrap_or(f64::NAN);
-                tilts[0] = tilt(&placed);
-                Ok(())
-            },
-        )?;
-        Ok(Stability {
-            loads: out.finish(0, carried)?,
-            tip_over_angle: out.finish(1, tipping)?,
-            clearance: out.finish(2, clear)?,
-            joint_margins: out.finish(3, margins)?,
-            tilt: out.finish(4, tilts)?,
-            by_pose,
-            by_dimension,
-        })
+            }
+            for (margin, value) in margins.iter_mut().zip(joint_margins(chain, one)) {
+                *margin = value;
+            }
+            let clearance = belly.and_then(|belly| belly.above(&stand.ground, &placed));
+            tipping[0] = tip_over_angle(chain, one, &placed, centre).unwrap_or(f64::NAN);
+            clear[0] = clearance.unwrap_or(f64::NAN);
+            tilts[0] = tilt(&placed);
+            Ok(())
+        };
+        fill_rows(py, workers, stand.stands.len(), leading, outputs, fill)?;
+        let [loads, tip_over_angle, clearance, joint_margins, tilt] = results.finish()?;
+        Ok(Stability { loads, tip_over_angle, clearance, joint_margins, tilt, by_pose, by_dimension })
     }
 }

@@ -80,6 +80,11 @@ fn shape(leading: &[usize], k: usize) -> Vec<usize> {
     }
 }
 
+/// The intervals of an array.
+fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
+    values.as_chunks_mut().0
+}
+
 /// A belly as it is given: rear and front edge, half width and height [m].
 type Plate = (f64, f64, f64, f64);
 
@@ -203,8 +208,7 @@ impl RockerBogie {
         #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
-        let mut poses = Rows::read("poses", poses, 3)?;
-        poses.check_finite("poses")?;
+        let mut poses = Rows::read_finite("poses", poses, 3)?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
         let mut position = sizes(py, "position_margin", position_margin)?;
         together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
@@ -214,38 +218,27 @@ impl RockerBogie {
         let workers = any_workers(threads, kernel)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let out = Out::<8>::read(out, RESULTS)?;
-        let result = |k| out.result(py, k, &shape(leading, k), false);
-        let (mut zs, mut roll, mut pitch, mut tilt) = (result(0)?, result(1)?, result(2)?, result(3)?);
-        let (mut clearance, mut rocker, mut bogies, mut drop) = (result(4)?, result(5)?, result(6)?, result(7)?);
+        let shapes = std::array::from_fn(|k| shape(leading, k));
+        let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
-        let (z, rolls, pitches, tilts) = (zs.pairs(), roll.pairs(), pitch.pairs(), tilt.pairs());
-        let (belly, turns, drops) = (clearance.pairs(), rocker.pairs(), drop.pairs());
-        let pairs = bogies.flat().as_chunks_mut::<4>().0;
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, drop] = results.flat();
+        let [z, roll, pitch, tilt] = [z, roll, pitch, tilt].map(pairs);
+        let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);
+        let bogies = bogies.as_chunks_mut::<4>().0;
         compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
             let map = Ground { pyramid: ground.pyramid()?, error: question.error };
             let margins = Margins { yaw: &yaw, position: &position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
-            let blocks = [z, rolls, pitches, tilts, belly, turns, &mut *left, &mut *right, drops];
+            let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];
             core::bounds(&question.plans, map, rows, margins, blocks, &mut status, workers);
-            for ((pair, left), right) in pairs.iter_mut().zip(&*left).zip(&*right) {
+            for ((pair, left), right) in bogies.iter_mut().zip(&*left).zip(&*right) {
                 *pair = [left[0], left[1], right[0], right[1]];
             }
             Ok(())
         })?;
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop] = results.finish()?;
         let leading = leading.to_vec();
-        Ok(Bounds {
-            z: out.finish(0, zs)?,
-            roll: out.finish(1, roll)?,
-            pitch: out.finish(2, pitch)?,
-            tilt: out.finish(3, tilt)?,
-            clearance: out.finish(4, clearance)?,
-            rocker: out.finish(5, rocker)?,
-            bogies: out.finish(6, bogies)?,
-            wheel_drop: out.finish(7, drop)?,
-            worth: status,
-            leading,
-        })
+        Ok(Bounds { z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop, worth: status, leading })
     }
 }

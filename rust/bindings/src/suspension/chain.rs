@@ -83,7 +83,7 @@ impl RockerBogie {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (rho, beta, psi) = angles;
         let mut joints = Joints::read(rho, beta)?;
-        let mut psi = psi.map(|psi| Rows::read("psi", psi, self.steered().len())).transpose()?;
+        let mut psi = Rows::read_optional("psi", psi, self.steered().len())?;
         let all = joints.both().into_iter().chain(given("psi", &mut psi));
         let leading = together(all)?;
         let rows = joints.with_steering(psi.as_ref(), self.steered().len())?;

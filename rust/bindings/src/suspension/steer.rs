@@ -7,7 +7,9 @@ use six_wheel_core::suspension::WHEELS;
 use super::chain::Joints;
 use super::rocker_bogie::RockerBogie;
 use crate::arguments;
-use crate::convert::{Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together};
+use crate::convert::{
+    Output, Results, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
+};
 use crate::workers::any_workers;
 
 result_class! {
@@ -135,17 +137,10 @@ impl RockerBogie {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Joints::read(rho, beta)?;
-        let read = |argument: &'static str, value| {
-            let scalars = Scalars::read(argument, value)?;
-            scalars.check_finite(argument)?;
-            PyResult::Ok(scalars)
-        };
-        let (mut speeds, mut yaw_rates) = (read("speed", speed)?, read("yaw_rate", yaw_rate)?);
-        let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
-            value.map(|value| Rows::read(argument, value, width)).transpose()
-        };
-        let mut previous = optional("previous", previous, steered)?;
-        let mut rolling = optional("previous_speeds", previous_speeds, WHEELS.len())?;
+        let mut speeds = Scalars::read_finite("speed", speed)?;
+        let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
+        let mut previous = Rows::read_optional("previous", previous, steered)?;
+        let mut rolling = Rows::read_optional("previous_speeds", previous_speeds, WHEELS.len())?;
         let all = joints
             .both()
             .into_iter()
@@ -156,17 +151,12 @@ impl RockerBogie {
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
         let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
-        let output = |width| Output::fresh(py, &joined(&leading, width));
-        let (mut steering, mut wheel_speeds) = (output(steered)?, output(WHEELS.len())?);
         let unsteered = WHEELS.len() - steered;
-        let mut scrub = output(unsteered)?;
+        let widths = [steered, WHEELS.len(), unsteered];
+        let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;
+        let [steering, wheel_speeds, scrub] = results.flat();
         let mut radii = memory::filled(0.0, motions.len())?;
-        let targets = [
-            (steering.flat(), steered),
-            (wheel_speeds.flat(), WHEELS.len()),
-            (scrub.flat(), unsteered),
-            (&mut radii[..], 1),
-        ];
+        let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (&mut radii[..], 1)];
         compute(py, motions.len(), || {
             workers.rows(motions.len(), targets, |k, [angles, speeds, scrubs, radius]| {
                 let (speed, yaw_rate, (rho, beta)) = motions[k];
@@ -186,11 +176,7 @@ impl RockerBogie {
             })
         })
         .map_err(|error| joints.raise(error))?;
-        Ok(SteeringCommand {
-            turning_radius: scalar_or_array(py, radii, &leading)?,
-            steering: steering.finish_object()?,
-            wheel_speeds: wheel_speeds.finish_object()?,
-            scrub: scrub.finish_object()?,
-        })
+        let [steering, wheel_speeds, scrub] = results.finish_arrays()?;
+        Ok(SteeringCommand { turning_radius: scalar_or_array(py, radii, &leading)?, steering, wheel_speeds, scrub })
     }
 }
