@@ -119,10 +119,7 @@ impl<'a, 'py> FromArgument<'a, 'py> for &'a str {
 
 impl<'a, 'py, T: FromArgument<'a, 'py>> FromArgument<'a, 'py> for Option<T> {
     fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
-        match value.is_none() {
-            true => Ok(None),
-            false => T::read(argument, value).map(Some),
-        }
+        if value.is_none() { Ok(None) } else { T::read(argument, value).map(Some) }
     }
 }
 

@@ -10,7 +10,7 @@ use six_wheel_core::geometry::{self as core, Steps};
 
 use crate::arguments;
 use crate::convert::{
-    AnyArray, Asked, OrRaise, Output, Rows, Scalars, compute_rows, named, refuse, shape_text, together,
+    AnyArray, OrRaise, Output, OutputOptions, Rows, Scalars, compute_rows, named, refuse, shape_text, together,
 };
 use crate::workers::any_workers;
 pub use course::Course;
@@ -142,7 +142,7 @@ fn over_time<'py>(
     py: Python<'py>,
     (argument, value): (&'static str, &Bound<'py, PyAny>),
     dt: Option<&Bound<'py, PyAny>>,
-    asked: Asked<'_, 'py>,
+    asked: OutputOptions<'_, 'py>,
     threads: Option<i64>,
     map: batch::Map,
 ) -> PyResult<AnyArray<'py>> {

@@ -84,13 +84,13 @@ pub struct Odometry {
     rover: Py<Rover>,
 }
 
-/// What one thread at a time works with.
+/// The state that one thread at a time works with.
 struct Work {
     core: Core,
     spares: Spares,
 }
 
-/// What the wheels report, by name.
+/// The kind of readings, by name.
 fn readings_named(name: &str) -> PyResult<Readings> {
     match name {
         "angles" => Ok(Readings::Angles),

@@ -369,7 +369,7 @@ impl Mppi {
         Ok((costs, core))
     }
 
-    /// Where steering angles and wheel speeds go.
+    /// The outputs for steering angles and wheel speeds.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
         let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;

@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::profiles as core;
 
 use crate::convert::{OrRaise, Scalars, memory, number, optional_number, scalar_or_array};
-use made::{Made, class, known_by_its_call};
+use made::{ConstructorCall, class, known_by_its_call};
 pub use transitions::{BodyTransition, IcrTransition, ModuleTransition};
 use values::{Values, axes};
 
@@ -22,9 +22,9 @@ use values::{Values, axes};
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct Profile {
     core: core::Profile,
-    /// Whether it has an axis of values, or is one number.
+    /// True for an axis of values, false for one number.
     is_vector: bool,
-    made: Made,
+    made: ConstructorCall,
 }
 
 impl Profile {
@@ -39,7 +39,11 @@ impl Profile {
         Ok(Self {
             core: core.or_raise(&[])?,
             is_vector,
-            made: Made { maker, arguments: PyTuple::new(py, arguments)?.unbind(), keywords: keywords.unbind() },
+            made: ConstructorCall {
+                maker,
+                arguments: PyTuple::new(py, arguments)?.unbind(),
+                keywords: keywords.unbind(),
+            },
         })
     }
 

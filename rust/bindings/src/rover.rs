@@ -75,9 +75,9 @@ pub struct Rover {
     suspension: Option<Py<RockerBogie>>,
 }
 
-/// What a rover has beside its wheels, as its constructor takes it.
+/// The arguments of the constructor beside the wheels.
 #[derive(Default)]
-pub struct Fittings<'a, 'py> {
+pub struct RoverOptions<'a, 'py> {
     pub traction: Option<&'a Bound<'py, PyMapping>>,
     pub steering: Option<&'a Bound<'py, PyMapping>>,
     pub reversed: Vec<String>,
@@ -94,7 +94,7 @@ impl Rover {
     pub fn named(py: Python<'_>, core: Result<Core, six_wheel_core::Error>) -> PyResult<Self> {
         let core = core.or_raise(&[])?;
         warn_units(py, units::dimensions(&core))?;
-        Self::build(py, core, Fittings::default())
+        Self::build(py, core, RoverOptions::default())
     }
 
     /// Number of steered wheels.
@@ -108,7 +108,7 @@ impl Rover {
     }
 
     /// A rover of the core with what it has beside its wheels.
-    pub fn build(py: Python<'_>, core: Core, fittings: Fittings<'_, '_>) -> PyResult<Self> {
+    pub fn build(py: Python<'_>, core: Core, fittings: RoverOptions<'_, '_>) -> PyResult<Self> {
         ready(py)?;
         let motors = driven(&core);
         let (traction, steering) = (fittings.traction, fittings.steering);
@@ -252,7 +252,7 @@ impl Rover {
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
         let core = core.or_raise(&[])?;
         warn_units(py, units::dimensions(&core))?;
-        let fittings = Fittings {
+        let fittings = RoverOptions {
             traction: traction_joints,
             steering: steering_joints,
             reversed: reversed_joints.unwrap_or_default(),

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyCFunction, PyDict};
 
-/// How many forks lie between this process and the one that loaded the module.
+/// The number of forks between this process and the one that loaded the module.
 static FORKS: AtomicU64 = AtomicU64::new(0);
 
 /// State for one at a time. Whoever comes second waits, and other Python threads run meanwhile.

@@ -13,8 +13,8 @@ use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 use crate::arguments::{self, ArgumentKind, shown};
 use crate::classes::reduce;
 use crate::convert::{
-    Asked, OrRaise, Output, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array, shape_text,
-    singles,
+    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
+    shape_text, singles,
 };
 use crate::workers::{any_workers, fill_rows};
 
@@ -83,7 +83,7 @@ impl Terrain {
         xy: &Bound<'py, PyAny>,
         method: &str,
         width: usize,
-        asked: Asked<'_, 'py>,
+        asked: OutputOptions<'_, 'py>,
         threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {

@@ -1,4 +1,4 @@
-//! How batches are worked through: the options `threads=` and `kernel=`, and the default of the former.
+//! The options `threads=` and `kernel=` of batches, and the default of the former.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,7 +14,7 @@ const BATCH: usize = 8;
 /// Threads of a call that does not say. It is here and not in the core, and changes no result.
 static DEFAULT_THREADS: AtomicUsize = AtomicUsize::new(1);
 
-/// What a call of so many rows is to be worked through with.
+/// The threads and the level for a call of so many rows.
 pub fn workers(rows: usize, threads: Option<i64>, kernel: Option<&str>) -> PyResult<Workers> {
     let workers = any_workers(threads, kernel)?;
     Ok(match kernel {

@@ -1,4 +1,4 @@
-//! What a caller hands over, as an array of real numbers or refused by name: masks, ragged lists, what is no number.
+//! Arguments as arrays of real numbers. Masked arrays, ragged lists and values that are no numbers are refused by name.
 
 use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -11,7 +11,7 @@ use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
 use super::memory;
 use super::numpy_module::{numpy, ready};
 
-/// How deep lists are looked through for arrays with a mask.
+/// Depth to which lists are searched for masked arrays.
 pub const DEEP: usize = 8;
 
 /// Letters of a value that are shown.
@@ -40,8 +40,7 @@ pub(super) fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
 }
 
-/// What a caller hands over, as an array of real numbers: its own memory, however it is laid out, wherever NumPy
-/// can look at that.
+/// An argument as an array of real numbers, in its own memory and layout if NumPy can view that.
 pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = value.py();
     ready(py)?;
@@ -62,7 +61,7 @@ pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
     Ok(array)
 }
 
-/// What is no number, and where: `None at [2]`. Nothing where an array has another dtype all through.
+/// The first value that is no number, with its place: `None at [2]`. Nothing where an array has another dtype all through.
 fn odd_one(value: &Bound<'_, PyAny>, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<String>> {
     if value.is_none() {
         return Ok(Some("None".into()));
@@ -127,7 +126,7 @@ pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Op
     memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
 }
 
-/// What is under a mask is not meant, and would be read all the same.
+/// Refuses masked arrays, whose masked numbers would be read like the others.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
     static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
@@ -186,10 +185,7 @@ pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
         return Err(refused());
     }
     refuse_masks(argument, value, DEEP)?;
-    value.extract::<f64>().map_err(|error| match is_of_another_kind(py, &error) {
-        true => refused(),
-        false => error,
-    })
+    value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
 }
 
 /// An optional number of a constructor.

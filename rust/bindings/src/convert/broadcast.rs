@@ -12,7 +12,7 @@ pub trait Broadcast {
     /// The shape of the whole argument over other leading axes.
     fn shape_over(&self, leading: &[usize]) -> Vec<usize>;
 
-    /// What it has to do beside others with these leading axes.
+    /// The rule of an argument beside others with these leading axes.
     fn rule(&self, leading: &[usize]) -> String {
         format!("have shape {}", shape_text(&self.shape_over(leading)))
     }

@@ -20,22 +20,22 @@ pub fn forget_other_threads() {
 /// Kernels at work while other Python threads run.
 static BATCHES: AtomicUsize = AtomicUsize::new(0);
 
-/// Whether a kernel may be reading or writing arrays meanwhile. It changes only with the interpreter's lock held.
+/// True if a kernel may be reading or writing arrays meanwhile. It changes only with the interpreter's lock held.
 pub fn batches_at_work() -> bool {
     BATCHES.load(Ordering::Relaxed) > 0
 }
 
 /// Counts a kernel for as long as it is at work, even if it panics.
-struct AtWork;
+struct ActiveKernelCount;
 
-impl AtWork {
+impl ActiveKernelCount {
     fn begin() -> Self {
         BATCHES.fetch_add(1, Ordering::Relaxed);
         Self
     }
 }
 
-impl Drop for AtWork {
+impl Drop for ActiveKernelCount {
     fn drop(&mut self) {
         BATCHES.fetch_sub(1, Ordering::Relaxed);
     }
@@ -44,7 +44,7 @@ impl Drop for AtWork {
 /// Runs a kernel, letting other Python threads run meanwhile if it takes long enough to matter.
 pub fn compute<T: Send>(py: Python<'_>, rows: usize, kernel: impl FnOnce() -> T + Send) -> T {
     if rows >= DETACH_ROWS {
-        let _at_work = AtWork::begin();
+        let _at_work = ActiveKernelCount::begin();
         py.detach(kernel)
     } else {
         kernel()

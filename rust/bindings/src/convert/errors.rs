@@ -61,8 +61,8 @@ pub fn shape_text(shape: &[usize]) -> String {
     format!("({}{comma})", lengths.join(", "))
 }
 
-/// Whether an error is the interpreter's own word that a value is of another kind. What an argument's own code
-/// raises is not, and comes through.
+/// True if an error is the interpreter's own complaint that a value is of another kind. Errors that an argument's own
+/// code raises are not, and pass through.
 pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
     error.traceback(py).is_none()
         && (error.is_instance_of::<PyTypeError>(py)
@@ -70,7 +70,7 @@ pub fn is_of_another_kind(py: Python<'_>, error: &PyErr) -> bool {
             || error.is_instance_of::<PyOverflowError>(py))
 }
 
-/// What a value looks like, on one line: an array's representation takes several.
+/// The representation of a value on one line; that of an array takes several.
 pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "an object".into(), |repr| repr.to_string());
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -79,22 +79,16 @@ pub fn short_repr(value: &Bound<'_, PyAny>) -> String {
 /// Fails where numbers came one by one that belong into one row: more of them than the method has parameters, of
 /// which `given` are.
 pub fn one_twist(call: &str, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
-    match more.is_empty() {
-        true => Ok(()),
-        false => Err(one_row(call, "twist", given + more.len())),
-    }
+    if more.is_empty() { Ok(()) } else { Err(one_row(call, "twist", given + more.len())) }
 }
 
 /// The same where the first of them may be all there is to see: the others fill parameters of their own.
 pub fn one_twist_first(call: &str, first: &Bound<'_, PyAny>, given: usize, more: &Bound<'_, PyTuple>) -> PyResult<()> {
     let number = first.is_instance_of::<PyFloat>() || first.is_instance_of::<PyInt>();
-    match number && given > 1 {
-        true => Err(one_row(call, "twist", given + more.len())),
-        false => one_twist(call, given, more),
-    }
+    if number && given > 1 { Err(one_row(call, "twist", given + more.len())) } else { one_twist(call, given, more) }
 }
 
-/// Who hands over several numbers for one row of them is told how it is called.
+/// The error for several numbers instead of one row of them, with the call that is right.
 pub fn one_row(call: &str, what: &str, count: usize) -> PyErr {
     let (class, call) = call.split_once('.').unwrap_or(("", call));
     let method = call.split('(').next().unwrap_or(call);

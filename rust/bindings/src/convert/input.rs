@@ -11,7 +11,7 @@ use six_wheel_core::error::finite;
 use super::array::{read_array, three_numbers};
 use super::broadcast::{Broadcast, joined};
 use super::errors::{raise, refuse, shape_text};
-use super::memory::{self, Held};
+use super::memory::{self, BorrowedArray};
 use super::numpy_module::numpy;
 use super::strided::Strided;
 
@@ -24,7 +24,7 @@ pub(super) struct Memory<'py> {
     data: *const f64,
     count: usize,
     pub(super) array: Bound<'py, PyUntypedArray>,
-    _held: Held,
+    _held: BorrowedArray,
 }
 
 impl Memory<'_> {
@@ -156,7 +156,7 @@ impl<'py> Rows<'py> {
         self.leading.iter().product()
     }
 
-    /// Whether it is one row, not a batch.
+    /// True for one row, false for a batch.
     pub fn is_single(&self) -> bool {
         self.leading.is_empty()
     }
@@ -213,7 +213,7 @@ pub enum Blocks<'py> {
         width: usize,
         /// Keeps the memory.
         array: Bound<'py, PyUntypedArray>,
-        _held: Held,
+        _held: BorrowedArray,
     },
 }
 
@@ -354,7 +354,7 @@ fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> P
     }
 }
 
-/// Whether it is C-contiguous, aligned and of native `f64`.
+/// True for an array that is C-contiguous, aligned and of native `f64`.
 fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
     let dtype = array.dtype();
     (dtype.kind(), dtype.itemsize()) == (b'f', size_of::<f64>())

@@ -23,5 +23,5 @@ pub use errors::{
 pub use input::{Blocks, Rows, numbers, read_point};
 pub use numpy_module::{AnyArray, Array, is_ready, ready};
 pub use out::{Out, Results, out_tuple};
-pub use output::{Asked, Output, Precision, scalar_or_array};
+pub use output::{Output, OutputOptions, Precision, scalar_or_array};
 pub use scalars::Scalars;

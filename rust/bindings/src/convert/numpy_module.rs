@@ -20,7 +20,7 @@ pub fn ready(py: Python<'_>) -> PyResult<()> {
     READY.get_or_try_init(py, || numpy::get_array_module(py).map(drop)).copied()
 }
 
-/// Whether that has been done.
+/// True once NumPy is loaded.
 pub fn is_ready(py: Python<'_>) -> bool {
     READY.get(py).is_some()
 }

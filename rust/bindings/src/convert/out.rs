@@ -9,7 +9,7 @@ use super::output::Output;
 /// The arrays of `out=`: the results in their order, as many as there are; the others are fresh, as are those that are None.
 pub struct Out<'py, const N: usize> {
     arrays: [Option<Bound<'py, PyAny>>; N],
-    /// Whether it is one array and no tuple.
+    /// True for one array instead of a tuple.
     alone: bool,
 }
 
@@ -85,7 +85,7 @@ impl<'py, const N: usize> Results<'py, N> {
         Ok(Self { outputs, arrays: [const { None }; N] })
     }
 
-    /// Where to write them, row after row.
+    /// The memory to write to, row after row.
     pub fn flat(&mut self) -> [&mut [f64]; N] {
         self.outputs.each_mut().map(Output::flat)
     }

@@ -19,7 +19,7 @@ pub fn float(object: Object<'_, '_>) -> Option<f64> {
     unsafe { number(object.as_ptr()) }
 }
 
-/// What an object holds that Python cannot change, and that is written anew while nobody else has the object.
+/// The contents of an object that Python cannot change. They are overwritten only while nobody else has the object.
 pub struct Renewed<T>(UnsafeCell<T>);
 
 // SAFETY: it is written through the only reference to the object there is, so nobody reads meanwhile.

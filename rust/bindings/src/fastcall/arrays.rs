@@ -100,13 +100,13 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Whether it is this very array.
+    /// True for the same array object.
     #[inline(always)]
     pub fn is(self, other: Self) -> bool {
         self.object == other.object
     }
 
-    /// Whether the two share memory.
+    /// True if the two share memory.
     #[inline(always)]
     pub fn overlaps(self, other: Self) -> bool {
         let start = |row: Self| row.data.as_ptr() as usize;

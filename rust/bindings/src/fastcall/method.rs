@@ -12,12 +12,12 @@ use pyo3::sync::PyOnceLock;
 use super::arguments::Object;
 use crate::convert::batches_at_work;
 
-/// How a method is called: no tuple of arguments, no dict of keywords.
+/// The calling convention: no tuple of arguments, no dict of keywords.
 const FASTCALL: c_int = ffi::METH_FASTCALL | ffi::METH_KEYWORDS;
 
 /// The quick way of a method with `N` parameters that it knows of.
 pub trait Quick<const N: usize> {
-    /// Whose method it is.
+    /// The class of the method.
     type Class: PyClass;
 
     /// Its one static description.
@@ -33,7 +33,7 @@ pub trait Quick<const N: usize> {
 /// The arguments of a quick method, in the order of its parameters; nothing for one that is left out or `None`.
 pub type Arguments<'a, 'py, const N: usize> = [Option<Object<'a, 'py>>; N];
 
-/// What a quick method answers, or nothing.
+/// The answer of a quick method, or nothing.
 pub type Answer<'py> = Option<Bound<'py, PyAny>>;
 
 /// Makes a function the quick way of a method: type and number of parameters, class, name, names of the parameters, how
@@ -123,7 +123,7 @@ impl<const N: usize> Method<N> {
     }
 }
 
-/// What the interpreter calls.
+/// The function that the interpreter calls.
 unsafe extern "C" fn entry<const N: usize, Q: Quick<N>>(
     this: *mut ffi::PyObject,
     arguments: *const *mut ffi::PyObject,
@@ -153,9 +153,7 @@ unsafe extern "C" fn entry<const N: usize, Q: Quick<N>>(
 /// left alone.
 pub fn install<const N: usize, Q: Quick<N>>(py: Python<'_>) -> PyResult<()> {
     let (method, class) = (Q::method(), py.get_type::<Q::Class>());
-    let Some(behind) = definition(&class, method.name) else {
-        return Ok(());
-    };
+    let Some(behind) = definition(&class, method.name) else { return Ok(()) };
     // SAFETY: that the function is of this kind is what the flags say.
     let general = unsafe { behind.ml_meth.PyCFunctionFastWithKeywords };
     if method.general.set(py, general).is_err() {
@@ -178,7 +176,7 @@ pub fn install<const N: usize, Q: Quick<N>>(py: Python<'_>) -> PyResult<()> {
     class.setattr(method.name.to_string_lossy().as_ref(), descriptor)
 }
 
-/// How pyo3 has defined a method of this class, if it is called without tuples and dicts.
+/// The definition that pyo3 has made of a method of this class, if it is called without tuples and dicts.
 fn definition(class: &Bound<'_, pyo3::types::PyType>, name: &CStr) -> Option<ffi::PyMethodDef> {
     // SAFETY: the slot of a class made from a specification holds what that said: definitions up to one
     // without a name, or null.

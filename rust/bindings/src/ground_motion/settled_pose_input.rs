@@ -1,4 +1,4 @@
-//! Reading where a rover stands.
+//! Settled poses as arguments.
 
 use pyo3::prelude::*;
 use six_wheel_core::Chain;
@@ -8,11 +8,11 @@ use crate::arguments::other_kind;
 use crate::convert::{Rows, Scalars, refuse, shape_text};
 use crate::settle::Stand;
 
-/// Where a rover stands: what `settle` says, or somebody with the face of it. Read once for all rows.
+/// Settled poses: the result of `settle`, or an object with the same attributes. Read once for all rows.
 pub enum Stands<'py> {
     /// The numbers as they are.
     Settled(Bound<'py, Stand>),
-    /// What its attributes say.
+    /// The numbers of its attributes.
     Told(Box<Attributes<'py>>),
 }
 
@@ -99,7 +99,7 @@ impl<'py> Stands<'py> {
         self.leading().iter().product()
     }
 
-    /// Whether it is one pose, not a batch.
+    /// True for one pose, false for a batch.
     pub fn is_single(&self) -> bool {
         self.leading().is_empty()
     }

@@ -19,7 +19,7 @@ use crate::rover::Rover;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct OdometryState(Renewed<Known>);
 
-/// What is known after a sample.
+/// The estimate after a sample.
 pub struct Known {
     stamp: Option<f64>,
     pose: [f64; 3],
@@ -248,10 +248,7 @@ impl OdometryState {
         py: Python<'py>,
         #[pyo3(from_py_with = arguments::unmeasured)] unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let known = self.twist_covariance.map(|value| match value.is_finite() {
-            true => value,
-            false => unmeasured,
-        });
+        let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)
     }
 

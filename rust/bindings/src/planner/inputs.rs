@@ -1,4 +1,4 @@
-//! What `Mppi` is told, read.
+//! Arguments of `Mppi`.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -7,7 +7,7 @@ use six_wheel_core::planner::{Precision, Weights};
 use super::costmap::Costmap;
 use crate::convert::{ArgumentTypeError, Rows, memory, number, refuse};
 
-/// What an object says about where the rover is.
+/// The state of the rover as the attributes of an object.
 pub struct Seen<'py> {
     pub pose: Bound<'py, PyAny>,
     pub twist: Option<Bound<'py, PyAny>>,
@@ -31,9 +31,7 @@ impl<'py> Seen<'py> {
 }
 
 pub fn check_frame(costmap: Option<&Bound<'_, Costmap>>, frame: Option<&str>) -> PyResult<()> {
-    let (Some(map), Some(frame)) = (costmap, frame) else {
-        return Ok(());
-    };
+    let (Some(map), Some(frame)) = (costmap, frame) else { return Ok(()) };
     match &map.get().frame {
         Some(own) if own != frame => {
             Err(refuse("costmap", &format!("be in the frame of the state, {frame:?}"), &format!("{own:?}")))
@@ -86,9 +84,7 @@ pub fn points(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]
     match Rows::read_table(argument, value, 2) {
         Ok(rows) => Ok(rows.flat().as_chunks().0.to_vec()),
         Err(error) => {
-            let Ok(rows) = Rows::read_table(argument, value, 3) else {
-                return Err(error);
-            };
+            let Ok(rows) = Rows::read_table(argument, value, 3) else { return Err(error) };
             memory::gathered(rows.triples().iter().map(|[x, y, _]| [*x, *y]))
         }
     }

@@ -1,4 +1,4 @@
-//! What a planner found.
+//! `six_wheel.MppiPlan`.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! What the transitions have in common: arguments on their way in, states on their way out.
+//! Arguments and states that the transitions have in common.
 
 use std::str::FromStr;
 
@@ -43,9 +43,7 @@ impl<'py> Keywords<'py> {
 
     /// A limit, infinite if not given.
     pub fn limit(&self, argument: &str, value: Option<&Bound<'py, PyAny>>) -> PyResult<f64> {
-        let Some(value) = value else {
-            return Ok(f64::INFINITY);
-        };
+        let Some(value) = value else { return Ok(f64::INFINITY) };
         let limit = number(argument, value)?;
         if limit != f64::INFINITY {
             self.0.set_item(argument, limit)?;
@@ -59,9 +57,7 @@ impl<'py> Keywords<'py> {
         argument: &str,
         word: Option<&str>,
     ) -> PyResult<T> {
-        let Some(word) = word else {
-            return Ok(T::default());
-        };
+        let Some(word) = word else { return Ok(T::default()) };
         let read = T::from_str(word).map_err(plain)?;
         if read != T::default() {
             self.0.set_item(argument, word)?;

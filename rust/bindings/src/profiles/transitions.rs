@@ -5,7 +5,7 @@ use pyo3::types::PyTuple;
 use six_wheel_core::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 
 use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
-use super::made::{Made, class, known_by_its_call};
+use super::made::{ConstructorCall, class, known_by_its_call};
 use crate::arguments;
 use crate::convert::refuse;
 use crate::rover::Rover;
@@ -33,7 +33,7 @@ macro_rules! value_methods {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct BodyTransition {
     core: core::BodyTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(BodyTransition);
@@ -115,7 +115,7 @@ impl BodyTransition {
         };
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made {
+            made: ConstructorCall {
                 maker: "body_transition",
                 arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),
@@ -142,7 +142,7 @@ impl BodyTransition {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct ModuleTransition {
     core: core::ModuleTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(ModuleTransition);
@@ -245,7 +245,7 @@ impl ModuleTransition {
         };
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
+            made: ConstructorCall { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
         })
     }
 
@@ -271,7 +271,7 @@ impl ModuleTransition {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct IcrTransition {
     core: core::IcrTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(IcrTransition);
@@ -354,7 +354,7 @@ impl IcrTransition {
         let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made {
+            made: ConstructorCall {
                 maker: "icr_transition",
                 arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),

@@ -60,9 +60,7 @@ pub fn read_joints(
     given: Option<&Bound<'_, PyMapping>>,
     suffix: &str,
 ) -> PyResult<Joints> {
-    let Some(given) = given else {
-        return Ok(default_joints(core, wheels, suffix));
-    };
+    let Some(given) = given else { return Ok(default_joints(core, wheels, suffix)) };
     let mut joints = Joints::new();
     for item in given.items()?.iter() {
         let (joint, wheel) = item.extract::<(String, String)>()?;

@@ -15,13 +15,13 @@ use crate::convert::{
 use crate::workers::any_workers;
 
 /// Twists of points of the body, read as those of its origin.
-struct About<'a> {
+struct ReferencePoint<'a> {
     twists: Table<'a>,
     /// One per twist, or one for all.
     centres: &'a [[f64; 2]],
 }
 
-impl Source for About<'_> {
+impl Source for ReferencePoint<'_> {
     fn read(&self, first: usize, target: &mut [f64]) {
         match self.twists {
             Table::Flat(twists) => target.copy_from_slice(&twists[first..first + target.len()]),
@@ -40,7 +40,7 @@ impl Source for About<'_> {
     }
 }
 
-/// What a log holds, as read from Python, over common leading axes.
+/// The columns of a log over common leading axes, in the memory of the caller.
 pub struct Tables<'py> {
     steering: Option<Blocks<'py>>,
     speeds: Blocks<'py>,
@@ -69,7 +69,7 @@ impl<'py> Tables<'py> {
     }
 }
 
-/// What a log holds, row after row.
+/// The columns of a log, row after row.
 pub struct Readings<'py> {
     steering: Option<Rows<'py>>,
     pub speeds: Rows<'py>,
@@ -87,7 +87,7 @@ impl Readings<'_> {
     }
 }
 
-/// What the option says about motions that no reading sees.
+/// The treatment of motions that no reading sees.
 pub fn unseen(allow_underdetermined: bool) -> Unseen {
     if allow_underdetermined { Unseen::Zero } else { Unseen::Refuse }
 }
@@ -201,7 +201,7 @@ impl Rover {
         ];
         let leading = together(all.into_iter().flatten())?;
         centres.as_ref().map_or(Ok(()), |centres| centres.check_finite("centre"))?;
-        let about = centres.as_ref().map(|centres| About { twists: twists.table(), centres: centres.pairs() });
+        let about = centres.as_ref().map(|centres| ReferencePoint { twists: twists.table(), centres: centres.pairs() });
         let outputs = out_tuple::<2>(out, "be a pair of arrays (steering, speeds)")?;
         for (input, out) in [&mut previous, &mut rolling].into_iter().zip(&outputs) {
             if let (Some(input), Some(out)) = (input, out) {

@@ -85,9 +85,7 @@ impl Sensitivity {
 
 /// The quantities of these names.
 fn wanted(quantities: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(&'static str, Quantity)>> {
-    let Some(quantities) = quantities else {
-        return Ok(NAMES.to_vec());
-    };
+    let Some(quantities) = quantities else { return Ok(NAMES.to_vec()) };
     if quantities.is_instance_of::<PyString>() {
         return Err(refuse("quantities", "be a sequence of names", "one name"));
     }

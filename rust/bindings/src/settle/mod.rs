@@ -21,9 +21,7 @@ pub use stand::Stand;
 
 /// Steering angles beside poses: none, one row for all, or one per pose.
 pub fn read_steering(value: Option<&Bound<'_, PyAny>>, joints: usize, leading: &[usize]) -> PyResult<Vec<f64>> {
-    let Some(value) = value else {
-        return Ok(Vec::new());
-    };
+    let Some(value) = value else { return Ok(Vec::new()) };
     let rows = Rows::read("steering", value, joints)?;
     if !rows.is_single() {
         rows.check_leading("steering", leading)?;

@@ -20,9 +20,9 @@ use crate::suspension::{RockerBogie, Suspension};
 /// `Suspension.wheel_names`.
 #[pyclass(frozen, module = "six_wheel")]
 pub struct Stand {
-    /// Of whom.
+    /// The suspension that stands.
     pub suspension: Py<Suspension>,
-    /// On what.
+    /// The ground below it.
     pub ground: Arc<Terrain>,
     /// Rows x, y, yaw.
     pub poses: Vec<[f64; 3]>,
@@ -32,7 +32,7 @@ pub struct Stand {
     pub stands: Vec<ground::Stand>,
     /// Leading axes.
     pub leading: Vec<usize>,
-    /// Whether derivatives are wanted.
+    /// True if derivatives were asked for.
     pub derivatives: bool,
 }
 
@@ -260,9 +260,7 @@ impl Stand {
     #[getter]
     fn by_dimension<'py>(&self, py: Python<'py>) -> PyResult<Option<Array<'py>>> {
         let suspension = self.suspension.bind(py);
-        let Ok(rover) = suspension.cast::<RockerBogie>() else {
-            return Ok(None);
-        };
+        let Ok(rover) = suspension.cast::<RockerBogie>() else { return Ok(None) };
         if !self.derivatives {
             return Ok(None);
         }

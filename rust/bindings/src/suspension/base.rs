@@ -21,7 +21,7 @@ use crate::wheel::steering_range;
 pub struct Suspension {
     /// The parts, joints and wheels.
     pub chain: Chain,
-    /// What its motion needs beforehand.
+    /// The constants of its motion.
     pub motion: Prepared,
     /// The name of what made it, and its arguments.
     made: Option<(&'static str, Py<PyDict>)>,
@@ -40,7 +40,7 @@ impl Suspension {
     }
 }
 
-/// Which of the pairs steer.
+/// The pairs that steer.
 fn pairs(steered: &str) -> PyResult<[bool; 3]> {
     match steered {
         "front" => Ok([true, false, false]),
@@ -289,9 +289,7 @@ impl Suspension {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let Some((name, arguments)) = &self.made else {
-            return Ok("Suspension(...)".into());
-        };
+        let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
         repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
     }
 

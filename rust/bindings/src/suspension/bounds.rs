@@ -68,7 +68,7 @@ fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py,
     }
 }
 
-/// What `out=` takes, in this order.
+/// The arrays of `out=`, in this order.
 const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
 
 /// Shape of one of them.
@@ -88,7 +88,7 @@ fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
 /// A belly as it is given: rear and front edge, half width and height [m].
 type Plate = (f64, f64, f64, f64);
 
-/// What is asked beside the poses.
+/// The options of the bounds beside the poses.
 pub struct Question<'a> {
     pub plans: Cow<'a, [Plan]>,
     pub error: f64,

@@ -7,9 +7,7 @@ use crate::convert::{OrRaise, number};
 
 /// Stops of a joint: one angle for both sides, a pair, or none.
 pub fn joint_range(argument: &'static str, limit: Option<&Bound<'_, PyAny>>) -> PyResult<JointRange> {
-    let Some(limit) = limit else {
-        return Ok(JointRange::default());
-    };
+    let Some(limit) = limit else { return Ok(JointRange::default()) };
     let range = match limit.extract::<[Bound<'_, PyAny>; 2]>() {
         Ok([lower, upper]) => JointRange {
             lower: number(&format!("{argument}[0]"), &lower)?,

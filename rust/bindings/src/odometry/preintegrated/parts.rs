@@ -100,7 +100,7 @@ impl Preintegrated {
         PyArray1::from_slice(py, &[x, y, yaw]).into_any()
     }
 
-    /// What changes by name make of the motion, in its tangent.
+    /// Changes by name, as a change of the motion in its tangent.
     pub(super) fn change(&mut self, py: Python<'_>, changes: &Bound<'_, PyDict>) -> PyResult<([f64; 6], Named)> {
         let (mut sum, mut wanted) = ([0.0; 6], Vec::new());
         for (name, values) in changes {

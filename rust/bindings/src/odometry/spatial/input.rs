@@ -1,4 +1,4 @@
-//! What `Odometry3` is told: attitudes, poses and covariances in space.
+//! Arguments of `Odometry3`: attitudes, poses and covariances in space.
 
 use pyo3::prelude::*;
 use six_wheel_core::odometry::preintegrated::space::Motion3;
@@ -60,9 +60,7 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
 /// A covariance, zero if it is left out: of six numbers, or of three in plan with this variance for the others.
 pub fn covariance(value: Option<&Bound<'_, PyAny>>, others: f64) -> PyResult<[[f64; 6]; 6]> {
     let mut matrix = [[0.0; 6]; 6];
-    let Some(value) = value else {
-        return Ok(matrix);
-    };
+    let Some(value) = value else { return Ok(matrix) };
     let numbers = Scalars::read("covariance", value)?;
     let flat = numbers.flat();
     let all = [0, 1, 2, 3, 4, 5];
