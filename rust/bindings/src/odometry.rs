@@ -9,8 +9,6 @@ pub mod spatial;
 pub mod state;
 pub mod values;
 
-use std::str::FromStr;
-
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::odometry::{Odometry as Core, Readings, Sample, Settings};
@@ -171,7 +169,7 @@ impl Odometry {
             readings,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-            method: Method::from_str(method).or_raise(&[])?,
+            method: method.parse::<Method>().or_raise(&[])?,
             inflate,
             slip_threshold: optional_number("slip_threshold", slip_threshold)?,
             max_gap: optional_number("max_gap", max_gap)?,

@@ -83,10 +83,7 @@ impl<'py> Rows<'py> {
     /// Reads a table: one leading axis.
     pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
         let rows = Self::read(argument, value, width)?;
-        if rows.leading.len() == 1 {
-            return Ok(rows);
-        }
-        Err(rows.refuse_shape(argument, &format!("(n, {width})")))
+        if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, &format!("(n, {width})"))) }
     }
 
     /// Reads one row.
@@ -134,10 +131,8 @@ impl<'py> Rows<'py> {
 
     /// Fails unless it has these leading axes.
     pub fn check_leading(&self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        if self.leading == leading {
-            return Ok(());
-        }
-        Err(self.refuse_shape(argument, &shape_text(&joined(leading, self.width))))
+        let refused = || self.refuse_shape(argument, &shape_text(&joined(leading, self.width)));
+        if self.leading == leading { Ok(()) } else { Err(refused()) }
     }
 
     /// The error of rows in another shape than those that are wanted.

@@ -149,8 +149,7 @@ impl Suspension {
         let chain = &self.chain;
         let (wheels, free, steered) = (chain.wheels().len(), chain.joints().len(), chain.steering().len());
         let turning = Rows::read("angular_velocity", angular_velocity, 3)?;
-        let leading = turning.leading.clone();
-        let count = turning.count();
+        let (leading, count) = (turning.leading.clone(), turning.count());
         let angles = Rows::read("joints", joints, free)?;
         let rates = Rows::read("joint_rates", joint_rates, free)?;
         let present = Rows::read_beside("steering", steering, steered, &leading)?;

@@ -3,8 +3,6 @@
 mod columns;
 mod parts;
 
-use std::str::FromStr;
-
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -119,7 +117,7 @@ impl Preintegrated {
                 readings: readings_named(readings)?,
                 wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
                 steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-                method: Method::from_str(method).or_raise(&[])?,
+                method: method.parse::<Method>().or_raise(&[])?,
                 ..Settings::default()
             },
             gyroscope: gyroscope.map(|known| known.get().0),

@@ -58,7 +58,7 @@ impl<'py> Keywords<'py> {
         word: Option<&str>,
     ) -> PyResult<T> {
         let Some(word) = word else { return Ok(T::default()) };
-        let read = T::from_str(word).map_err(plain)?;
+        let read = word.parse::<T>().map_err(plain)?;
         if read != T::default() {
             self.0.set_item(argument, word)?;
         }

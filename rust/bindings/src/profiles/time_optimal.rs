@@ -1,7 +1,5 @@
 //! `six_wheel.profiles.time_optimal`.
 
-use std::str::FromStr;
-
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
@@ -147,7 +145,7 @@ impl Profile {
             given.keywords.set_item("synchronise", synchronise)?;
         }
         let (count, is_vector) = axes(&given.all)?;
-        let synchronise = Synchronise::from_str(synchronise).or_raise(&[])?;
+        let synchronise = synchronise.parse::<Synchronise>().or_raise(&[])?;
         let core = core::time_optimal(
             &given.state(count, ["start", "start_velocity", "start_acceleration"]),
             &given.state(count, ["end", "end_velocity", "end_acceleration"]),

@@ -1,7 +1,5 @@
 //! `Rover.admissible`, `Rover.project` and `Rover.icr`.
 
-use std::str::FromStr;
-
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::batch::{self, Workers};
@@ -96,7 +94,7 @@ impl Rover {
         #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<AnyArray<'py>> {
         one_twist("Rover.project((vx, vy, omega))", 2, more)?;
-        let keep = keep.map_or(Ok(Keep::Curvature), |keep| Keep::from_str(&name(keep)));
+        let keep = keep.map_or(Ok(Keep::Curvature), |keep| name(keep).parse::<Keep>());
         let keep = keep.or_raise(&[])?;
         let twists = Rows::read("twist", twist, 3)?;
         let mut projected = Output::asked(py, (out, dtype), &twists.shape())?;

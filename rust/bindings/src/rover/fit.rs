@@ -1,7 +1,5 @@
 //! `six_wheel.Fit`, a twist with everything the wheels say about it, and `Rover.fit`.
 
-use std::str::FromStr;
-
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use six_wheel_core::estimate::worst_wheel;
@@ -110,7 +108,7 @@ impl Rover {
     ) -> PyResult<Fit> {
         let workers = any_workers(threads, None)?;
         let this = slf.get();
-        let method = Method::from_str(method).or_raise(&[])?;
+        let method = method.parse::<Method>().or_raise(&[])?;
         let readings = this.read_log(steering, speeds, steering_rates)?.flat()?;
         let leading = readings.speeds.leading.as_slice();
         let widths = [3, this.count(), this.count()];

@@ -209,7 +209,7 @@ impl Rover {
             }
         }
         let output = |k: usize, width| {
-            Output::of(py, &format!("out[{k}]"), outputs[k].as_ref(), precision, &joined(&leading, width))
+            Output::of(py, ["out[0]", "out[1]"][k], outputs[k].as_ref(), precision, &joined(&leading, width))
         };
         let (mut steering, mut speeds) = (output(0, self.joints())?, output(1, self.count())?);
         let rows = match &about {

@@ -1,7 +1,5 @@
 //! The named layouts of `Rover`: each only fills a list of wheels.
 
-use std::str::FromStr;
-
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use six_wheel_core::rover::MAX_WHEELS;
@@ -31,7 +29,7 @@ fn limit(value: Option<&Bound<'_, PyAny>>) -> PyResult<SteeringRange> {
 }
 
 fn drive(name: &str) -> PyResult<Drive> {
-    Drive::from_str(name).or_raise(&[])
+    name.parse::<Drive>().or_raise(&[])
 }
 
 impl Rover {
