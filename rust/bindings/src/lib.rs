@@ -53,9 +53,15 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     controller::install(py)
 }
 
+/// Alignment of the memory that Python allocates for objects [bytes]. What needs more has to be in a box.
+const OBJECT_ALIGNMENT: usize = 16;
+
 fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
     macro_rules! add {
-        ($($class:path)*) => { $(module.add_class::<$class>()?;)* };
+        ($($class:path)*) => {$(
+            const _: () = assert!(align_of::<$class>() <= OBJECT_ALIGNMENT);
+            module.add_class::<$class>()?;
+        )*};
     }
     add! {
         wheel::Wheel rover::Rover rover::Fit rover::Sensitivity rover::Mobility

@@ -21,8 +21,8 @@ use crate::wheel::steering_range;
 pub struct Suspension {
     /// The parts, joints and wheels.
     pub chain: Chain,
-    /// The constants of its motion.
-    pub motion: Prepared,
+    /// The constants of its motion, in a box: their registers need more alignment than the memory of Python's objects has.
+    pub motion: Box<Prepared>,
     /// The name of what made it, and its arguments.
     made: Option<(&'static str, Py<PyDict>)>,
 }
@@ -30,7 +30,7 @@ pub struct Suspension {
 impl Suspension {
     /// The face of a chain that a subclass makes.
     pub fn of(chain: Chain) -> Self {
-        Self { motion: Prepared::new(&chain), chain, made: None }
+        Self { motion: Box::new(Prepared::new(&chain)), chain, made: None }
     }
 
     /// The face of a chain, and how it is made again.
