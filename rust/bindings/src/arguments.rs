@@ -1,7 +1,9 @@
-//! Arguments of one kind, by name: who hands over another is told which argument it was, what is wanted and what came.
+//! Arguments of one kind, read by name. A value of another kind is refused with the argument's name, the kind that is
+//! expected, and the value.
 //!
-//! A parameter of a method says `#[pyo3(from_py_with = arguments::rover)]`: the function of its name reads it, whatever its
-//! type in Rust. What pyo3 would say by itself names the argument in a traceback only.
+//! A parameter of a method is marked `#[pyo3(from_py_with = arguments::rover)]`: the function of its name reads it into any
+//! type with [`FromArgument`]. A class of this library implements [`ArgumentKind`] in its own file. Errors of pyo3 itself
+//! name the argument in a traceback only.
 
 use pyo3::PyClass;
 use pyo3::prelude::*;
