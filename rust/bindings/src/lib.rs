@@ -96,7 +96,7 @@ fn add_functions(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Ok(())
 }
 
-/// Fails if an argument of a function written in Python is of another kind than its name says; `None` is no rover.
+/// Fails where an argument of a function written in Python is not what its name says; `None` is no rover.
 #[pyfunction]
 fn check_kind(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
     match argument {

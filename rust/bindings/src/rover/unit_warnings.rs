@@ -11,7 +11,7 @@ thread_local! {
     static QUIET: Cell<u32> = const { Cell::new(0) };
 }
 
-/// Calls a function during which this thread gives no warnings of units, for callers that report them in another way.
+/// Calls a function during which this thread raises no questions of units: for whoever asks them in another way.
 #[pyfunction]
 pub fn without_questions<'py>(call: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     QUIET.set(QUIET.get() + 1);
