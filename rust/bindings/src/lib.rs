@@ -1,110 +1,113 @@
 //! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
 
-mod admissible;
-mod batch;
+#![allow(clippy::too_many_arguments)] // they are keywords in Python
+
+mod arguments;
+#[macro_use]
+mod classes;
 mod controller;
 mod convert;
-mod costmap;
-mod fast;
-mod fit;
+#[macro_use]
+mod fastcall;
 mod four_axle;
 mod geometry;
-mod given;
-mod ground;
-mod joints;
-mod kinematics;
-mod layouts;
-mod mobility;
-mod moving;
+mod ground_motion;
 mod odometry;
-mod per_wheel;
 mod planner;
 mod profiles;
-mod replace;
-mod rollout;
 mod rover;
-mod sensitivity;
-mod shared;
+mod settle;
+mod state_lock;
 mod suspension;
 mod terrain;
+mod unit_warnings;
 mod wheel;
+mod workers;
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 
+use arguments::FromArgument;
+use controller::limits::Limits;
+use convert::refuse;
+use odometry::gyroscope::Gyroscope;
+use odometry::values::Noise;
+use rover::Rover;
+use terrain::Terrain;
+
 /// The compiled core of six_wheel.
 ///
-/// It needs the interpreter's lock: the quick way of single calls (`fast`) and the notes of what memory is in use
+/// It needs the interpreter's lock: the quick way of single calls (`fastcall`) and the notes of what memory is in use
 /// (`convert::memory`) rest on it. Free-threaded interpreters switch it on for that, or are refused.
 #[pymodule(gil_used = true)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    check_lock(module.py())?;
-    shared::watch_forks(module.py())?;
+    let py = module.py();
+    check_lock(py)?;
+    state_lock::watch_forks(py)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<wheel::Wheel>()?;
-    module.add_class::<rover::Rover>()?;
-    module.add_function(wrap_pyfunction!(rover::unit_questions, module)?)?;
-    module.add_function(wrap_pyfunction!(rover::setting_questions, module)?)?;
-    module.add_function(wrap_pyfunction!(rover::ask_settings, module)?)?;
-    module.add_function(wrap_pyfunction!(convert::without_questions, module)?)?;
-    module.add_function(wrap_pyfunction!(given::check_kind, module)?)?;
-    kinematics::install(module.py())?;
-    admissible::install(module.py())?;
-    module.add_class::<fit::Fit>()?;
-    module.add_class::<sensitivity::Sensitivity>()?;
-    module.add_class::<mobility::Mobility>()?;
-    module.add_class::<odometry::Odometry>()?;
-    odometry::install(module.py())?;
-    module.add_class::<odometry::state::OdometryState>()?;
-    module.add_class::<odometry::spatial::Odometry3>()?;
-    module.add_class::<odometry::spatial::state::Odometry3State>()?;
-    module.add_class::<odometry::values::Noise>()?;
-    module.add_class::<odometry::gyroscope::Gyroscope>()?;
-    module.add_class::<odometry::preintegrated::Preintegrated>()?;
-    module.add_class::<odometry::values::Encoder>()?;
-    module.add_class::<profiles::Profile>()?;
-    module.add_class::<profiles::BodyTransition>()?;
-    module.add_class::<profiles::ModuleTransition>()?;
-    module.add_class::<profiles::IcrTransition>()?;
-    module.add_class::<terrain::Terrain>()?;
-    module.add_class::<suspension::Suspension>()?;
-    ground::install(module.py())?;
-    moving::install(module.py())?;
-    module.add_class::<moving::GroundCommand>()?;
-    module.add_class::<moving::GroundMotion>()?;
-    module.add_class::<moving::Traction>()?;
-    module.add_class::<moving::WheelSlip>()?;
-    module.add_class::<moving::BodySlip>()?;
-    module.add_function(wrap_pyfunction!(moving::body_slip, module)?)?;
-    module.add_class::<suspension::RockerBogie>()?;
-    module.add_class::<ground::Stand>()?;
-    module.add_class::<suspension::Link>()?;
-    module.add_class::<suspension::Bounds>()?;
-    module.add_class::<suspension::Feasible>()?;
-    module.add_class::<suspension::Stability>()?;
-    module.add_class::<suspension::MarginSlopes>()?;
-    module.add_class::<suspension::SteeringCommand>()?;
-    module.add_class::<four_axle::FourAxle>()?;
-    module.add_class::<controller::limits::Limits>()?;
-    module.add_class::<controller::Controller>()?;
-    module.add_class::<controller::output::ControllerOutput>()?;
-    module.add_class::<controller::run::ControllerRun>()?;
-    module.add_class::<costmap::Costmap>()?;
-    module.add_class::<planner::Mppi>()?;
-    module.add_class::<planner::MppiPlan>()?;
-    module.add_function(wrap_pyfunction!(controller::output::reason_bits, module)?)?;
-    controller::install(module.py())?;
-    module.add_function(wrap_pyfunction!(geometry::integrate, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::rollout, module)?)?;
-    module.add_function(wrap_pyfunction!(batch::kernels, module)?)?;
-    module.add_function(wrap_pyfunction!(batch::default_threads, module)?)?;
-    module.add_function(wrap_pyfunction!(batch::set_default_threads, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::differentiate, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::exp, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::log, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::compose, module)?)?;
-    module.add_function(wrap_pyfunction!(geometry::wrap_angle, module)?)?;
+    add_classes(module)?;
+    add_functions(module)?;
+    rover::install(py)?;
+    odometry::install(py)?;
+    settle::install(py)?;
+    ground_motion::install(py)?;
+    controller::install(py)
+}
+
+/// Alignment of the memory that Python allocates for objects [bytes]. What needs more has to be in a box.
+const OBJECT_ALIGNMENT: usize = 16;
+
+fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    macro_rules! add {
+        ($($class:path)*) => {$(
+            const _: () = assert!(align_of::<$class>() <= OBJECT_ALIGNMENT);
+            module.add_class::<$class>()?;
+        )*};
+    }
+    add! {
+        wheel::Wheel rover::Rover rover::Fit rover::Sensitivity rover::Mobility
+        odometry::Odometry odometry::state::OdometryState odometry::values::Noise odometry::values::Encoder
+        odometry::gyroscope::Gyroscope odometry::preintegrated::Preintegrated
+        odometry::spatial::Odometry3 odometry::spatial::state::Odometry3State
+        profiles::Profile profiles::BodyTransition profiles::ModuleTransition profiles::IcrTransition
+        terrain::Terrain suspension::Suspension suspension::RockerBogie suspension::Link
+        suspension::Bounds suspension::SteeringCommand
+        settle::Stand settle::Feasible settle::Stability settle::MarginSlopes
+        ground_motion::GroundCommand ground_motion::GroundMotion ground_motion::Traction
+        ground_motion::WheelSlip ground_motion::BodySlip
+        four_axle::FourAxle
+        controller::limits::Limits controller::Controller controller::output::ControllerOutput
+        controller::run::ControllerRun
+        planner::costmap::Costmap planner::Mppi planner::MppiPlan
+    }
     Ok(())
+}
+
+fn add_functions(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    macro_rules! add {
+        ($($function:path)*) => { $(module.add_function(wrap_pyfunction!($function, module)?)?;)* };
+    }
+    add! {
+        check_kind rover::unit_questions rover::setting_questions rover::ask_settings unit_warnings::without_questions
+        ground_motion::body_slip controller::output::reason_bits
+        geometry::integrate geometry::rollout geometry::differentiate geometry::exp geometry::log geometry::compose
+        geometry::wrap_angle
+        workers::kernels workers::default_threads workers::set_default_threads
+    }
+    Ok(())
+}
+
+/// Fails where an argument of a function written in Python is not what its name says; `None` is no rover.
+#[pyfunction]
+fn check_kind(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    match argument {
+        "rover" => Bound::<Rover>::read(argument, value).map(drop),
+        "noise" => Option::<Bound<'_, Noise>>::read(argument, value).map(drop),
+        "gyroscope" => Option::<Bound<'_, Gyroscope>>::read(argument, value).map(drop),
+        "limits" => Option::<Limits>::read(argument, value).map(drop),
+        "ground" => Option::<Bound<'_, Terrain>>::read(argument, value).map(drop),
+        _ => Err(refuse("argument", "be one that has a kind", argument)),
+    }
 }
 
 /// Fails in an interpreter that was told to go on without its lock whatever a module needs.

@@ -1,28 +1,26 @@
 //! `six_wheel.Odometry`.
 
+mod fastcall;
 pub mod gyroscope;
 mod input;
 pub mod preintegrated;
-mod quick;
+mod run;
 pub mod spatial;
 pub mod state;
 pub mod values;
 
-use std::str::FromStr;
-
-use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::odometry::{Odometry as Core, Readings, Recording, Sample, Settings, TrackRows};
+use pyo3::types::PyTuple;
+use six_wheel_core::odometry::{Odometry as Core, Readings, Sample, Settings};
 use six_wheel_core::{Error, Method};
 
-pub use quick::install;
+pub use fastcall::install;
 
-use crate::convert::{Array, Output, Rows, Scalars, compute, memory, number, numbers, one_twist_first, raise, refuse};
-use crate::given;
+use crate::arguments;
+use crate::convert::{OrRaise, Rows, number, numbers, one_twist_first, optional_number, refuse};
 use crate::rover::Rover;
-use crate::shared::Shared;
-use input::{Columns, build_track, by_wheel, deviations, encoders, optional, row};
+use crate::state_lock::Shared;
+use input::{by_wheel, deviations, encoders, row};
 use state::{OdometryState, Spares};
 use values::Noise;
 
@@ -84,13 +82,13 @@ pub struct Odometry {
     rover: Py<Rover>,
 }
 
-/// What one thread at a time works with.
+/// The state that one thread at a time works with.
 struct Work {
     core: Core,
     spares: Spares,
 }
 
-/// What the wheels report, by name.
+/// The kind of readings, by name.
 fn readings_named(name: &str) -> PyResult<Readings> {
     match name {
         "angles" => Ok(Readings::Angles),
@@ -119,9 +117,18 @@ impl Odometry {
     /// Changes the core, and answers with the state after that.
     fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Core) -> Result<(), Error>) -> PyResult<OdometryState> {
         let mut work = self.work.lock(py)?;
-        change(&mut work.core).map_err(|error| raise(error, &[]))?;
+        change(&mut work.core).or_raise(&[])?;
         Ok(self.state_of(&work.core, py))
     }
+}
+
+getters! { Odometry, this, py:
+    /// Where the rover is after the last sample.
+    state: PyResult<OdometryState> = Ok(this.state_of(&this.work.lock(py)?.core, py));
+    /// The rover.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Standard deviations of readings and slip.
+    noise: PyResult<Noise> = Ok(this.work.lock(py)?.core.settings().noise.into());
 }
 
 #[pymethods]
@@ -131,23 +138,22 @@ impl Odometry {
         signature = (rover, noise=None, *, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", inflate=false, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=None, lag=None, history=1024, gyroscope=None, wheel_noise=None, dimensions=None),
         text_signature = "(rover, noise=None, *, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', inflate=False, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, smoothing=0.0, lag=0.0, history=1024, gyroscope=None, wheel_noise=None, dimensions=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = given::readings)] readings: &str,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = arguments::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::method)] method: &str,
-        #[pyo3(from_py_with = given::inflate)] inflate: bool,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        #[pyo3(from_py_with = arguments::inflate)] inflate: bool,
         slip_threshold: Option<&Bound<'_, PyAny>>,
         max_gap: Option<&Bound<'_, PyAny>>,
         max_speed: Option<&Bound<'_, PyAny>>,
         max_steering_rate: Option<&Bound<'_, PyAny>>,
         smoothing: Option<&Bound<'_, PyAny>>,
         lag: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::history)] history: usize,
-        #[pyo3(from_py_with = given::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
+        #[pyo3(from_py_with = arguments::history)] history: usize,
+        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, gyroscope::Gyroscope>>,
         wheel_noise: Option<&Bound<'_, PyAny>>,
         dimensions: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -163,17 +169,17 @@ impl Odometry {
             readings,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-            method: Method::from_str(method).map_err(|error| raise(error, &[]))?,
+            method: method.parse::<Method>().or_raise(&[])?,
             inflate,
-            slip_threshold: optional("slip_threshold", slip_threshold)?,
-            max_gap: optional("max_gap", max_gap)?,
-            max_speed: optional("max_speed", max_speed)?,
-            max_steering_rate: optional("max_steering_rate", max_steering_rate)?,
-            smoothing: optional("smoothing", smoothing)?.unwrap_or(0.0),
-            lag: optional("lag", lag)?.unwrap_or(0.0),
+            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
+            max_gap: optional_number("max_gap", max_gap)?,
+            max_speed: optional_number("max_speed", max_speed)?,
+            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
+            smoothing: optional_number("smoothing", smoothing)?.unwrap_or(0.0),
+            lag: optional_number("lag", lag)?.unwrap_or(0.0),
             history,
         };
-        let core = Core::new(core.clone(), settings).map_err(|error| raise(error, &[]))?;
+        let core = Core::new(core.clone(), settings).or_raise(&[])?;
         Ok(Self { work: Shared::new(Work { core, spares: Spares::default() }), rover: rover.clone().unbind() })
     }
 
@@ -220,98 +226,10 @@ impl Odometry {
             steering: steering.as_ref().map_or(&[][..], |rows| rows.flat()),
             wheels: wheels.as_ref().map_or(&[], Rows::flat),
             stamp: number("stamp", stamp)?,
-            yaw: optional("yaw", yaw)?,
-            yaw_rate: optional("yaw_rate", yaw_rate)?,
+            yaw: optional_number("yaw", yaw)?,
+            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
-    }
-
-    /// Takes in a whole log, from where the last sample ended; the same numbers as `update`, row by row.
-    ///
-    /// Parameters
-    /// ----------
-    /// steering : array_like, shape (n, steered wheels)
-    ///     As in `update`; None for a rover that does not steer.
-    /// wheel_angles : array_like, shape (n, wheels)
-    ///     As in `update`.
-    /// stamps : array_like, shape (n,)
-    ///     When they were read [s].
-    /// yaw, yaw_rate : array_like, shape (n,), optional
-    ///     As in `update`; NaN in rows without.
-    /// errors : {'flag', 'raise'}
-    ///     Leave out rows that cannot be, flagged in `health`, or raise on the first one.
-    /// covariances, residuals : bool
-    ///     Whether to compute these; what is not is None.
-    ///
-    /// Returns
-    /// -------
-    /// Track
-    ///     `poses`, `twists`, `covariances`, `residuals`, `weights` (of the robust method) and `health`, one row per
-    ///     sample.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
-    #[pyo3(signature = (steering, wheel_angles, stamps, *, yaw=None, yaw_rate=None, errors="flag", covariances=true, residuals=true))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
-    fn run<'py>(
-        &self,
-        py: Python<'py>,
-        steering: &Bound<'py, PyAny>,
-        wheel_angles: &Bound<'py, PyAny>,
-        stamps: &Bound<'py, PyAny>,
-        yaw: Option<&Bound<'py, PyAny>>,
-        yaw_rate: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::errors)] errors: &str,
-        #[pyo3(from_py_with = given::covariances)] covariances: bool,
-        #[pyo3(from_py_with = given::residuals)] residuals: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let count = self.wheels();
-        let widths = [count, self.joints()];
-        let log = Columns::read(wheel_angles, steering, stamps, errors, widths)?;
-        let yaws = log.optional("yaw", yaw)?;
-        let rates = log.optional("yaw_rate", yaw_rate)?;
-        let recording = Recording {
-            steering: log.angles(),
-            wheels: log.wheels.flat(),
-            stamps: log.stamps.flat(),
-            yaws: yaws.as_ref().map(Scalars::flat),
-            yaw_rates: rates.as_ref().map(Scalars::flat),
-        };
-        let rows = log.wheels.count();
-        let output = |shape: &[usize]| Output::fresh(py, shape);
-        let wanted = |flag: bool, shape: &[usize]| flag.then(|| output(shape)).transpose();
-        let is_robust = self.work.lock(py)?.core.settings().method == Method::Robust;
-        let (mut poses, mut twists) = (output(&[rows, 3])?, output(&[rows, 3])?);
-        let mut covariances = wanted(covariances, &[rows, 3, 3])?;
-        let mut residuals = wanted(residuals, &[rows, count])?;
-        let mut weights = wanted(is_robust, &[rows, count])?;
-        let mut flags = memory::filled(0, rows)?;
-        let track = TrackRows {
-            poses: poses.triples(),
-            twists: twists.triples(),
-            covariances: covariances.as_mut().map(|out| out.flat().as_chunks_mut().0),
-            residuals: residuals.as_mut().map(Output::flat),
-            weights: weights.as_mut().map(Output::flat),
-            health: &mut flags,
-        };
-        let mut work = self.work.lock(py)?;
-        let core = &mut work.core;
-        compute(py, rows, || core.run(recording, log.is_strict, track))
-            .map_err(|error| raise(error, &log.wheels.leading))?;
-        drop(work);
-        let finish = |out: Option<Output<'py>>| -> PyResult<Option<Array<'py>>> { out.map(Output::finish).transpose() };
-        let keywords = PyDict::new(py);
-        keywords.set_item("rover", &self.rover)?;
-        keywords.set_item("stamps", memory::array(py, log.stamps.flat(), &[rows])?)?;
-        keywords.set_item("poses", poses.finish()?)?;
-        keywords.set_item("twists", twists.finish()?)?;
-        keywords.set_item("covariances", finish(covariances)?)?;
-        keywords.set_item("residuals", finish(residuals)?)?;
-        keywords.set_item("weights", finish(weights)?)?;
-        keywords.set_item("health", PyArray1::from_vec(py, flags))?;
-        build_track(&keywords, "Track")
     }
 
     /// Open loop, for a rover without readings: it is taken to have held a commanded twist since the last stamp.
@@ -412,30 +330,12 @@ impl Odometry {
         Ok(())
     }
 
-    /// Where the rover is after the last sample.
-    #[getter]
-    fn state(&self, py: Python<'_>) -> PyResult<OdometryState> {
-        Ok(self.state_of(&self.work.lock(py)?.core, py))
-    }
-
     /// Bias of the gyroscope and its standard deviation, a pair [rad/s]; None without one.
     #[getter]
     fn gyroscope_bias(&self, py: Python<'_>) -> PyResult<Option<(f64, f64)>> {
         let work = self.work.lock(py)?;
         let bias = work.core.gyroscope_bias();
         Ok(bias.map(|[value, deviation]| (value, deviation)))
-    }
-
-    /// The rover.
-    #[getter]
-    fn rover(&self, py: Python<'_>) -> Py<Rover> {
-        self.rover.clone_ref(py)
-    }
-
-    /// Standard deviations of readings and slip.
-    #[getter]
-    fn noise(&self, py: Python<'_>) -> PyResult<Noise> {
-        Ok(self.work.lock(py)?.core.settings().noise.into())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -1,21 +1,23 @@
 //! `six_wheel.Mppi`, a sampling planner's whole cycle.
 
-mod arguments;
+pub mod costmap;
+mod inputs;
 mod plan;
+mod rollout;
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
-use crate::batch::any_workers;
+use crate::arguments;
 use crate::controller::limits::Limits;
-use crate::convert::{Array, Output, Rows, compute, number, one_row, raise, refuse};
-use crate::costmap::Costmap;
-use crate::given;
+use crate::convert::{Array, OrRaise, Output, Rows, compute_rows, number, one_row, out_tuple, refuse};
 use crate::rover::Rover;
-use crate::shared::Shared;
-use arguments::{Seen, check_frame, place, points, precision, read_weights, size, whole};
+use crate::state_lock::{Shared, Turn};
+use crate::workers::any_workers;
+use costmap::Costmap;
+use inputs::{Seen, check_frame, place, points, precision, read_weights, size, whole};
 pub use plan::MppiPlan;
 use plan::triples;
 
@@ -85,6 +87,25 @@ pub struct Mppi {
     options: Options,
 }
 
+getters! { Mppi, this, py:
+    /// The costs of the last cycle's rollouts, shape (samples,).
+    costs: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, this.core.lock(py)?.costs()));
+    /// What is planned for.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// What its motion may not exceed.
+    limits: Limits = this.limits.clone();
+    /// Steps of a rollout.
+    horizon: usize = this.options.horizon;
+    /// Duration of a step [s].
+    dt: f64 = this.options.dt;
+    /// Rollouts of a cycle.
+    samples: usize = this.options.samples;
+    /// Of the noise.
+    seed: u64 = this.options.seed;
+    /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
+    noise: PyResult<Bound<'py, PyArray1<f64>>> = Ok(PyArray1::from_slice(py, &this.core.lock(py)?.noise()));
+}
+
 #[pymethods]
 impl Mppi {
     #[new]
@@ -92,20 +113,19 @@ impl Mppi {
         signature = (rover, limits=None, *, horizon=None, dt=None, samples=None, seed=None, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=true, delay=0.0, dtype=None, footprint=None),
         text_signature = "(rover, limits=None, *, horizon=56, dt=0.05, samples=2000, seed=0, noise=None, correlation=0.5, temperature=1.0, weights=None, smoothing=True, delay=0.0, dtype='float64', footprint=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::limits)] limits: Option<Limits>,
         horizon: Option<&Bound<'_, PyAny>>,
         dt: Option<&Bound<'_, PyAny>>,
         samples: Option<&Bound<'_, PyAny>>,
         seed: Option<&Bound<'_, PyAny>>,
         noise: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::correlation)] correlation: f64,
-        #[pyo3(from_py_with = given::temperature)] temperature: f64,
+        #[pyo3(from_py_with = arguments::correlation)] correlation: f64,
+        #[pyo3(from_py_with = arguments::temperature)] temperature: f64,
         weights: Option<&Bound<'_, PyDict>>,
-        #[pyo3(from_py_with = given::smoothing)] smoothing: bool,
-        #[pyo3(from_py_with = given::delay)] delay: f64,
+        #[pyo3(from_py_with = arguments::smoothing)] smoothing: bool,
+        #[pyo3(from_py_with = arguments::delay)] delay: f64,
         dtype: Option<&Bound<'_, PyAny>>,
         footprint: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -139,7 +159,7 @@ impl Mppi {
             footprint,
         };
         let limits = limits.unwrap_or(Limits(Default::default()));
-        let core = Core::new(&rover.get().core, limits.0, options.clone()).map_err(|error| raise(error, &[]))?;
+        let core = Core::new(&rover.get().core, limits.0, options.clone()).or_raise(&[])?;
         Ok(Self { core: Shared::new(core), rover: rover.unbind(), limits, options })
     }
 
@@ -187,7 +207,6 @@ impl Mppi {
         signature = (state, *more, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None),
         text_signature = "($self, state, *, twist=None, steering=None, path=None, costmap=None, goal=None, extra_cost=None, frame=None, out=None, threads=None, kernel=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -196,13 +215,13 @@ impl Mppi {
         twist: Option<&Bound<'py, PyAny>>,
         steering: Option<&Bound<'py, PyAny>>,
         path: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::costmap)] costmap: Option<Bound<'py, Costmap>>,
+        #[pyo3(from_py_with = arguments::costmap)] costmap: Option<Bound<'py, Costmap>>,
         goal: Option<&Bound<'py, PyAny>>,
         extra_cost: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::frame)] frame: Option<&str>,
+        #[pyo3(from_py_with = arguments::frame)] frame: Option<&str>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<MppiPlan> {
         if !more.is_empty() {
             return Err(one_row("Mppi.step((x, y, yaw))", "state", 1 + more.len()));
@@ -231,28 +250,14 @@ impl Mppi {
         let rollouts = self.options.samples * self.options.horizon;
         let mut core = self.core.lock(py)?;
         let planner = &mut *core;
-        compute(py, rollouts, || planner.roll(situation, workers)).map_err(|error| raise(error, &[]))?;
+        compute_rows(py, rollouts, &[], || planner.roll(situation, workers))?;
         let mut extra = None;
         if let Some(function) = extra_cost {
-            let rolls = core.rolls();
-            let [poses, twists] = self.recorded(py, &mut core)?;
-            // The function may want to look at the planner.
-            drop(core);
-            let costs = function.call1((poses, twists))?;
-            extra = Some(Rows::read("extra_cost", &costs, self.options.samples)?);
-            core = self.core.lock(py)?;
-            if core.rolls() != rolls {
-                return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
-            }
+            let (costs, locked) = self.extra_costs(py, core, function)?;
+            (extra, core) = (Some(costs), locked);
         }
-        let costs = extra.as_ref().map(|rows| {
-            rows.check_leading("extra_cost", &[])?;
-            PyResult::Ok(rows.flat())
-        });
-        let costs = costs.transpose()?;
-        let planner = &mut *core;
-        let outcome = compute(py, rollouts, || planner.weigh(costs, workers).cloned());
-        let outcome = outcome.map_err(|error| raise(error, &[self.options.samples]))?;
+        let (costs, planner) = (extra.as_ref().map(Rows::flat), &mut *core);
+        let outcome = compute_rows(py, rollouts, &[self.options.samples], || planner.weigh(costs, workers).cloned())?;
         let [steering, speeds] = &mut outputs;
         steering.flat().copy_from_slice(&outcome.steering);
         speeds.flat().copy_from_slice(&outcome.speeds);
@@ -305,7 +310,7 @@ impl Mppi {
             steering: steering.flat().to_vec(),
             progress: number("progress", &item("progress")?)?,
         };
-        self.core.lock(py)?.set_state(state).map_err(|error| raise(error, &[]))
+        self.core.lock(py)?.set_state(state).or_raise(&[])
     }
 
     /// The wishes of the last cycle's rollouts, ``[vx, vy, omega]``, shape (samples, horizon, 3) [m/s, m/s, rad/s].
@@ -320,54 +325,6 @@ impl Mppi {
             rows.copy_from_slice(&wishes);
         }
         output.finish()
-    }
-
-    /// The costs of the last cycle's rollouts, shape (samples,).
-    #[getter]
-    fn costs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, self.core.lock(py)?.costs()))
-    }
-
-    /// What is planned for.
-    #[getter]
-    fn rover(&self, py: Python<'_>) -> Py<Rover> {
-        self.rover.clone_ref(py)
-    }
-
-    /// What its motion may not exceed.
-    #[getter]
-    fn limits(&self) -> Limits {
-        self.limits.clone()
-    }
-
-    /// Steps of a rollout.
-    #[getter]
-    fn horizon(&self) -> usize {
-        self.options.horizon
-    }
-
-    /// Duration of a step [s].
-    #[getter]
-    fn dt(&self) -> f64 {
-        self.options.dt
-    }
-
-    /// Rollouts of a cycle.
-    #[getter]
-    fn samples(&self) -> usize {
-        self.options.samples
-    }
-
-    /// Of the noise.
-    #[getter]
-    fn seed(&self) -> u64 {
-        self.options.seed
-    }
-
-    /// Standard deviation of the wishes, shape (3,) [m/s, m/s, rad/s].
-    #[getter]
-    fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, &self.core.lock(py)?.noise()))
     }
 
     /// What counts how much.
@@ -390,20 +347,32 @@ impl Mppi {
 }
 
 impl Mppi {
-    /// Where steering angles and wheel speeds go.
+    /// Costs of the rollouts by a function of Python, which may look at the planner: the lock is released meanwhile.
+    fn extra_costs<'a, 'py>(
+        &'a self,
+        py: Python<'py>,
+        mut core: Turn<'a, Core>,
+        function: &Bound<'py, PyAny>,
+    ) -> PyResult<(Rows<'py>, Turn<'a, Core>)>
+    where
+        'py: 'a,
+    {
+        let rolls = core.rolls();
+        let [poses, twists] = self.recorded(py, &mut core)?;
+        drop(core);
+        let costs = Rows::read("extra_cost", &function.call1((poses, twists))?, self.options.samples)?;
+        let core = self.core.lock(py)?;
+        if core.rolls() != rolls {
+            return Err(refuse("extra_cost", "not step the planner it judges for", "another cycle"));
+        }
+        costs.check_leading("extra_cost", &[])?;
+        Ok((costs, core))
+    }
+
+    /// The outputs for steering angles and wheel speeds.
     fn outputs<'py>(&self, py: Python<'py>, out: Option<&Bound<'py, PyAny>>) -> PyResult<[Output<'py>; 2]> {
         let rover = self.rover.get();
-        let outs = match out {
-            None => [None, None],
-            Some(out) => {
-                let pair = out.cast::<PyTuple>().ok().filter(|pair| pair.len() == 2);
-                let Some(pair) = pair else {
-                    let got = out.get_type().name()?.to_string();
-                    return Err(refuse("out", "be a tuple of two arrays, steering and speeds", &got));
-                };
-                [Some(pair.get_item(0)?), Some(pair.get_item(1)?)]
-            }
-        };
+        let outs = out_tuple::<2>(out, "be a tuple of two arrays, steering and speeds")?;
         Ok([
             Output::new(py, "out.steering", outs[0].as_ref(), &[rover.joints()])?,
             Output::new(py, "out.speeds", outs[1].as_ref(), &[rover.count()])?,

@@ -1,18 +1,39 @@
 //! `six_wheel.Rover`: the class, its wheels and joints, and how it is a value. What it computes has rooms
 //! of its own: `layouts`, `kinematics`, `fit`, `admissible`, `mobility`.
 
+mod admissible;
+mod commands;
+mod fastcall;
+mod fit;
+pub mod joints;
+mod kinematics;
+mod layouts;
+mod mobility;
+mod planar;
+mod sensitivity;
+
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
+use six_wheel_core::presets::PRESETS;
 use six_wheel_core::suspension::WHEELS;
 use six_wheel_core::units::{self, Question};
 use six_wheel_core::{Rover as Core, SteeringRange};
 
-use crate::convert::{ArgumentTypeError, ask, items, raise, ready, refuse, short_repr};
-use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
-use crate::suspension::RockerBogie;
-use crate::wheel::{Wheel, hash_wheel, reduce, steering_limit};
+use crate::arguments::ArgumentKind;
+use crate::classes::reduce;
+use crate::convert::{ArgumentTypeError, OrRaise, items, ready, refuse, short_repr};
+use crate::suspension::{RockerBogie, Suspension};
+use crate::unit_warnings::warn_units;
+use crate::wheel::{Wheel, hash_wheel, steering_limit};
+
+use joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
+
+pub use fastcall::install;
+pub use fit::Fit;
+pub use mobility::Mobility;
+pub use sensitivity::Sensitivity;
 
 /// Items of a list that are looked at.
 const MOST_ITEMS: usize = 1 << 16;
@@ -53,9 +74,9 @@ pub struct Rover {
     suspension: Option<Py<RockerBogie>>,
 }
 
-/// What a rover has beside its wheels, as its constructor takes it.
+/// The arguments of the constructor beside the wheels.
 #[derive(Default)]
-pub struct Fittings<'a, 'py> {
+pub struct RoverOptions<'a, 'py> {
     pub traction: Option<&'a Bound<'py, PyMapping>>,
     pub steering: Option<&'a Bound<'py, PyMapping>>,
     pub reversed: Vec<String>,
@@ -70,9 +91,9 @@ fn driven(core: &Core) -> Vec<usize> {
 impl Rover {
     /// The rover of a core one, with joints under their default names.
     pub fn named(py: Python<'_>, core: Result<Core, six_wheel_core::Error>) -> PyResult<Self> {
-        let core = core.map_err(|error| raise(error, &[]))?;
-        ask(py, units::dimensions(&core))?;
-        Self::build(py, core, Fittings::default())
+        let core = core.or_raise(&[])?;
+        warn_units(py, units::dimensions(&core))?;
+        Self::build(py, core, RoverOptions::default())
     }
 
     /// Number of steered wheels.
@@ -86,7 +107,7 @@ impl Rover {
     }
 
     /// A rover of the core with what it has beside its wheels.
-    pub fn build(py: Python<'_>, core: Core, fittings: Fittings<'_, '_>) -> PyResult<Self> {
+    pub fn build(py: Python<'_>, core: Core, fittings: RoverOptions<'_, '_>) -> PyResult<Self> {
         ready(py)?;
         let motors = driven(&core);
         let (traction, steering) = (fittings.traction, fittings.steering);
@@ -179,7 +200,7 @@ pub fn setting_questions(settings: &Bound<'_, PyDict>) -> Vec<(&'static str, Str
 /// Warns of what is odd about settings.
 #[pyfunction]
 pub fn ask_settings(settings: &Bound<'_, PyDict>) -> PyResult<()> {
-    ask(settings.py(), odd_settings(settings))
+    warn_units(settings.py(), odd_settings(settings))
 }
 
 /// What is no number is for others to refuse.
@@ -193,6 +214,47 @@ fn odd_settings(settings: &Bound<'_, PyDict>) -> Vec<Question> {
 
 fn listed(questions: Vec<Question>) -> Vec<(&'static str, String, String)> {
     questions.into_iter().map(|question| (question.about, question.says, question.likely)).collect()
+}
+
+impl ArgumentKind for Rover {
+    const KIND: &'static str = "a Rover";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        if value.is_instance_of::<Suspension>() {
+            return "its planar(...), the rover seen from above".into();
+        }
+        match value.extract::<String>() {
+            Ok(name) if PRESETS.iter().any(|preset| preset.name == name) => {
+                format!("sw.Rover.preset({name:?})")
+            }
+            Ok(_) => "sw.load(...) of a file, or sw.Rover.preset(...) of one of Rover.presets()".into(),
+            Err(_) => "one that sw.Rover makes, or sw.load(...) of a file".into(),
+        }
+    }
+}
+
+getters! { Rover, this, py:
+    /// The wheels, in the order of every array.
+    wheels: Py<PyTuple> = this.wheels.clone_ref(py);
+    /// Names of the wheels, in the order of every array.
+    wheel_names: PyResult<Bound<'py, PyTuple>> =
+        PyTuple::new(py, this.core.wheels().iter().map(|wheel| wheel.name.as_str()));
+    /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
+    traction_joints: PyResult<Bound<'py, PyDict>> = this.joint_dict(py, &joints::in_order_of_wheels(&this.traction));
+    /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
+    steering_joints: PyResult<Bound<'py, PyDict>> = this.joint_dict(py, &joints::in_order_of_wheels(&this.steering));
+    /// Names of the joints that count the other way.
+    reversed_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.reversed());
+    /// What the six wheels stand on, if the rover's file says; None otherwise.
+    suspension: Option<Py<RockerBogie>> = this.suspension.as_ref().map(|arm| arm.clone_ref(py));
+    /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.
+    ///
+    /// It counts along the axle line of the unsteered wheels, or abreast of the origin if there are none.
+    min_radius: f64 = this.core.min_radius();
+    /// Largest radius up to which every turn is possible [m]: 0 if the rover cannot turn on the spot.
+    ///
+    /// Between it and `min_radius` some turns are impossible.
+    spin_radius: f64 = this.core.spin_radius();
 }
 
 #[pymethods]
@@ -211,27 +273,15 @@ impl Rover {
     ) -> PyResult<Self> {
         let wheels = read_wheels(wheels)?;
         let core = Core::new(wheels.into_iter().map(|wheel| wheel.0).collect());
-        let core = core.map_err(|error| raise(error, &[]))?;
-        ask(py, units::dimensions(&core))?;
-        let fittings = Fittings {
+        let core = core.or_raise(&[])?;
+        warn_units(py, units::dimensions(&core))?;
+        let fittings = RoverOptions {
             traction: traction_joints,
             steering: steering_joints,
             reversed: reversed_joints.unwrap_or_default(),
             suspension,
         };
         Self::build(py, core, fittings)
-    }
-
-    /// The wheels, in the order of every array.
-    #[getter]
-    fn wheels(&self, py: Python<'_>) -> Py<PyTuple> {
-        self.wheels.clone_ref(py)
-    }
-
-    /// Names of the wheels, in the order of every array.
-    #[getter]
-    fn wheel_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.core.wheels().iter().map(|wheel| wheel.name.as_str()))
     }
 
     /// Names of the steered wheels, in the order of steering arrays.
@@ -241,18 +291,6 @@ impl Rover {
         PyTuple::new(py, names.collect::<Vec<_>>())
     }
 
-    /// Joint name to wheel name of the wheel drives, in the order of the wheels, as in arrays of speeds.
-    #[getter]
-    fn traction_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &crate::joints::in_order_of_wheels(&self.traction))
-    }
-
-    /// Joint name to wheel name of the steering, in the order of `steered_names`, as in arrays of angles.
-    #[getter]
-    fn steering_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.joint_dict(py, &crate::joints::in_order_of_wheels(&self.steering))
-    }
-
     /// Names of the steering joints, then of the traction joints, each in the order they were given in: that of
     /// `commands`, and for a rover from a parameter file that of the file.
     #[getter]
@@ -260,18 +298,6 @@ impl Rover {
         let names = self.steering.iter().chain(&self.traction);
         let names = names.map(|joint| &joint.name);
         PyTuple::new(py, names.collect::<Vec<_>>())
-    }
-
-    /// Names of the joints that count the other way.
-    #[getter]
-    fn reversed_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.reversed())
-    }
-
-    /// What the six wheels stand on, if the rover's file says; None otherwise.
-    #[getter]
-    fn suspension(&self, py: Python<'_>) -> Option<Py<RockerBogie>> {
-        self.suspension.as_ref().map(|arm| arm.clone_ref(py))
     }
 
     /// The text of a URDF from which `load` makes this rover again, and which viewers open.
@@ -336,22 +362,6 @@ impl Rover {
     #[pyo3(signature = (**changes))]
     fn __replace__<'py>(slf: &Bound<'py, Self>, changes: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         Self::replace(slf, None, changes)
-    }
-
-    /// Smallest radius from which on every turn is possible [m]: 0 if all are, infinite if none is.
-    ///
-    /// It counts along the axle line of the unsteered wheels, or abreast of the origin if there are none.
-    #[getter]
-    fn min_radius(&self) -> f64 {
-        self.core.min_radius()
-    }
-
-    /// Largest radius up to which every turn is possible [m]: 0 if the rover cannot turn on the spot.
-    ///
-    /// Between it and `min_radius` some turns are impossible.
-    #[getter]
-    fn spin_radius(&self) -> f64 {
-        self.core.spin_radius()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -1,20 +1,22 @@
 //! `six_wheel.Terrain`: ground as a regular grid of heights.
 
+mod sources;
+
 use std::sync::Arc;
 
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyString, PyTuple};
 use six_wheel_core::Terrain as Core;
 use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
 
-use crate::batch::any_workers;
+use crate::arguments::{self, ArgumentKind, shown};
+use crate::classes::reduce;
 use crate::convert::{
-    Asked, Output, Rows, compute, is_of_another_kind, memory, number, raise, read_array, refuse, scalar_or_array,
+    OrRaise, Output, OutputOptions, Rows, is_of_another_kind, memory, number, read_array, refuse, scalar_or_array,
     shape_text, singles,
 };
-use crate::given;
-use crate::wheel::reduce;
+use crate::workers::{any_workers, fill_rows};
 
 /// Ground as a regular grid of heights.
 ///
@@ -81,12 +83,12 @@ impl Terrain {
         xy: &Bound<'py, PyAny>,
         method: &str,
         width: usize,
-        asked: Asked<'_, 'py>,
+        asked: OutputOptions<'_, 'py>,
         threads: Option<i64>,
         answer: impl Fn(f64, [f64; 2], &mut [f64]) + Sync + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
-        let method: Interpolation = method.parse().map_err(|error| raise(error, &[]))?;
+        let method: Interpolation = method.parse().or_raise(&[])?;
         let rows = Rows::read("xy", xy, 2)?;
         let mut shape = rows.leading.clone();
         if width > 1 {
@@ -94,17 +96,14 @@ impl Terrain {
         }
         let mut output = Output::asked(py, asked, &shape)?;
         let (points, target, ground) = (rows.pairs(), output.flat(), &*self.0);
-        compute(py, points.len(), || {
-            workers.rows(points.len(), [(target, width)], |row, [target]| {
-                let [x, y] = points[row];
-                match ground.sample(x, y, method) {
-                    Sample::Known { height, gradient } => answer(height, gradient, target),
-                    Sample::Unknown | Sample::Outside => target.fill(f64::NAN),
-                }
-                Ok(())
-            })
-        })
-        .map_err(|error| raise(error, &rows.leading))?;
+        fill_rows(py, workers, points.len(), &rows.leading, [(target, width)], |row, [target]| {
+            let [x, y] = points[row];
+            match ground.sample(x, y, method) {
+                Sample::Known { height, gradient } => answer(height, gradient, target),
+                Sample::Unknown | Sample::Outside => target.fill(f64::NAN),
+            }
+            Ok(())
+        })?;
         output.finish_number(asked.0)
     }
 
@@ -119,6 +118,31 @@ impl Terrain {
         Ok(arguments)
     }
 }
+
+impl ArgumentKind for Terrain {
+    const KIND: &'static str = "a Terrain";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        match value.is_instance_of::<PyString>() {
+            true => format!("sw.Terrain.read({})", shown(value)),
+            false => "sw.Terrain(heights, spacing=...)".into(),
+        }
+    }
+}
+
+getters! { Terrain, this, py:
+    /// Number of rows and of columns.
+    shape: (usize, usize) = this.0.shape().into();
+    /// Between columns and between rows [m].
+    spacing: (f64, f64) = this.0.spacing().into();
+    /// Where node (0, 0) lies in the world [m].
+    origin: (f64, f64) = this.0.origin().into();
+    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
+    orientation: f64 = this.0.orientation();
+}
+
+equal_by!(Terrain: 0);
+replaceable!(Terrain);
 
 #[pymethods]
 impl Terrain {
@@ -143,104 +167,7 @@ impl Terrain {
         };
         let orientation = orientation.map_or(Ok(0.0), |value| number("orientation", value))?;
         let core = Core::new(heights, columns, spacing, origin, orientation);
-        core.map(|core| Self(Arc::new(core))).map_err(|error| raise(error, &[]))
-    }
-
-    /// The map of a file.
-    ///
-    /// GeoTIFF, PDS and whatever else GDAL reads (extra ``[terrain]``), ESRI ASCII grids, lists of extents and heights
-    /// as text, and ``grid_map_msgs/GridMap`` in ROS bags (extra ``[bags]``). Coordinates stay those of the map's
-    /// own frame.
-    ///
-    /// Parameters
-    /// ----------
-    /// path : path
-    ///     The file, or the folder of a bag.
-    /// window : (float, float, float, float), optional
-    ///     x_min, y_min, x_max, y_max in the frame of the map [m]: only this part is read.
-    /// topic : str, optional
-    ///     Topic of a bag, default the only one with maps.
-    /// layer : str, optional
-    ///     Layer of a grid map, default ``elevation`` or the only one.
-    ///
-    /// Returns
-    /// -------
-    /// Terrain
-    ///     NaN where the map has no height.
-    ///
-    /// Raises
-    /// ------
-    /// FileNotFoundError
-    ///     If there is no such file.
-    /// ImportError
-    ///     If the library that reads such files is not installed.
-    /// TerrainFileError
-    ///     If it is no map, its coordinates are degrees, or the window is off it.
-    #[staticmethod]
-    #[pyo3(signature = (path, *, window=None, topic=None, layer=None))]
-    fn read<'py>(
-        path: &Bound<'py, PyAny>,
-        window: Option<&Bound<'py, PyAny>>,
-        topic: Option<&Bound<'py, PyAny>>,
-        layer: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(path.py());
-        for (name, value) in [("window", window), ("topic", topic), ("layer", layer)] {
-            options.set_item(name, value)?;
-        }
-        let module = path.py().import("six_wheel.terrain")?;
-        module.call_method("read", (path,), Some(&options))
-    }
-
-    /// Ground made by seed: fractal (Hurst 0.7), with rocks as on Mars.
-    ///
-    /// Parameters
-    /// ----------
-    /// size : float or (float, float)
-    ///     Along x and along y [m].
-    /// spacing : float, default 0.05
-    ///     Between heights [m].
-    /// cover : float, default 0.1
-    ///     Share of the ground that rocks cover, 0 to 0.5. Those of diameter D [m] and more cover
-    ///     ``cover exp(-q D)`` with ``q = 1.79 + 0.152 / cover``; they are half as high, from 0.05 to 3 m large, and
-    ///     where they overlap the higher one is seen.
-    /// seed : int
-    ///     The same seed makes the same ground on every platform.
-    /// roughness : float, default 0.1
-    ///     Root mean square of the fractal heights over 40 m [m].
-    ///
-    /// Returns
-    /// -------
-    /// Terrain
-    ///     Its origin at (0, 0), heights rounded to 0.1 mm.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a number is not finite or out of its range.
-    ///
-    /// Source: M. Golombek, D. Rapp, Size-frequency distributions of rocks on Mars and Earth analog sites, Journal of
-    /// Geophysical Research 102, 1997.
-    #[staticmethod]
-    #[pyo3(signature = (size=None, spacing=0.05, cover=0.1, seed=None, *, roughness=0.1))]
-    fn yard<'py>(
-        py: Python<'py>,
-        size: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::spacing)] spacing: f64,
-        #[pyo3(from_py_with = given::cover)] cover: f64,
-        seed: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::roughness)] roughness: f64,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(py);
-        options.set_item("spacing", spacing)?;
-        options.set_item("cover", cover)?;
-        options.set_item("roughness", roughness)?;
-        for (name, value) in [("size", size), ("seed", seed)] {
-            if let Some(value) = value {
-                options.set_item(name, value)?;
-            }
-        }
-        py.import("six_wheel.terrain")?.call_method("yard", (), Some(&options))
+        core.map(|core| Self(Arc::new(core))).or_raise(&[])
     }
 
     /// The heights [m], shape (rows, columns), as a fresh array.
@@ -251,30 +178,6 @@ impl Terrain {
             Heights::Single(heights) => memory::array(py, heights, shape)?.into_any(),
             Heights::Double(heights) => memory::array(py, heights, shape)?.into_any(),
         })
-    }
-
-    /// Number of rows and of columns.
-    #[getter]
-    fn shape(&self) -> (usize, usize) {
-        self.0.shape().into()
-    }
-
-    /// Between columns and between rows [m].
-    #[getter]
-    fn spacing(&self) -> (f64, f64) {
-        self.0.spacing().into()
-    }
-
-    /// Where node (0, 0) lies in the world [m].
-    #[getter]
-    fn origin(&self) -> (f64, f64) {
-        self.0.origin().into()
-    }
-
-    /// By how much the rows are turned from the x axis of the world, counter-clockwise [rad].
-    #[getter]
-    fn orientation(&self) -> f64 {
-        self.0.orientation()
     }
 
     /// Heights at points of the world.
@@ -302,10 +205,10 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 1, (out, dtype), threads, |height, _, target| {
             target[0] = height;
@@ -336,10 +239,10 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 2, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(&gradient);
@@ -370,10 +273,10 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::method)] method: &str,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.ask(py, xy, method, 3, (out, dtype), threads, |_, gradient, target| {
             target.copy_from_slice(normal(gradient).as_slice());
@@ -397,20 +300,17 @@ impl Terrain {
         &self,
         py: Python<'py>,
         xy: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
         let workers = any_workers(threads, None)?;
         let rows = Rows::read("xy", xy, 2)?;
         let (points, ground) = (rows.pairs(), &*self.0);
         let mut inside = memory::filled(false, points.len())?;
-        compute(py, points.len(), || {
-            workers.rows(points.len(), [(&mut inside, 1)], |row, [target]| {
-                let [x, y] = points[row];
-                target[0] = ground.contains(x, y);
-                Ok(())
-            })
-        })
-        .map_err(|error| raise(error, &rows.leading))?;
+        fill_rows(py, workers, points.len(), &rows.leading, [(&mut inside, 1)], |row, [target]| {
+            let [x, y] = points[row];
+            target[0] = ground.contains(x, y);
+            Ok(())
+        })?;
         scalar_or_array(py, inside, &rows.leading)
     }
 
@@ -421,10 +321,6 @@ impl Terrain {
             orientation => format!(", orientation={orientation:?}"),
         };
         format!("Terrain(<{rows} x {columns} heights>, spacing=({dx:?}, {dy:?}), origin=({x:?}, {y:?}){turned})")
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

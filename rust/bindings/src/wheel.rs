@@ -2,13 +2,14 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyString, PyTuple};
 use six_wheel_core::{Pivot, SteeringRange, Wheel as Core, units};
 
-use crate::convert::{ask, number, raise, refuse};
-use crate::given;
+use crate::arguments;
+use crate::classes::reduce;
+use crate::convert::{OrRaise, number, optional_number, refuse};
+use crate::unit_warnings::warn_units;
 
 /// One wheel of a rover: where its pivot is, which way it rolls, whether it steers.
 ///
@@ -60,7 +61,7 @@ pub fn steering_range(limit: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Steer
         }
         Err(_) => SteeringRange::symmetric(number("steering_limit", limit)?),
     };
-    range.map(Some).map_err(|error| raise(error, &[]))
+    range.map(Some).or_raise(&[])
 }
 
 /// The argument of [`steering_range`] that makes this range, as Python text.
@@ -112,6 +113,36 @@ pub fn hash_wheel(wheel: &Core, state: &mut impl Hasher) {
     }
 }
 
+getters! { Wheel, this, py:
+    /// Unique within its rover.
+    name: &str = &this.0.name;
+    /// Pivot, forward of the body's origin [m].
+    x: f64 = this.0.x;
+    /// Pivot, left of the body's origin [m].
+    y: f64 = this.0.y;
+    /// Hub to ground [m].
+    radius: f64 = this.0.radius;
+    /// Whether it turns about a vertical axis at the pivot.
+    steered: bool = this.0.steering().is_some();
+    /// Direction in which it rolls at steering angle 0 [rad].
+    heading: f64 = this.0.heading;
+    /// Smallest and largest steering angle [rad]; None for a fixed wheel.
+    steering_range: Option<(f64, f64)> = this.0.steering().map(|range| (range.lower, range.upper));
+    /// Contact to the left of the steering axis [m].
+    scrub: f64 = this.0.scrub;
+    /// Contact behind the steering axis [m].
+    trail: f64 = this.0.trail;
+    /// Between the axes of its rollers and its own [rad]; None without rollers.
+    roller_angle: Option<f64> = this.0.roller_angle;
+    /// Whether it has a motor.
+    driven: bool = this.0.driven;
+    /// Whether it swivels freely behind its pivot.
+    castor: bool = this.0.pivot == Pivot::Castor;
+}
+
+equal_by!(Wheel: 0);
+replaceable!(Wheel);
+
 #[pymethods]
 impl Wheel {
     #[new]
@@ -119,21 +150,20 @@ impl Wheel {
         signature = (name, x, y, *, radius, steered=false, heading=None, steering_limit=None, scrub=None, trail=None, roller_angle=None, driven=None, castor=false),
         text_signature = "(name, x, y, *, radius, steered=False, heading=0.0, steering_limit=None, scrub=0.0, trail=0.0, roller_angle=None, driven=None, castor=False)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         py: Python<'_>,
-        #[pyo3(from_py_with = given::name)] name: String,
+        #[pyo3(from_py_with = arguments::name)] name: String,
         x: &Bound<'_, PyAny>,
         y: &Bound<'_, PyAny>,
         radius: &Bound<'_, PyAny>,
-        #[pyo3(from_py_with = given::steered)] steered: bool,
+        #[pyo3(from_py_with = arguments::steered)] steered: bool,
         heading: Option<&Bound<'_, PyAny>>,
         steering_limit: Option<&Bound<'_, PyAny>>,
         scrub: Option<&Bound<'_, PyAny>>,
         trail: Option<&Bound<'_, PyAny>>,
         roller_angle: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::driven)] driven: Option<bool>,
-        #[pyo3(from_py_with = given::castor)] castor: bool,
+        #[pyo3(from_py_with = arguments::driven)] driven: Option<bool>,
+        #[pyo3(from_py_with = arguments::castor)] castor: bool,
     ) -> PyResult<Self> {
         let optional =
             |argument, value: Option<&Bound<'_, PyAny>>| value.map_or(Ok(0.0), |value| number(argument, value));
@@ -161,54 +191,12 @@ impl Wheel {
             pivot,
             scrub: optional("scrub", scrub)?,
             trail: optional("trail", trail)?,
-            roller_angle: roller_angle.map(|angle| number("roller_angle", angle)).transpose()?,
+            roller_angle: optional_number("roller_angle", roller_angle)?,
             driven: driven.unwrap_or(!castor),
         };
-        wheel.check().map_err(|error| raise(error, &[]))?;
-        ask(py, units::wheel(&wheel))?;
+        wheel.check().or_raise(&[])?;
+        warn_units(py, units::wheel(&wheel))?;
         Ok(Self(wheel))
-    }
-
-    /// Unique within its rover.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.0.name
-    }
-
-    /// Pivot, forward of the body's origin [m].
-    #[getter]
-    fn x(&self) -> f64 {
-        self.0.x
-    }
-
-    /// Pivot, left of the body's origin [m].
-    #[getter]
-    fn y(&self) -> f64 {
-        self.0.y
-    }
-
-    /// Hub to ground [m].
-    #[getter]
-    fn radius(&self) -> f64 {
-        self.0.radius
-    }
-
-    /// Whether it turns about a vertical axis at the pivot.
-    #[getter]
-    fn steered(&self) -> bool {
-        self.0.steering().is_some()
-    }
-
-    /// Direction in which it rolls at steering angle 0 [rad].
-    #[getter]
-    fn heading(&self) -> f64 {
-        self.0.heading
-    }
-
-    /// Smallest and largest steering angle [rad]; None for a fixed wheel.
-    #[getter]
-    fn steering_range(&self) -> Option<(f64, f64)> {
-        self.0.steering().map(|range| (range.lower, range.upper))
     }
 
     /// The argument of that name [rad]: largest angle to either side, or smallest and largest; None for a
@@ -225,36 +213,6 @@ impl Wheel {
         self.0.steering().map(limit).transpose()
     }
 
-    /// Contact to the left of the steering axis [m].
-    #[getter]
-    fn scrub(&self) -> f64 {
-        self.0.scrub
-    }
-
-    /// Contact behind the steering axis [m].
-    #[getter]
-    fn trail(&self) -> f64 {
-        self.0.trail
-    }
-
-    /// Between the axes of its rollers and its own [rad]; None without rollers.
-    #[getter]
-    fn roller_angle(&self) -> Option<f64> {
-        self.0.roller_angle
-    }
-
-    /// Whether it has a motor.
-    #[getter]
-    fn driven(&self) -> bool {
-        self.0.driven
-    }
-
-    /// Whether it swivels freely behind its pivot.
-    #[getter]
-    fn castor(&self) -> bool {
-        self.0.pivot == Pivot::Castor
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let wheel = &self.0;
         let mut text = format!("Wheel({}, {:?}, {:?}", PyString::new(py, &wheel.name).repr()?, wheel.x, wheel.y);
@@ -265,10 +223,6 @@ impl Wheel {
             text += &format!(", {argument}={value}");
         }
         Ok(text + ")")
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
     }
 
     fn __hash__(&self) -> u64 {
@@ -282,16 +236,4 @@ impl Wheel {
         let arguments = (wheel.0.name.as_str(), wheel.0.x, wheel.0.y).into_pyobject(py)?;
         reduce(slf.as_any(), &arguments, &wheel.keywords(py)?)
     }
-}
-
-/// What pickle needs to call a class again with the same arguments.
-pub fn reduce<'py>(
-    object: &Bound<'py, PyAny>,
-    arguments: &Bound<'py, PyTuple>,
-    keywords: &Bound<'py, PyDict>,
-) -> PyResult<Bound<'py, PyTuple>> {
-    let py = object.py();
-    let rebuild = py.import("copyreg")?.getattr(intern!(py, "__newobj_ex__"))?;
-    let call = (object.get_type(), arguments, keywords);
-    (rebuild, call).into_pyobject(py)
 }

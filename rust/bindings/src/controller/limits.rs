@@ -6,10 +6,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::{Limits as Core, units};
 
-use crate::convert::{ask, number, raise};
-use crate::given;
+use crate::arguments::{self, ArgumentKind, FromArgument, constructor_call};
+use crate::classes::reduce;
+use crate::convert::{OrRaise, number};
 use crate::rover::Rover;
-use crate::wheel::reduce;
+use crate::unit_warnings::warn_units;
 
 /// What a motion may not exceed.
 ///
@@ -72,6 +73,22 @@ impl Limits {
     }
 }
 
+impl ArgumentKind for Limits {
+    const KIND: &'static str = "Limits";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        constructor_call("Limits", "speed", value)
+    }
+}
+
+impl<'a, 'py> FromArgument<'a, 'py> for Limits {
+    fn read(argument: &str, value: &'a Bound<'py, PyAny>) -> PyResult<Self> {
+        Bound::<Self>::read(argument, value).map(|limits| limits.get().clone())
+    }
+}
+
+replaceable!(Limits);
+
 #[pymethods]
 impl Limits {
     #[new]
@@ -79,7 +96,6 @@ impl Limits {
         angular_acceleration=None, angular_deceleration=None, angular_jerk=None, lateral_acceleration=None,
         wheel_speed=None, wheel_acceleration=None, steering_limit=None, steering_rate=None,
         steering_acceleration=None, halt_deceleration=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         py: Python<'_>,
         speed: Option<&Bound<'_, PyAny>>,
@@ -119,8 +135,8 @@ impl Limits {
         for ((value, given), name) in values.iter_mut().zip(given).zip(Core::NAMES) {
             *value = given.map(|given| number(name, given)).transpose()?;
         }
-        let core = Core::new(values).map_err(|error| raise(error, &[]))?;
-        ask(py, units::settings(Core::NAMES.into_iter().zip(core.values())))?;
+        let core = Core::new(values).or_raise(&[])?;
+        warn_units(py, units::settings(Core::NAMES.into_iter().zip(core.values())))?;
         Ok(Self(core))
     }
 
@@ -227,7 +243,7 @@ impl Limits {
     ///     `acceleration` 9.81 m/s^2, `deceleration` as `acceleration`, `angular_acceleration`,
     ///     `angular_deceleration` and `angular_jerk` the linear limit over that distance, `steering_rate` 12 rad/s,
     ///     `halt_deceleration` as `deceleration`, where they were left out. The others have no default and are infinite.
-    fn on(&self, #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>) -> Self {
+    fn on(&self, #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>) -> Self {
         Self(self.0.on(&rover.get().core))
     }
 
@@ -249,7 +265,7 @@ impl Limits {
     ///     If the speed is not finite.
     fn halting_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
         let speed = number("speed", speed)?;
-        six_wheel_core::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
+        six_wheel_core::error::finite("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.halting_distance(speed))
     }
 
@@ -271,7 +287,7 @@ impl Limits {
     ///     If the speed is not finite.
     fn stopping_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
         let speed = number("speed", speed)?;
-        six_wheel_core::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
+        six_wheel_core::error::finite("speed", &[speed]).or_raise(&[])?;
         Ok(self.0.stopping_distance(speed))
     }
 

@@ -13,13 +13,12 @@ use pyo3::types::PyTuple;
 use six_wheel_core::Twist;
 use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
 
+use crate::arguments as given;
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
-use crate::controller::run::ControllerRun;
 use crate::convert::{Rows, name, number, one_twist_first, raise};
-use crate::given;
 use crate::rover::Rover;
-use crate::shared::Shared;
+use crate::state_lock::Shared;
 
 pub use quick::install;
 
@@ -83,7 +82,6 @@ impl Controller {
         signature = (rover, limits=None, *, timeout=Some(0.5), period=None, max_step=0.1, mode="free", align=Some("cosine"), align_tolerance=0.02, following_error=Some(0.2), following_time=Some(0.5), discretise=false, steering=None, twist=None),
         text_signature = "(rover, limits=None, *, timeout=0.5, period=None, max_step=0.1, mode='free', align='cosine', align_tolerance=0.02, following_error=0.2, following_time=0.5, discretise=False, steering=None, twist=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
         #[pyo3(from_py_with = given::limits)] limits: Option<Limits>,
@@ -212,38 +210,6 @@ impl Controller {
         let mut core = self.core.lock(py)?;
         core.step(now, measured.as_ref().map(Rows::flat)).map_err(|error| raise(error, &[]))?;
         Ok(ControllerOutput::of(&core, self.rover.clone_ref(py)))
-    }
-
-    /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.
-    ///
-    /// Parameters
-    /// ----------
-    /// stamps : array_like, shape (m,)
-    ///     When the commands were given [s]. They come in this order, each before the first step that is not
-    ///     earlier than its stamp.
-    /// twists : array_like, shape (m, 3)
-    ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
-    /// times : array_like, shape (n,)
-    ///     Times of the steps [s], increasing.
-    ///
-    /// Returns
-    /// -------
-    /// ControllerRun
-    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If a time is not later than the one before it, a stamp is later than all of them, one of them is not
-    ///     finite, or the shapes do not fit. The controller stays as it was.
-    fn run<'py>(
-        &self,
-        py: Python<'py>,
-        stamps: &Bound<'py, PyAny>,
-        twists: &Bound<'py, PyAny>,
-        times: &Bound<'py, PyAny>,
-    ) -> PyResult<ControllerRun> {
-        ControllerRun::of(py, self, [stamps, twists, times])
     }
 
     /// Forget command, clock, halt and fault.

@@ -5,12 +5,12 @@ use six_wheel_core::Twist;
 
 use super::Controller;
 use super::output::ControllerOutput;
-use crate::fast::{self, Method, Numbers, Object, Quick, float, three, truth};
+use crate::fastcall::{self, Method, Numbers, Object, Quick, float, three, truth};
 
 /// Puts the quick ways before the general ones.
 pub fn install(py: Python<'_>) -> PyResult<()> {
-    fast::install::<2, Command>(py)?;
-    fast::install::<2, Step>(py)
+    fastcall::install::<2, Command>(py)?;
+    fastcall::install::<2, Step>(py)
 }
 
 struct Command;

@@ -75,6 +75,41 @@ impl ControllerRun {
 }
 
 #[pymethods]
+impl Controller {
+    /// Many steps in one call: a log, a plan, a simulation. The same, bit for bit, as the calls one by one.
+    ///
+    /// Parameters
+    /// ----------
+    /// stamps : array_like, shape (m,)
+    ///     When the commands were given [s]. They come in this order, each before the first step that is not
+    ///     earlier than its stamp.
+    /// twists : array_like, shape (m, 3)
+    ///     The commands, rows ``[vx, vy, omega]`` in body axes [m/s, m/s, rad/s].
+    /// times : array_like, shape (n,)
+    ///     Times of the steps [s], increasing.
+    ///
+    /// Returns
+    /// -------
+    /// ControllerRun
+    ///     `steering`, `speeds`, `twist`, `reasons`, `steering_rates`, one row a step.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a time is not later than the one before it, a stamp is later than all of them, one of them is not
+    ///     finite, or the shapes do not fit. The controller stays as it was.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        stamps: &Bound<'py, PyAny>,
+        twists: &Bound<'py, PyAny>,
+        times: &Bound<'py, PyAny>,
+    ) -> PyResult<ControllerRun> {
+        ControllerRun::of(py, self, [stamps, twists, times])
+    }
+}
+
+#[pymethods]
 impl ControllerRun {
     /// Joint commands by joint name, as `Rover.commands`: arrays (n,) of steering [rad] and wheel speeds [rad/s].
     #[getter]

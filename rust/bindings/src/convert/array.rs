@@ -1,4 +1,4 @@
-//! What a caller hands over, as an array of real numbers or refused by name: masks, ragged lists, what is no number.
+//! Arguments as arrays of real numbers. Masked arrays, ragged lists and values that are no numbers are refused by name.
 
 use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -7,9 +7,11 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-use super::{ArgumentTypeError, memory, numpy, ready, refuse, short_repr};
+use super::errors::{ArgumentTypeError, is_of_another_kind, refuse, short_repr};
+use super::memory;
+use super::numpy_module::{numpy, ready};
 
-/// How deep lists are looked through for arrays with a mask.
+/// Depth to which lists are searched for masked arrays.
 pub const DEEP: usize = 8;
 
 /// Letters of a value that are shown.
@@ -38,8 +40,7 @@ pub(super) fn three_numbers(value: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     Some([number(&items[0])?, number(&items[1])?, number(&items[2])?])
 }
 
-/// What a caller hands over, as an array of real numbers: its own memory, however it is laid out, wherever NumPy
-/// can look at that.
+/// An argument as an array of real numbers, in its own memory and layout if NumPy can view that.
 pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = value.py();
     ready(py)?;
@@ -60,7 +61,7 @@ pub fn read_array<'py>(argument: &str, value: &Bound<'py, PyAny>) -> PyResult<Bo
     Ok(array)
 }
 
-/// What is no number, and where: `None at [2]`. Nothing where an array has another dtype all through.
+/// The first value that is no number, with its place: `None at [2]`. Nothing where an array has another dtype all through.
 fn odd_one(value: &Bound<'_, PyAny>, array: &Bound<'_, PyUntypedArray>) -> PyResult<Option<String>> {
     if value.is_none() {
         return Ok(Some("None".into()));
@@ -125,7 +126,7 @@ pub fn singles(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Op
     memory::gathered(numbers.as_slice()?.iter().copied()).map(Some)
 }
 
-/// What is under a mask is not meant, and would be read all the same.
+/// Refuses masked arrays, whose masked numbers would be read like the others.
 pub fn refuse_masks(argument: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
     static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
@@ -174,4 +175,38 @@ fn not_rectangular(argument: &str, value: &Bound<'_, PyAny>, error: PyErr) -> Py
     }
     let kind = value.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string());
     refuse(argument, "be numbers of one rectangular shape", &format!("a ragged {kind}"))
+}
+
+/// A number of a constructor.
+pub fn number(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let py = value.py();
+    let refused = || ArgumentTypeError::new_err(format!("{argument} must be a number, got {}", short_repr(value)));
+    if value.is_instance_of::<PyBool>() {
+        return Err(refused());
+    }
+    refuse_masks(argument, value, DEEP)?;
+    value.extract::<f64>().map_err(|error| if is_of_another_kind(py, &error) { refused() } else { error })
+}
+
+/// An optional number of a constructor.
+pub fn optional_number(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    value.map(|value| number(argument, value)).transpose()
+}
+
+/// The items of an iterable, `most` at most: more are none that could be meant.
+pub fn items<'py>(argument: &str, value: &Bound<'py, PyAny>, most: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let mut items = Vec::new();
+    for item in value.try_iter()? {
+        if items.len() == most {
+            return Err(refuse(argument, &format!("hold {most} at most"), "more"));
+        }
+        items.try_reserve(1).map_err(|_| memory::none_for(&[items.len()]))?;
+        items.push(item?);
+    }
+    Ok(items)
+}
+
+/// One of some names; what is none looks like itself, and is refused with the names.
+pub fn name(value: &Bound<'_, PyAny>) -> String {
+    value.extract().unwrap_or_else(|_| short_repr(value))
 }

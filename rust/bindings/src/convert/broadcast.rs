@@ -2,7 +2,7 @@
 
 use pyo3::PyResult;
 
-use super::{refuse, shape_text};
+use super::errors::{refuse, shape_text};
 
 /// An argument with leading axes.
 pub trait Broadcast {
@@ -12,7 +12,7 @@ pub trait Broadcast {
     /// The shape of the whole argument over other leading axes.
     fn shape_over(&self, leading: &[usize]) -> Vec<usize>;
 
-    /// What it has to do beside others with these leading axes.
+    /// The rule of an argument beside others with these leading axes.
     fn rule(&self, leading: &[usize]) -> String {
         format!("have shape {}", shape_text(&self.shape_over(leading)))
     }
@@ -72,4 +72,9 @@ pub fn joint(first: &[usize], second: &[usize]) -> Option<Vec<usize>> {
             _ => None,
         })
         .collect()
+}
+
+/// Leading axes with a last one.
+pub fn joined(leading: &[usize], last: usize) -> Vec<usize> {
+    leading.iter().copied().chain([last]).collect()
 }

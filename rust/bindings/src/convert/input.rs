@@ -9,10 +9,11 @@ use six_wheel_core::batch::{Table, are_finite};
 use six_wheel_core::error::finite;
 
 use super::array::{read_array, three_numbers};
-use super::broadcast::Broadcast;
-use super::memory::{self, Held};
+use super::broadcast::{Broadcast, joined};
+use super::errors::{raise, refuse, shape_text};
+use super::memory::{self, BorrowedArray};
+use super::numpy_module::numpy;
 use super::strided::Strided;
-use super::{joined, numpy, raise, refuse, shape_text};
 
 /// Numbers from which an array in another form is read block by block.
 const MANY: usize = 1 << 15;
@@ -23,7 +24,7 @@ pub(super) struct Memory<'py> {
     data: *const f64,
     count: usize,
     pub(super) array: Bound<'py, PyUntypedArray>,
-    _held: Held,
+    _held: BorrowedArray,
 }
 
 impl Memory<'_> {
@@ -68,13 +69,21 @@ impl<'py> Rows<'py> {
         Ok(Self { data: Data::Array(contiguous(argument, array)?), leading, width })
     }
 
+    /// Reads finite rows.
+    pub fn read_finite(argument: &'static str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
+        let rows = Self::read(argument, value, width)?;
+        rows.check_finite(argument).map(|()| rows)
+    }
+
+    /// Reads an optional argument.
+    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)).transpose()
+    }
+
     /// Reads a table: one leading axis.
     pub fn read_table(argument: &str, value: &Bound<'py, PyAny>, width: usize) -> PyResult<Self> {
         let rows = Self::read(argument, value, width)?;
-        if rows.leading.len() == 1 {
-            return Ok(rows);
-        }
-        Err(rows.refuse_shape(argument, &format!("(n, {width})")))
+        if rows.leading.len() == 1 { Ok(rows) } else { Err(rows.refuse_shape(argument, &format!("(n, {width})"))) }
     }
 
     /// Reads one row.
@@ -122,10 +131,8 @@ impl<'py> Rows<'py> {
 
     /// Fails unless it has these leading axes.
     pub fn check_leading(&self, argument: &str, leading: &[usize]) -> PyResult<()> {
-        if self.leading == leading {
-            return Ok(());
-        }
-        Err(self.refuse_shape(argument, &shape_text(&joined(leading, self.width))))
+        let refused = || self.refuse_shape(argument, &shape_text(&joined(leading, self.width)));
+        if self.leading == leading { Ok(()) } else { Err(refused()) }
     }
 
     /// The error of rows in another shape than those that are wanted.
@@ -144,10 +151,16 @@ impl<'py> Rows<'py> {
         self.leading.iter().product()
     }
 
-    /// Whether it is one row, not a batch.
+    /// True for one row, false for a batch.
     pub fn is_single(&self) -> bool {
         self.leading.is_empty()
     }
+}
+
+/// Reads a point: three finite numbers.
+pub fn read_point(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let point = Rows::read_one(argument, value, 3)?;
+    point.check_finite(argument).map(|()| point.triples()[0])
 }
 
 /// Reads so many numbers.
@@ -195,7 +208,7 @@ pub enum Blocks<'py> {
         width: usize,
         /// Keeps the memory.
         array: Bound<'py, PyUntypedArray>,
-        _held: Held,
+        _held: BorrowedArray,
     },
 }
 
@@ -206,6 +219,11 @@ impl<'py> Blocks<'py> {
             return Rows::read(argument, value, width).map(Self::Flat);
         }
         Self::of(argument, &read_array(argument, value)?, width)
+    }
+
+    /// Reads an optional argument.
+    pub fn read_optional(argument: &str, value: Option<&Bound<'py, PyAny>>, width: usize) -> PyResult<Option<Self>> {
+        value.map(|value| Self::read(argument, value, width)).transpose()
     }
 
     fn of(argument: &str, array: &Bound<'py, PyUntypedArray>, width: usize) -> PyResult<Self> {
@@ -331,7 +349,7 @@ fn leading(argument: &str, array: &Bound<'_, PyUntypedArray>, width: usize) -> P
     }
 }
 
-/// Whether it is C-contiguous, aligned and of native `f64`.
+/// True for an array that is C-contiguous, aligned and of native `f64`.
 fn is_flat(array: &Bound<'_, PyUntypedArray>) -> bool {
     let dtype = array.dtype();
     (dtype.kind(), dtype.itemsize()) == (b'f', size_of::<f64>())

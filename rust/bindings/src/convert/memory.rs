@@ -1,5 +1,5 @@
-//! Whose memory is whose: every array that a call reads or writes is noted here by its addresses, whoever handed it
-//! over and in whatever object, until the call is done. So no kernel writes where itself or another one reads.
+//! Overlap of arrays. Every array that a call reads or writes is registered by its addresses until the call is done, so
+//! that no kernel writes where itself or another one reads.
 //!
 //! Asked and changed with the interpreter's lock held only, like the memory of NumPy itself.
 
@@ -13,7 +13,9 @@ use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use six_wheel_core::batch::Places;
 
-use super::{Array, pool, ready, refuse, shape_text};
+use super::errors::{refuse, shape_text};
+use super::numpy_module::{Array, ready};
+use super::pool;
 
 /// An array in use.
 struct Entry {
@@ -26,14 +28,14 @@ struct Entry {
     thread: ThreadId,
 }
 
-struct Entries {
+struct BorrowTable {
     all: Vec<Entry>,
     next: u64,
 }
 
-static ENTRIES: Mutex<Entries> = Mutex::new(Entries { all: Vec::new(), next: 0 });
+static ENTRIES: Mutex<BorrowTable> = Mutex::new(BorrowTable { all: Vec::new(), next: 0 });
 
-fn entries() -> MutexGuard<'static, Entries> {
+fn entries() -> MutexGuard<'static, BorrowTable> {
     ENTRIES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -44,9 +46,9 @@ pub fn forget() {
 }
 
 /// An array in use, for as long as this lives.
-pub struct Held(u64);
+pub struct BorrowedArray(u64);
 
-impl Drop for Held {
+impl Drop for BorrowedArray {
     fn drop(&mut self) {
         let mut entries = entries();
         let place = entries.all.iter().position(|entry| entry.number == self.0);
@@ -56,16 +58,16 @@ impl Drop for Held {
     }
 }
 
-/// Why an array cannot be used.
-struct Clash {
-    /// Whether this very call uses it already.
+/// The conflict that keeps an array from being used.
+struct BorrowError {
+    /// True if this very call uses it already.
     own: bool,
     /// The argument as which it is written to.
     written: Option<String>,
 }
 
 /// Notes that an argument is read.
-pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
+pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<BorrowedArray> {
     let (held, clash) = hold(array, None);
     match clash {
         None => Ok(held),
@@ -74,11 +76,13 @@ pub fn read(argument: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held>
 }
 
 /// Notes that an argument is written to; the rule is told where somebody else uses it.
-pub fn write(argument: &str, rule: impl FnOnce() -> String, array: &Bound<'_, PyUntypedArray>) -> PyResult<Held> {
+pub fn write(
+    argument: &str,
+    rule: impl FnOnce() -> String,
+    array: &Bound<'_, PyUntypedArray>,
+) -> PyResult<BorrowedArray> {
     let (held, clash) = hold(array, Some(argument));
-    let Some(clash) = clash else {
-        return Ok(held);
-    };
+    let Some(clash) = clash else { return Ok(held) };
     if !clash.own {
         return Err(refuse(argument, &rule(), "a read-only array or one in use"));
     }
@@ -95,7 +99,7 @@ pub fn write(argument: &str, rule: impl FnOnce() -> String, array: &Bound<'_, Py
     Err(refuse(&argument, &rule, "shared memory"))
 }
 
-/// Where the elements of an array are now.
+/// The addresses of the elements of an array.
 pub fn places(array: &Bound<'_, PyUntypedArray>) -> Places {
     // SAFETY: a live array object has a valid header; only the address is read, not what is there.
     let data = unsafe { (*array.as_array_ptr()).fields.data } as usize;
@@ -104,7 +108,7 @@ pub fn places(array: &Bound<'_, PyUntypedArray>) -> Places {
 }
 
 /// Notes an array, and what stands against that: whoever writes to memory shares it with nobody. No Python code runs.
-fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Option<Clash>) {
+fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (BorrowedArray, Option<BorrowError>) {
     let (places, thread) = (places(array), thread::current().id());
     let mut entries = entries();
     let clash = entries
@@ -112,7 +116,7 @@ fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Opti
         .iter()
         .filter(|other| written.is_some() || other.written.is_some())
         .find(|other| other.places.share(&places))
-        .map(|other| Clash { own: other.thread == thread, written: other.written.clone() });
+        .map(|other| BorrowError { own: other.thread == thread, written: other.written.clone() });
     let number = entries.next;
     entries.next += 1;
     entries.all.push(Entry {
@@ -122,10 +126,10 @@ fn hold(array: &Bound<'_, PyUntypedArray>, written: Option<&str>) -> (Held, Opti
         written: written.map(str::to_owned),
         thread,
     });
-    (Held(number), clash)
+    (BorrowedArray(number), clash)
 }
 
-/// How many numbers an array of this shape has. `MemoryError` if no memory could hold them.
+/// The number of elements of an array of this shape. `MemoryError` if no memory could hold them.
 pub fn count(shape: &[usize]) -> PyResult<usize> {
     let bytes = shape.iter().try_fold(size_of::<f64>(), |bytes, length| bytes.checked_mul(*length));
     match bytes {
@@ -172,9 +176,7 @@ fn zeros<'py, T: numpy::Element>(py: Python<'py>, shape: &[usize]) -> PyResult<B
 /// A new array for results, of whatever numbers: who asks for it fills it as a whole.
 pub fn fresh<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Array<'py>> {
     ready(py)?;
-    let Some(_pool) = pool::of(py, count(shape)? * size_of::<f64>())? else {
-        return zeros(py, shape);
-    };
+    let Some(_pool) = pool::of(py, count(shape)? * size_of::<f64>())? else { return zeros(py, shape) };
     // SAFETY: see `made`. Memory of the pool has been written to, if only by zeros.
     made(py, shape, |number, lengths, dtype| unsafe { PY_ARRAY_API.PyArray_Empty(py, number, lengths, dtype, 0) })
 }

@@ -9,13 +9,14 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::memory::{self, Held};
-use super::{ArgumentTypeError, Array, numpy, ready, refuse, shape_text, short_repr};
+use super::errors::{ArgumentTypeError, refuse, shape_text, short_repr};
+use super::memory::{self, BorrowedArray};
+use super::numpy_module::{Array, numpy, ready};
 
 /// Set on arrays that warn when they are written to.
 const WARN_ON_WRITE: i32 = 1 << 31;
 
-/// Of what precision a result is asked for; it is computed in `f64` either way.
+/// The precision of a result, which is computed in `f64` either way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     Double,
@@ -47,17 +48,17 @@ impl Precision {
 }
 
 /// `out=` and `dtype=` of a call.
-pub type Asked<'a, 'py> = (Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>);
+pub type OutputOptions<'a, 'py> = (Option<&'a Bound<'py, PyAny>>, Option<&'a Bound<'py, PyAny>>);
 
 /// A result on its way out: the caller's array, or a fresh one.
 pub struct Output<'py> {
-    /// What is returned.
+    /// The array that is returned.
     array: Bound<'py, PyUntypedArray>,
-    /// What is written to instead, where that is not contiguous or not of `f64`.
+    /// The array that is written to instead, if the returned one is not contiguous or not of `f64`.
     beside: Option<Array<'py>>,
     data: *mut f64,
     count: usize,
-    held: Option<Held>,
+    held: Option<BorrowedArray>,
 }
 
 impl<'py> Output<'py> {
@@ -74,7 +75,7 @@ impl<'py> Output<'py> {
     }
 
     /// A result where `out=` says, or of the precision that `dtype=` says.
-    pub fn asked(py: Python<'py>, (out, dtype): Asked<'_, 'py>, shape: &[usize]) -> PyResult<Self> {
+    pub fn asked(py: Python<'py>, (out, dtype): OutputOptions<'_, 'py>, shape: &[usize]) -> PyResult<Self> {
         let precision = Precision::read(py, dtype, out)?;
         Self::of(py, "out", out, precision, shape)
     }
@@ -109,9 +110,7 @@ impl<'py> Output<'py> {
     /// The caller's `out`, checked, or a fresh array of this shape. Every argument that is read has to be read
     /// before: what is in use is not written to.
     pub fn new(py: Python<'py>, argument: &str, out: Option<&Bound<'py, PyAny>>, shape: &[usize]) -> PyResult<Self> {
-        let Some(out) = out else {
-            return Self::fresh(py, shape);
-        };
+        let Some(out) = out else { return Self::fresh(py, shape) };
         ready(py)?;
         let rule = || rule(shape);
         let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
@@ -159,7 +158,7 @@ impl<'py> Output<'py> {
         })
     }
 
-    /// Whether nobody sees what a call that fails has written: a fresh array, or one beside the caller's.
+    /// True if the caller does not see what a failing call has written: a fresh array, or one beside the caller's.
     pub fn is_unseen(&self) -> bool {
         self.beside.is_some() || self.held.is_none()
     }
@@ -174,7 +173,7 @@ impl<'py> Output<'py> {
         Ok(self)
     }
 
-    /// Where to write, row after row.
+    /// The memory to write to, row after row.
     pub fn flat(&mut self) -> &mut [f64] {
         if self.count == 0 {
             return &mut [];
@@ -184,21 +183,14 @@ impl<'py> Output<'py> {
         unsafe { std::slice::from_raw_parts_mut(self.data, self.count) }
     }
 
-    /// Where to write, as pairs.
-    pub fn pairs(&mut self) -> &mut [[f64; 2]] {
-        self.flat().as_chunks_mut().0
-    }
-
-    /// Where to write, as triples.
+    /// The memory to write to, as triples.
     pub fn triples(&mut self) -> &mut [[f64; 3]] {
         self.flat().as_chunks_mut().0
     }
 
     /// The array to return, of whatever precision.
     pub fn finish_any(self) -> PyResult<Bound<'py, PyUntypedArray>> {
-        let Some(beside) = &self.beside else {
-            return Ok(self.array);
-        };
+        let Some(beside) = &self.beside else { return Ok(self.array) };
         let py = beside.py();
         let copied = |module: &Bound<'py, PyModule>| {
             let keywords = PyDict::new(py);
@@ -218,6 +210,11 @@ impl<'py> Output<'py> {
         Ok(array.into_any())
     }
 
+    /// The array to return, as an object of any type.
+    pub fn finish_object(self) -> PyResult<Py<PyAny>> {
+        Ok(self.finish_any()?.into_any().unbind())
+    }
+
     /// The array to return, which is of `f64`.
     pub fn finish(self) -> PyResult<Array<'py>> {
         Ok(self.finish_any()?.cast_into()?)
@@ -228,7 +225,7 @@ fn rule(shape: &[usize]) -> String {
     format!("be a writeable float64 array of shape {}", shape_text(shape))
 }
 
-/// Where the numbers of an array begin.
+/// The address of the first number of an array.
 fn data(array: &Array<'_>) -> *mut f64 {
     // SAFETY: a live array object has a valid header; only the address is taken here.
     unsafe { (*array.as_array_ptr().cast::<PyArrayObject>()).fields.data }.cast()

@@ -18,22 +18,22 @@ use pyo3::sync::PyOnceLock;
 /// Sizes of arrays that are worth it [bytes]: smaller ones stay with the C library, larger ones pay for their pages.
 const SIZES: RangeInclusive<usize> = 1 << 16..=1 << 24;
 
-/// What is kept at most [bytes].
+/// Upper bound of the memory that is kept [bytes].
 const KEPT: usize = 1 << 25;
 
 /// A line of the cache: where the numbers begin, with room before them for how many bytes there are.
 const LINE: usize = 64;
 
 /// Memory for `capacity` bytes, from the second line of what was allocated.
-struct Room {
+struct OutputBuffer {
     data: NonNull<u8>,
     capacity: usize,
 }
 
 // SAFETY: memory that nobody else refers to.
-unsafe impl Send for Room {}
+unsafe impl Send for OutputBuffer {}
 
-impl Room {
+impl OutputBuffer {
     fn layout(capacity: usize) -> Option<Layout> {
         Layout::from_size_align(capacity.checked_add(LINE)?, LINE).ok()
     }
@@ -69,7 +69,7 @@ impl Room {
     }
 }
 
-impl Drop for Room {
+impl Drop for OutputBuffer {
     fn drop(&mut self) {
         if let Some(layout) = Self::layout(self.capacity) {
             // SAFETY: allocated with this layout, a line before the data.
@@ -79,14 +79,14 @@ impl Drop for Room {
 }
 
 /// Rooms that wait, the oldest first.
-static WAITING: Mutex<Vec<Room>> = Mutex::new(Vec::new());
+static WAITING: Mutex<Vec<OutputBuffer>> = Mutex::new(Vec::new());
 
-fn waiting() -> MutexGuard<'static, Vec<Room>> {
+fn waiting() -> MutexGuard<'static, Vec<OutputBuffer>> {
     WAITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The room that fits best and wastes less than a quarter, with what was written there, or a new one of zeros.
-fn take(size: usize) -> Option<Room> {
+fn take(size: usize) -> Option<OutputBuffer> {
     let mut rooms = waiting();
     let fits = size..=size.saturating_add(size / 4);
     let best = rooms
@@ -98,14 +98,14 @@ fn take(size: usize) -> Option<Room> {
     if let Some(best) = best {
         return Some(rooms.remove(best));
     }
-    Room::new(size).or_else(|| {
+    OutputBuffer::new(size).or_else(|| {
         rooms.clear();
-        Room::new(size)
+        OutputBuffer::new(size)
     })
 }
 
 /// Keeps a room, and drops the oldest beyond `KEPT`.
-fn keep(room: Room) {
+fn keep(room: OutputBuffer) {
     let mut rooms = waiting();
     // A room that cannot be noted is given back, and so is one that an array grew to.
     if !SIZES.contains(&room.capacity) || rooms.try_reserve(1).is_err() {
@@ -122,9 +122,7 @@ extern "C" fn malloc(_: *mut c_void, size: usize) -> *mut c_void {
 }
 
 extern "C" fn calloc(context: *mut c_void, count: usize, size: usize) -> *mut c_void {
-    let Some(size) = count.checked_mul(size) else {
-        return null_mut();
-    };
+    let Some(size) = count.checked_mul(size) else { return null_mut() };
     let data = malloc(context, size);
     if !data.is_null() {
         // SAFETY: so many bytes are there.
@@ -137,7 +135,7 @@ extern "C" fn realloc(context: *mut c_void, data: *mut c_void, size: usize) -> *
     let new = malloc(context, size);
     // SAFETY: NumPy hands back what it got from here, and uses it no more unless this fails.
     if !new.is_null()
-        && let Some(old) = unsafe { Room::from_data(data.cast()) }
+        && let Some(old) = unsafe { OutputBuffer::from_data(data.cast()) }
     {
         // SAFETY: both are there for that many bytes, and apart.
         unsafe { ptr::copy_nonoverlapping(old.data.as_ptr(), new.cast(), old.capacity.min(size)) };
@@ -148,7 +146,7 @@ extern "C" fn realloc(context: *mut c_void, data: *mut c_void, size: usize) -> *
 
 extern "C" fn free(_: *mut c_void, data: *mut c_void, _: usize) {
     // SAFETY: NumPy hands back what it got from here.
-    if let Some(room) = unsafe { Room::from_data(data.cast()) } {
+    if let Some(room) = unsafe { OutputBuffer::from_data(data.cast()) } {
         keep(room);
     }
 }
@@ -181,10 +179,10 @@ const fn name(text: &[u8]) -> [c_char; 127] {
 static HANDLER: Handler =
     Handler { name: name(b"six_wheel"), version: 1, context: null_mut(), malloc, calloc, realloc, free };
 
-/// What NumPy expects such a capsule to be called.
+/// The name of the capsule that NumPy expects.
 const MEM_HANDLER: &CStr = c"mem_handler";
 
-/// Where `PyDataMem_SetHandler` stands in NumPy's table of functions since 1.22; the `numpy` crate leaves it out.
+/// Index of `PyDataMem_SetHandler` in NumPy's table of functions since 1.22; the `numpy` crate leaves it out.
 const SET_HANDLER: usize = 304;
 
 type SetHandler = unsafe extern "C" fn(*mut ffi::PyObject) -> *mut ffi::PyObject;

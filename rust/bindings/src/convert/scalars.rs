@@ -7,8 +7,8 @@ use six_wheel_core::geometry::Steps;
 
 use super::array::read_array;
 use super::broadcast::Broadcast;
+use super::errors::{refuse, shape_text};
 use super::input::{Memory, check_finite, contiguous, spread};
-use super::{refuse, shape_text};
 
 /// One number, or one per row.
 pub struct Scalars<'py> {
@@ -25,6 +25,12 @@ impl<'py> Scalars<'py> {
             return Ok(Self { one: float.value(), each: None, shape: Vec::new() });
         }
         Self::of(argument, &read_array(argument, value)?)
+    }
+
+    /// Reads a finite number or an array of finite numbers.
+    pub fn read_finite(argument: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let scalars = Self::read(argument, value)?;
+        scalars.check_finite(argument).map(|()| scalars)
     }
 
     /// The numbers of an array of real ones.

@@ -9,7 +9,7 @@ use six_wheel_core::batch::Source;
 
 use super::memory;
 
-/// How a number is kept.
+/// The format of a number.
 #[derive(Clone, Copy, Debug)]
 enum Form {
     Float16,
@@ -25,14 +25,14 @@ enum Form {
     Uint64,
 }
 
-/// Where the numbers of an array lie. Only good while the array is.
+/// The layout of the numbers of an array. Only good while the array is.
 #[derive(Debug)]
 pub struct Strided {
     data: *const u8,
     shape: Vec<usize>,
     strides: Vec<isize>,
     form: Form,
-    /// Whether the bytes are in the order of other machines.
+    /// True if the bytes are in the order of other machines.
     swapped: bool,
 }
 

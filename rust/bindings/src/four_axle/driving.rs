@@ -7,8 +7,8 @@ use six_wheel_core::{Error, FourAxle as Core};
 
 use super::FourAxle;
 use super::values::{array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step};
+use crate::arguments;
 use crate::convert::{items, number, numbers};
-use crate::given;
 
 /// Steps of a sequence that are looked at.
 const MOST_STEPS: usize = 1 << 20;
@@ -150,13 +150,12 @@ impl FourAxle {
         signature = (state, curvature, *, steer="both", speed=None, pivot_rate=None, brake_time=None),
         text_signature = "($self, state, curvature, *, steer='both', speed=0.0, pivot_rate=0.5, brake_time=0.0)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn turn_sequence<'py>(
         &self,
         py: Python<'py>,
         state: &Bound<'py, PyAny>,
         curvature: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::steer)] steer: &str,
+        #[pyo3(from_py_with = arguments::steer)] steer: &str,
         speed: Option<&Bound<'py, PyAny>>,
         pivot_rate: Option<&Bound<'py, PyAny>>,
         brake_time: Option<&Bound<'py, PyAny>>,

@@ -123,7 +123,7 @@ pub fn vector<'py, T: numpy::Element>(py: Python<'py>, values: Vec<T>) -> Bound<
     numpy::PyArray1::from_vec(py, values)
 }
 
-/// How fast a plan goes, as keywords.
+/// The speeds of a plan, from keywords.
 pub fn pace(
     speed: Option<&Bound<'_, PyAny>>,
     pivot_rate: Option<&Bound<'_, PyAny>>,

@@ -64,7 +64,7 @@ impl<'py> Course<'py> {
         &leading[..leading.len() - 1]
     }
 
-    /// Where the poses go.
+    /// The output for the poses.
     pub fn poses(
         &self,
         py: Python<'py>,

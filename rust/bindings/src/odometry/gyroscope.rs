@@ -4,8 +4,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::odometry::Gyroscope as Core;
 
-use crate::convert::{number, raise};
-use crate::wheel::reduce;
+use crate::arguments::{ArgumentKind, constructor_call};
+use crate::classes::{hash_of_numbers, reduce};
+use crate::convert::{OrRaise, number};
 
 /// What is known of a gyroscope about the vertical axis of the body.
 ///
@@ -44,6 +45,30 @@ impl Gyroscope {
     }
 }
 
+impl ArgumentKind for Gyroscope {
+    const KIND: &'static str = "a Gyroscope";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        constructor_call("Gyroscope", "noise", value)
+    }
+}
+
+getters! { Gyroscope, this, py:
+    /// Standard deviation of a reading [rad/s].
+    noise: f64 = this.0.noise;
+    /// What it reads at rest [rad/s].
+    bias: f64 = this.0.bias;
+    /// Standard deviation of that [rad/s].
+    bias_noise: f64 = this.0.bias_noise;
+    /// By how much the bias wanders [rad/s per root s].
+    bias_walk: f64 = this.0.bias_walk;
+    /// Standard deviation of the factor that its readings are off by.
+    scale_noise: f64 = this.0.scale_noise;
+}
+
+equal_by!(Gyroscope: 0);
+replaceable!(Gyroscope);
+
 #[pymethods]
 impl Gyroscope {
     #[new]
@@ -71,38 +96,8 @@ impl Gyroscope {
                 *target = number(argument, value)?;
             }
         }
-        known.check().map_err(|error| raise(error, &[]))?;
+        known.check().or_raise(&[])?;
         Ok(Self(known))
-    }
-
-    /// Standard deviation of a reading [rad/s].
-    #[getter]
-    fn noise(&self) -> f64 {
-        self.0.noise
-    }
-
-    /// What it reads at rest [rad/s].
-    #[getter]
-    fn bias(&self) -> f64 {
-        self.0.bias
-    }
-
-    /// Standard deviation of that [rad/s].
-    #[getter]
-    fn bias_noise(&self) -> f64 {
-        self.0.bias_noise
-    }
-
-    /// By how much the bias wanders [rad/s per root s].
-    #[getter]
-    fn bias_walk(&self) -> f64 {
-        self.0.bias_walk
-    }
-
-    /// Standard deviation of the factor that its readings are off by.
-    #[getter]
-    fn scale_noise(&self) -> f64 {
-        self.0.scale_noise
     }
 
     fn __repr__(&self) -> String {
@@ -110,13 +105,8 @@ impl Gyroscope {
         format!("Gyroscope({})", parts.join(", "))
     }
 
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
-    }
-
     fn __hash__(&self) -> u64 {
-        let numbers = self.numbers();
-        numbers.iter().fold(0, |hash: u64, (_, value)| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
+        hash_of_numbers(self.numbers().map(|(_, number)| number))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

@@ -1,4 +1,4 @@
-//! What `Odometry` is told: encoders, readings of one instant, poses and covariances.
+//! Arguments of `Odometry`: encoders, readings of one instant, poses and covariances.
 
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -7,14 +7,12 @@ use six_wheel_core::odometry::dimensions::NUMBERS;
 use six_wheel_core::odometry::{Deviations, Encoder as CoreEncoder};
 
 use super::values::Encoder;
-use crate::convert::{Rows, Scalars, items, number, raise, refuse};
-use crate::given::other_kind;
+use crate::arguments::other_kind;
+use crate::convert::{OrRaise, Rows, Scalars, items, number, refuse};
 
 /// An encoder for all joints, one per joint, or some by name.
 pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<CoreEncoder>> {
-    let Some(given) = given else {
-        return Ok(Vec::new());
-    };
+    let Some(given) = given else { return Ok(Vec::new()) };
     let one = |item: &Bound<'_, PyAny>| {
         item.cast::<Encoder>().map(|encoder| encoder.get().0).map_err(|_| {
             let rule = "an Encoder, several of them or a dict of them by name";
@@ -43,9 +41,7 @@ pub fn encoders(argument: &str, given: Option<&Bound<'_, PyAny>>, names: &[&str]
 
 /// A number for every wheel: all of them in their order, or some by name, the others 1.
 pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]) -> PyResult<Vec<f64>> {
-    let Some(value) = value else {
-        return Ok(Vec::new());
-    };
+    let Some(value) = value else { return Ok(Vec::new()) };
     let Ok(mapping) = value.cast::<PyMapping>() else {
         let numbers = Scalars::read(argument, value)?;
         numbers.fit_exactly(argument, &[names.len()])?;
@@ -54,7 +50,7 @@ pub fn by_wheel(argument: &str, value: Option<&Bound<'_, PyAny>>, names: &[&str]
     by_name(argument, mapping, names, 1.0, |one| number(argument, one))
 }
 
-/// What some are given by their names, in the order of all names; the others have the usual one.
+/// Values by name as values in the order of all names, with the default for those that are not named.
 fn by_name<T: Clone>(
     argument: &str,
     given: &Bound<'_, PyMapping>,
@@ -74,11 +70,9 @@ fn by_name<T: Clone>(
     Ok(all)
 }
 
-/// What the dimensions may be off by: a table of all numbers of the wheels for each deviation.
+/// Deviations of the dimensions: for each a table of all numbers of the wheels.
 pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<Deviations> {
-    let Some(value) = value else {
-        return Ok(Deviations::default());
-    };
+    let Some(value) = value else { return Ok(Deviations::default()) };
     let rows = Rows::read("dimensions", value, NUMBERS)?;
     match rows.leading.as_slice() {
         [0, _] => return Ok(Deviations::default()),
@@ -88,20 +82,13 @@ pub fn deviations(value: Option<&Bound<'_, PyAny>>, wheels: usize) -> PyResult<D
             return Err(rows.refuse_shape("dimensions", &wanted));
         }
     }
-    Deviations::new(rows.flat(), wheels).map_err(|error| raise(error, &[]))
-}
-
-/// A number that may be left out.
-pub fn optional(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    value.map(|value| number(argument, value)).transpose()
+    Deviations::new(rows.flat(), wheels).or_raise(&[])
 }
 
 /// A covariance: three variances or a matrix.
 pub fn covariance(value: Option<&Bound<'_, PyAny>>) -> PyResult<[[f64; 3]; 3]> {
     let mut matrix = [[0.0; 3]; 3];
-    let Some(value) = value else {
-        return Ok(matrix);
-    };
+    let Some(value) = value else { return Ok(matrix) };
     let rows = Rows::read("covariance", value, 3)?;
     match (rows.leading.as_slice(), rows.triples()) {
         ([], [variances]) => {
@@ -124,7 +111,7 @@ pub fn steering_left_out<'py>(joints: usize) -> PyResult<Option<Rows<'py>>> {
     Err(refuse("steering", rule, "None"))
 }
 
-/// Whether a row that cannot be ends the run, or is flagged.
+/// True if an impossible row ends the run, false if it is flagged.
 fn is_strict(errors: &str) -> PyResult<bool> {
     match errors {
         "raise" => Ok(true),
@@ -136,7 +123,7 @@ fn is_strict(errors: &str) -> PyResult<bool> {
     }
 }
 
-/// What every log has: readings of wheels and steering, and when they were read.
+/// The columns of every log: readings of wheels and steering, and their stamps.
 pub struct Columns<'py> {
     pub wheels: Rows<'py>,
     pub steering: Option<Rows<'py>>,

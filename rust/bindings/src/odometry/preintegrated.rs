@@ -1,8 +1,7 @@
 //! `six_wheel.Preintegrated`.
 
+mod columns;
 mod parts;
-
-use std::str::FromStr;
 
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
@@ -12,13 +11,13 @@ use six_wheel_core::odometry::{Preintegrated as Core, Recording, Settings};
 use six_wheel_core::{Error, Method};
 
 use super::gyroscope::Gyroscope;
-use super::input::{encoders, optional, steering_left_out};
+use super::input::{encoders, steering_left_out};
 use super::readings_named;
 use super::values::Noise;
-use crate::convert::{Rows, Scalars, compute, number, raise, refuse};
-use crate::given;
+use crate::arguments::{self, ArgumentKind};
+use crate::convert::{OrRaise, Rows, Scalars, compute, number, optional_number, raise, refuse};
 use crate::rover::Rover;
-use parts::{SLIPS, dimension};
+use columns::{SLIPS, dimension};
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 /// Columns by their name.
@@ -67,6 +66,27 @@ pub struct Preintegrated {
     replayed: Option<Replayed>,
 }
 
+impl ArgumentKind for Preintegrated {
+    const KIND: &'static str = "a Preintegrated";
+}
+
+getters! { Preintegrated, this, py:
+    /// Name of the tangent space of `covariance`, `residual` and all derivatives.
+    tangent: &'static str = "end";
+    /// When the motion begins [s]; None before a sample.
+    begin: Option<f64> = this.core.span().map(|[begin, _]| begin);
+    /// When it ends [s]; None before a sample.
+    end: Option<f64> = this.core.span().map(|[_, end]| end);
+    /// From begin to end [s].
+    duration: f64 = this.core.span().map_or(0.0, |[begin, end]| end - begin);
+    /// The rover.
+    rover: Py<Rover> = this.rover.clone_ref(py);
+    /// Standard deviations of readings and slip.
+    noise: Noise = this.core.rules().settings.noise.into();
+    /// What is known of the gyroscope; None without one.
+    gyroscope: Option<Gyroscope> = this.core.rules().gyroscope.map(Gyroscope);
+}
+
 #[pymethods]
 impl Preintegrated {
     #[new]
@@ -74,16 +94,15 @@ impl Preintegrated {
         signature = (rover, noise=None, *, gyroscope=None, readings="angles", wheel_encoders=None, steering_encoders=None, method="least_squares", in_space=false, attitude_noise=None),
         text_signature = "(rover, noise=None, *, gyroscope=None, readings='angles', wheel_encoders=None, steering_encoders=None, method='least_squares', in_space=False, attitude_noise=0.01)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'_, Rover>,
-        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = given::gyroscope)] gyroscope: Option<Bound<'_, Gyroscope>>,
-        #[pyo3(from_py_with = given::readings)] readings: &str,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'_, Rover>,
+        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = arguments::gyroscope)] gyroscope: Option<Bound<'_, Gyroscope>>,
+        #[pyo3(from_py_with = arguments::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::method)] method: &str,
-        #[pyo3(from_py_with = given::in_space)] in_space: bool,
+        #[pyo3(from_py_with = arguments::method)] method: &str,
+        #[pyo3(from_py_with = arguments::in_space)] in_space: bool,
         attitude_noise: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let core = &rover.get().core;
@@ -98,18 +117,14 @@ impl Preintegrated {
                 readings: readings_named(readings)?,
                 wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
                 steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-                method: Method::from_str(method).map_err(|error| raise(error, &[]))?,
+                method: method.parse::<Method>().or_raise(&[])?,
                 ..Settings::default()
             },
             gyroscope: gyroscope.map(|known| known.get().0),
             in_space,
-            attitude_noise: optional("attitude_noise", attitude_noise)?.unwrap_or(0.01),
+            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(0.01),
         };
-        Ok(Self {
-            core: Core::new(core.clone(), rules).map_err(|error| raise(error, &[]))?,
-            rover: rover.clone().unbind(),
-            replayed: None,
-        })
+        Ok(Self { core: Core::new(core.clone(), rules).or_raise(&[])?, rover: rover.clone().unbind(), replayed: None })
     }
 
     /// Takes in one sample, or all rows of a log. The first one is where the motion begins.
@@ -229,12 +244,6 @@ impl Preintegrated {
         self.square(py, |i, k| covariance[(i, k)])
     }
 
-    /// Name of the tangent space of `covariance`, `residual` and all derivatives.
-    #[getter]
-    fn tangent(&self) -> &'static str {
-        "end"
-    }
-
     /// Derivatives of the motion by the dimensions of the wheels, dict of name to array (3 or 6, wheels): `radius`,
     /// `x`, `y`, `heading`, `scrub`, `trail`, `roller_angle`.
     #[getter]
@@ -344,7 +353,7 @@ impl Preintegrated {
     fn split(&self, py: Python<'_>, stamp: &Bound<'_, PyAny>) -> PyResult<(Self, Self)> {
         let stamp = number("stamp", stamp)?;
         let parts = compute(py, self.core.len(), || self.core.split(stamp));
-        let [first, second] = parts.map_err(|error| raise(error, &[]))?;
+        let [first, second] = parts.or_raise(&[])?;
         Ok((self.with(first, py), self.with(second, py)))
     }
 
@@ -355,47 +364,11 @@ impl Preintegrated {
     /// ----------
     /// other : Preintegrated
     ///     Of the same rover, its first sample the last one here.
-    fn merge(&self, py: Python<'_>, #[pyo3(from_py_with = given::other)] other: Bound<'_, Self>) -> PyResult<Self> {
+    fn merge(&self, py: Python<'_>, #[pyo3(from_py_with = arguments::other)] other: Bound<'_, Self>) -> PyResult<Self> {
         let other = other.try_borrow()?;
         let (ours, theirs) = (&self.core, &other.core);
         let merged = compute(py, theirs.len(), || ours.merge(theirs));
-        Ok(self.with(merged.map_err(|error| raise(error, &[]))?, py))
-    }
-
-    /// When the motion begins [s]; None before a sample.
-    #[getter]
-    fn begin(&self) -> Option<f64> {
-        self.core.span().map(|[begin, _]| begin)
-    }
-
-    /// When it ends [s]; None before a sample.
-    #[getter]
-    fn end(&self) -> Option<f64> {
-        self.core.span().map(|[_, end]| end)
-    }
-
-    /// From begin to end [s].
-    #[getter]
-    fn duration(&self) -> f64 {
-        self.core.span().map_or(0.0, |[begin, end]| end - begin)
-    }
-
-    /// The rover.
-    #[getter]
-    fn rover(&self, py: Python<'_>) -> Py<Rover> {
-        self.rover.clone_ref(py)
-    }
-
-    /// Standard deviations of readings and slip.
-    #[getter]
-    fn noise(&self) -> Noise {
-        self.core.rules().settings.noise.into()
-    }
-
-    /// What is known of the gyroscope; None without one.
-    #[getter]
-    fn gyroscope(&self) -> Option<Gyroscope> {
-        self.core.rules().gyroscope.map(Gyroscope)
+        Ok(self.with(merged.or_raise(&[])?, py))
     }
 
     fn __len__(&self) -> usize {
@@ -405,7 +378,7 @@ impl Preintegrated {
     fn __repr__(&mut self, py: Python<'_>) -> PyResult<String> {
         let delta = self.delta(py)?;
         let shown: Vec<f64> = delta.call_method0("ravel")?.extract()?;
-        let (samples, duration) = (self.core.len(), self.duration());
+        let (samples, duration) = (self.core.len(), self.duration(py));
         let place = match shown.as_slice() {
             [x, y, yaw] => format!("x={x:.4} m, y={y:.4} m, yaw={yaw:.4} rad"),
             all => format!("x={:.4} m, y={:.4} m, z={:.4} m", all[3], all[7], all[11]),

@@ -10,12 +10,12 @@ use six_wheel_core::Error;
 use six_wheel_core::odometry::Settings;
 use six_wheel_core::odometry::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
 
-use super::input::{Columns, build_track, encoders, optional, row};
+use super::input::{Columns, build_track, encoders, row};
 use super::readings_named;
 use super::values::Noise;
-use crate::convert::{Output, Rows, Scalars, compute, memory, number, raise, ready};
-use crate::given;
-use crate::shared::Shared;
+use crate::arguments;
+use crate::convert::{OrRaise, Output, Rows, Scalars, compute_rows, memory, number, optional_number, ready};
+use crate::state_lock::Shared;
 use crate::suspension::Suspension;
 use crate::terrain::Terrain;
 use input::{attitudes, covariance, pose};
@@ -87,9 +87,20 @@ impl Odometry3 {
     /// Changes the core, and answers with the state after that.
     fn change(&self, py: Python<'_>, change: impl FnOnce(&mut Core) -> Result<(), Error>) -> PyResult<Odometry3State> {
         let mut core = self.work.lock(py)?;
-        change(&mut core).map_err(|error| raise(error, &[]))?;
+        change(&mut core).or_raise(&[])?;
         Ok(self.state_of(&core, py))
     }
+}
+
+getters! { Odometry3, this, py:
+    /// Where the rover is after the last sample.
+    state: PyResult<Odometry3State> = Ok(this.state_of(&*this.work.lock(py)?, py));
+    /// The suspension.
+    arm: Py<Suspension> = this.arm.clone_ref(py);
+    /// The ground; None if it is not known.
+    ground: Option<Py<Terrain>> = this.ground.as_ref().map(|ground| ground.clone_ref(py));
+    /// Standard deviations of readings and slip.
+    noise: PyResult<Noise> = Ok(this.work.lock(py)?.settings().common.noise.into());
 }
 
 #[pymethods]
@@ -99,14 +110,13 @@ impl Odometry3 {
         signature = (arm, noise=None, *, ground=None, attitude_noise=None, joint_noise=None, readings="angles", wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=None, history=1024),
         text_signature = "(arm, noise=None, *, ground=None, attitude_noise=0.002, joint_noise=0.001, readings='angles', wheel_encoders=None, steering_encoders=None, slip_threshold=None, max_gap=None, max_speed=None, max_steering_rate=None, lag=0.0, history=1024)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
-        #[pyo3(from_py_with = given::arm)] arm: Bound<'_, Suspension>,
-        #[pyo3(from_py_with = given::noise)] noise: Option<Bound<'_, Noise>>,
-        #[pyo3(from_py_with = given::ground)] ground: Option<Bound<'_, Terrain>>,
+        #[pyo3(from_py_with = arguments::arm)] arm: Bound<'_, Suspension>,
+        #[pyo3(from_py_with = arguments::noise)] noise: Option<Bound<'_, Noise>>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Option<Bound<'_, Terrain>>,
         attitude_noise: Option<&Bound<'_, PyAny>>,
         joint_noise: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::readings)] readings: &str,
+        #[pyo3(from_py_with = arguments::readings)] readings: &str,
         wheel_encoders: Option<&Bound<'_, PyAny>>,
         steering_encoders: Option<&Bound<'_, PyAny>>,
         slip_threshold: Option<&Bound<'_, PyAny>>,
@@ -114,7 +124,7 @@ impl Odometry3 {
         max_speed: Option<&Bound<'_, PyAny>>,
         max_steering_rate: Option<&Bound<'_, PyAny>>,
         lag: Option<&Bound<'_, PyAny>>,
-        #[pyo3(from_py_with = given::history)] history: usize,
+        #[pyo3(from_py_with = arguments::history)] history: usize,
     ) -> PyResult<Self> {
         ready(arm.py())?;
         let chain = &arm.get().chain;
@@ -125,22 +135,22 @@ impl Odometry3 {
             readings: readings_named(readings)?,
             wheel_encoders: encoders("wheel_encoders", wheel_encoders, &wheels)?,
             steering_encoders: encoders("steering_encoders", steering_encoders, &steered)?,
-            slip_threshold: optional("slip_threshold", slip_threshold)?,
-            max_gap: optional("max_gap", max_gap)?,
-            max_speed: optional("max_speed", max_speed)?,
-            max_steering_rate: optional("max_steering_rate", max_steering_rate)?,
-            lag: optional("lag", lag)?.unwrap_or(0.0),
+            slip_threshold: optional_number("slip_threshold", slip_threshold)?,
+            max_gap: optional_number("max_gap", max_gap)?,
+            max_speed: optional_number("max_speed", max_speed)?,
+            max_steering_rate: optional_number("max_steering_rate", max_steering_rate)?,
+            lag: optional_number("lag", lag)?.unwrap_or(0.0),
             history,
             ..Settings::default()
         };
         let usual = Settings3::default();
         let settings = Settings3 {
             common,
-            attitude_noise: optional("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
-            joint_noise: optional("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
+            attitude_noise: optional_number("attitude_noise", attitude_noise)?.unwrap_or(usual.attitude_noise),
+            joint_noise: optional_number("joint_noise", joint_noise)?.unwrap_or(usual.joint_noise),
         };
         let map = ground.as_ref().map(|ground| ground.get().0.clone());
-        let core = Core::new(chain.clone(), map, settings).map_err(|error| raise(error, &[]))?;
+        let core = Core::new(chain.clone(), map, settings).or_raise(&[])?;
         Ok(Self { work: Shared::new(core), arm: arm.clone().unbind(), ground: ground.map(Bound::unbind) })
     }
 
@@ -177,7 +187,6 @@ impl Odometry3 {
     ///     If a reading is missing or not finite, the attitude upside down, the stamp not later than the last one, the
     ///     rover off the ground, a limit exceeded or a shape wrong. The state is as before.
     #[pyo3(signature = (steering, wheel_angles, stamp, *, joints=None, attitude=None, yaw_rate=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn update(
         &self,
         py: Python<'_>,
@@ -199,7 +208,7 @@ impl Odometry3 {
             stamp: number("stamp", stamp)?,
             joints: joints.as_ref().map(Rows::flat),
             attitude,
-            yaw_rate: optional("yaw_rate", yaw_rate)?,
+            yaw_rate: optional_number("yaw_rate", yaw_rate)?,
         };
         self.change(py, |core| core.update(sample).map(|_| ()))
     }
@@ -235,7 +244,6 @@ impl Odometry3 {
     /// ValueError
     ///     If a shape does not fit; with ``errors="raise"`` as `update`, the row named.
     #[pyo3(signature = (steering, wheel_angles, stamps, *, joints=None, attitude=None, yaw_rate=None, errors="flag", covariances=true, slips=true))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -245,9 +253,9 @@ impl Odometry3 {
         joints: Option<&Bound<'py, PyAny>>,
         attitude: Option<&Bound<'py, PyAny>>,
         yaw_rate: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::errors)] errors: &str,
-        #[pyo3(from_py_with = given::covariances)] covariances: bool,
-        #[pyo3(from_py_with = given::slips)] slips: bool,
+        #[pyo3(from_py_with = arguments::errors)] errors: &str,
+        #[pyo3(from_py_with = arguments::covariances)] covariances: bool,
+        #[pyo3(from_py_with = arguments::slips)] slips: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let [count, steered, free] = self.widths();
         let log = Columns::read(wheel_angles, steering, stamps, errors, [count, steered])?;
@@ -279,7 +287,7 @@ impl Odometry3 {
         };
         let mut core = self.work.lock(py)?;
         let work = &mut *core;
-        compute(py, rows, || work.run(recording, log.is_strict, track)).map_err(|error| raise(error, leading))?;
+        compute_rows(py, rows, leading, || work.run(recording, log.is_strict, track))?;
         drop(core);
         let finish = |out: Option<Output<'py>>| out.map(Output::finish).transpose();
         let keywords = PyDict::new(py);
@@ -358,30 +366,6 @@ impl Odometry3 {
         let matrix = self::covariance(covariance, 0.0)?;
         self.change(py, |core| core.start_over(pose, matrix))?;
         Ok(())
-    }
-
-    /// Where the rover is after the last sample.
-    #[getter]
-    fn state(&self, py: Python<'_>) -> PyResult<Odometry3State> {
-        Ok(self.state_of(&*self.work.lock(py)?, py))
-    }
-
-    /// The suspension.
-    #[getter]
-    fn arm(&self, py: Python<'_>) -> Py<Suspension> {
-        self.arm.clone_ref(py)
-    }
-
-    /// The ground; None if it is not known.
-    #[getter]
-    fn ground(&self, py: Python<'_>) -> Option<Py<Terrain>> {
-        self.ground.as_ref().map(|ground| ground.clone_ref(py))
-    }
-
-    /// Standard deviations of readings and slip.
-    #[getter]
-    fn noise(&self, py: Python<'_>) -> PyResult<Noise> {
-        Ok(self.work.lock(py)?.settings().common.noise.into())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

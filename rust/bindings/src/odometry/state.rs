@@ -9,8 +9,8 @@ use six_wheel_core::Method;
 use six_wheel_core::estimate::worst_wheel;
 use six_wheel_core::odometry::Odometry;
 
-use crate::fast::Renewed;
-use crate::given;
+use crate::arguments;
+use crate::fastcall::Renewed;
 use crate::rover::Rover;
 
 /// Where the rover is after a sample, and how far that may be off.
@@ -19,7 +19,7 @@ use crate::rover::Rover;
 #[pyclass(frozen, module = "six_wheel")]
 pub struct OdometryState(Renewed<Known>);
 
-/// What is known after a sample.
+/// The estimate after a sample.
 pub struct Known {
     stamp: Option<f64>,
     pose: [f64; 3],
@@ -181,57 +181,30 @@ fn square<'py>(py: Python<'py>, matrix: &[[f64; 3]; 3]) -> PyResult<Bound<'py, P
     PyArray1::from_slice(py, matrix.as_flattened()).reshape([3, 3])
 }
 
-#[pymethods]
-impl OdometryState {
+getters! { OdometryState, this, py:
     /// When the sample was taken [s]; None before the first one.
-    #[getter]
-    fn stamp(&self) -> Option<f64> {
-        self.stamp
-    }
-
+    stamp: Option<f64> = this.stamp;
     /// ``[x, y, yaw]`` in the world, the yaw with its full turns, shape (3,) [m, m, rad].
-    #[getter]
-    fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.pose)
-    }
-
+    pose: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.pose);
     /// The yaw, with its full turns [rad].
-    #[getter]
-    fn yaw(&self) -> f64 {
-        self.pose[2]
-    }
-
+    yaw: f64 = this.pose[2];
     /// Mean ``[vx, vy, omega]`` over the last step in body axes, shape (3,) [m/s, m/s, rad/s].
-    #[getter]
-    fn twist<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.twist)
-    }
-
+    twist: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.twist);
     /// The twist through a first-order filter of time constant `smoothing`, shape (3,) [m/s, m/s, rad/s].
-    #[getter]
-    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.velocity)
-    }
-
+    velocity: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.velocity);
     /// Covariance of the pose in world axes, shape (3, 3) [m², m rad, rad²].
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        square(py, &whole(self.covariance))
-    }
-
+    covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(this.covariance));
     /// Covariance of the twist in body axes, shape (3, 3); infinite variances where nothing is known of the twist: before
     /// the first step, and after a command or a pose from outside.
-    #[getter]
-    fn twist_covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        square(py, &whole(self.twist_covariance))
-    }
-
+    twist_covariance: PyResult<Bound<'py, PyArray2<f64>>> = square(py, &whole(this.twist_covariance));
     /// Speed at which each wheel's contact slid over the last step, shape (wheels,) [m/s].
-    #[getter]
-    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.residual)
-    }
+    residual: Bound<'py, PyArray1<f64>> = PyArray1::from_slice(py, &this.residual);
+    /// Flags of the sample, a `Health`.
+    health: PyResult<Bound<'py, PyAny>> = py.import("six_wheel.odometry")?.getattr("Health")?.call1((this.health,));
+}
 
+#[pymethods]
+impl OdometryState {
     /// Say of each wheel over the last step, shape (wheels,), 0 to 1.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -248,12 +221,6 @@ impl OdometryState {
         Some(PyString::new(py, &self.rover.get().core.wheels()[worst].name))
     }
 
-    /// Flags of the sample, a `Health`.
-    #[getter]
-    fn health<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("six_wheel.odometry")?.getattr("Health")?.call1((self.health,))
-    }
-
     /// `covariance` in the order of ROS messages: x, y, z, roll, pitch, yaw, shape (6, 6).
     ///
     /// Parameters
@@ -264,7 +231,7 @@ impl OdometryState {
     fn covariance_6x6<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::unmeasured)] unmeasured: f64,
+        #[pyo3(from_py_with = arguments::unmeasured)] unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         spatial(py, &whole(self.covariance), unmeasured)
     }
@@ -279,12 +246,9 @@ impl OdometryState {
     fn twist_covariance_6x6<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::unmeasured)] unmeasured: f64,
+        #[pyo3(from_py_with = arguments::unmeasured)] unmeasured: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let known = self.twist_covariance.map(|value| match value.is_finite() {
-            true => value,
-            false => unmeasured,
-        });
+        let known = self.twist_covariance.map(|value| if value.is_finite() { value } else { unmeasured });
         spatial(py, &whole(known), unmeasured)
     }
 

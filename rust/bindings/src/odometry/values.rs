@@ -5,8 +5,10 @@ use pyo3::types::{PyDict, PyTuple};
 use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
 use six_wheel_core::units;
 
-use crate::convert::{ask, number, raise};
-use crate::wheel::reduce;
+use crate::arguments::{ArgumentKind, constructor_call};
+use crate::classes::{hash_of_numbers, reduce};
+use crate::convert::{OrRaise, number, optional_number};
+use crate::unit_warnings::warn_units;
 
 /// How far readings and wheels may err: standard deviations.
 ///
@@ -68,6 +70,34 @@ impl Noise {
     }
 }
 
+impl ArgumentKind for Noise {
+    const KIND: &'static str = "a Noise";
+
+    fn remedy(value: &Bound<'_, PyAny>) -> String {
+        constructor_call("Noise", "speed", value)
+    }
+}
+
+getters! { Noise, this, py:
+    /// Of every wheel's rim speed over one step [m/s].
+    speed: f64 = this.0.speed;
+    /// Of every steering angle [rad].
+    steering: f64 = this.0.steering;
+    /// Of the distance a wheel slips along its heading over one metre [m].
+    slip: f64 = this.0.slip;
+    /// The same across its heading [m].
+    side_slip: f64 = this.0.side_slip;
+    /// Of an absolute yaw reading [rad].
+    yaw: f64 = this.0.yaw;
+    /// Of a gyroscope's reading [rad/s].
+    yaw_rate: f64 = this.0.yaw_rate;
+    /// Time over which an error of a reading stays the same [s].
+    period: Option<f64> = this.0.period;
+}
+
+equal_by!(Noise: 0);
+replaceable!(Noise);
+
 #[pymethods]
 impl Noise {
     #[new]
@@ -75,7 +105,6 @@ impl Noise {
         signature = (speed=None, steering=None, *, slip=None, side_slip=None, yaw=None, yaw_rate=None, period=None),
         text_signature = "(speed=None, steering=None, *, slip=None, side_slip=None, yaw=0.0, yaw_rate=0.0, period=None)"
     )]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn new(
         py: Python<'_>,
         speed: Option<&Bound<'_, PyAny>>,
@@ -102,53 +131,11 @@ impl Noise {
                 *target = number(argument, value)?;
             }
         }
-        noise.period = period.map(|period| number("period", period)).transpose()?;
-        noise.check().map_err(|error| raise(error, &[]))?;
+        noise.period = optional_number("period", period)?;
+        noise.check().or_raise(&[])?;
         let noise = Self(noise, measured);
-        ask(py, units::settings(noise.numbers()))?;
+        warn_units(py, units::settings(noise.numbers()))?;
         Ok(noise)
-    }
-
-    /// Of every wheel's rim speed over one step [m/s].
-    #[getter]
-    fn speed(&self) -> f64 {
-        self.0.speed
-    }
-
-    /// Of every steering angle [rad].
-    #[getter]
-    fn steering(&self) -> f64 {
-        self.0.steering
-    }
-
-    /// Of the distance a wheel slips along its heading over one metre [m].
-    #[getter]
-    fn slip(&self) -> f64 {
-        self.0.slip
-    }
-
-    /// The same across its heading [m].
-    #[getter]
-    fn side_slip(&self) -> f64 {
-        self.0.side_slip
-    }
-
-    /// Of an absolute yaw reading [rad].
-    #[getter]
-    fn yaw(&self) -> f64 {
-        self.0.yaw
-    }
-
-    /// Of a gyroscope's reading [rad/s].
-    #[getter]
-    fn yaw_rate(&self) -> f64 {
-        self.0.yaw_rate
-    }
-
-    /// Time over which an error of a reading stays the same [s].
-    #[getter]
-    fn period(&self) -> Option<f64> {
-        self.0.period
     }
 
     fn __repr__(&self) -> String {
@@ -163,15 +150,8 @@ impl Noise {
         text + ")"
     }
 
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
-    }
-
     fn __hash__(&self) -> u64 {
-        self.numbers()
-            .into_iter()
-            .chain([("period", self.0.period.unwrap_or(-1.0))])
-            .fold(0, |hash: u64, (_, value)| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
+        hash_of_numbers(self.numbers().map(|(_, number)| number).into_iter().chain([self.0.period.unwrap_or(-1.0)]))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
@@ -207,6 +187,22 @@ impl Noise {
 #[derive(Clone, Copy)]
 pub struct Encoder(pub CoreEncoder);
 
+getters! { Encoder, this, py:
+    /// Counts per turn of the shaft it sits on; None if it reads radians.
+    resolution: Option<f64> = this.0.resolution;
+    /// Turns of that shaft per turn of the joint.
+    gear: f64 = this.0.gear;
+    /// Counts after which the counter starts over; None if it never does.
+    modulus: Option<f64> = this.0.modulus;
+    /// Angle of the joint where the counter is zero [rad].
+    offset: f64 = this.0.offset;
+    /// Angle of the joint per count [rad].
+    angle_per_count: f64 = this.0.angle_per_count();
+}
+
+equal_by!(Encoder: 0);
+replaceable!(Encoder);
+
 #[pymethods]
 impl Encoder {
     #[new]
@@ -220,46 +216,14 @@ impl Encoder {
         modulus: Option<&Bound<'_, PyAny>>,
         offset: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let optional =
-            |argument, value: Option<&Bound<'_, PyAny>>| value.map(|value| number(argument, value)).transpose();
         let encoder = CoreEncoder {
-            resolution: optional("resolution", resolution)?,
-            gear: optional("gear", gear)?.unwrap_or(1.0),
-            modulus: optional("modulus", modulus)?,
-            offset: optional("offset", offset)?.unwrap_or(0.0),
+            resolution: optional_number("resolution", resolution)?,
+            gear: optional_number("gear", gear)?.unwrap_or(1.0),
+            modulus: optional_number("modulus", modulus)?,
+            offset: optional_number("offset", offset)?.unwrap_or(0.0),
         };
-        encoder.check().map_err(|error| raise(error, &[]))?;
+        encoder.check().or_raise(&[])?;
         Ok(Self(encoder))
-    }
-
-    /// Counts per turn of the shaft it sits on; None if it reads radians.
-    #[getter]
-    fn resolution(&self) -> Option<f64> {
-        self.0.resolution
-    }
-
-    /// Turns of that shaft per turn of the joint.
-    #[getter]
-    fn gear(&self) -> f64 {
-        self.0.gear
-    }
-
-    /// Counts after which the counter starts over; None if it never does.
-    #[getter]
-    fn modulus(&self) -> Option<f64> {
-        self.0.modulus
-    }
-
-    /// Angle of the joint where the counter is zero [rad].
-    #[getter]
-    fn offset(&self) -> f64 {
-        self.0.offset
-    }
-
-    /// Angle of the joint per count [rad].
-    #[getter]
-    fn angle_per_count(&self) -> f64 {
-        self.0.angle_per_count()
     }
 
     fn __repr__(&self) -> String {
@@ -272,14 +236,9 @@ impl Encoder {
         )
     }
 
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().0 == self.0)
-    }
-
     fn __hash__(&self) -> u64 {
         let CoreEncoder { resolution, gear, modulus, offset } = self.0;
-        let numbers = [resolution.unwrap_or(0.0), gear, modulus.unwrap_or(0.0), offset];
-        numbers.iter().fold(0, |hash: u64, value| hash.wrapping_mul(31).wrapping_add((value + 0.0).to_bits()))
+        hash_of_numbers([resolution.unwrap_or(0.0), gear, modulus.unwrap_or(0.0), offset])
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

@@ -1,4 +1,4 @@
-//! What a planner found.
+//! `six_wheel.MppiPlan`.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -6,36 +6,28 @@ use six_wheel_core::planner::{Outcome, State, Stuck};
 
 use crate::convert::{Array, Output};
 
-/// What a planner found.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct MppiPlan {
-    /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    twist: Py<PyAny>,
-    /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
-    #[pyo3(get)]
-    steering: Py<PyAny>,
-    /// How fast the wheels roll, shape (wheels,) [rad/s].
-    #[pyo3(get)]
-    speeds: Py<PyAny>,
-    /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    twists: Py<PyAny>,
-    /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
-    #[pyo3(get)]
-    poses: Py<PyAny>,
-    /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
-    #[pyo3(get)]
-    controls: Py<PyAny>,
-    /// Lowest cost of a rollout.
-    #[pyo3(get)]
-    cost: f64,
-    /// How many rollouts count: one over the sum of their squared weights.
-    #[pyo3(get)]
-    effective_samples: f64,
-    /// Why the rover has to stay where it is; empty if it has not.
-    #[pyo3(get)]
-    reason: &'static str,
+result_class! {
+    /// What a planner found.
+    pub struct MppiPlan {
+        /// The motion to command now, ``[vx, vy, omega]`` in body axes, shape (3,) [m/s, m/s, rad/s].
+        twist: Py<PyAny>,
+        /// Where the steering joints have to be after this step, shape (steered wheels,) [rad].
+        steering: Py<PyAny>,
+        /// How fast the wheels roll, shape (wheels,) [rad/s].
+        speeds: Py<PyAny>,
+        /// The motions the plan leads to, within the limits, shape (horizon, 3) [m/s, m/s, rad/s].
+        twists: Py<PyAny>,
+        /// The poses they lead to, the first one where the rover is, shape (horizon + 1, 3) [m, m, rad].
+        poses: Py<PyAny>,
+        /// What is wished at every step: the mean of the samples, shape (horizon, 3) [m/s, m/s, rad/s].
+        controls: Py<PyAny>,
+        /// Lowest cost of a rollout.
+        cost: f64,
+        /// How many rollouts count: one over the sum of their squared weights.
+        effective_samples: f64,
+        /// Why the rover has to stay where it is; empty if it has not.
+        reason: &'static str,
+    }
 }
 
 impl MppiPlan {

@@ -1,10 +1,10 @@
-//! How a profile or transition was made: that is what it prints, compares and pickles.
+//! The call that made a profile or transition: it prints, compares, hashes and pickles by it.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 /// A function of `six_wheel.profiles` and what it was called with.
-pub struct Made {
+pub struct ConstructorCall {
     pub maker: &'static str,
     pub arguments: Py<PyTuple>,
     /// The keywords that are not the default ones.
@@ -16,7 +16,7 @@ pub fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("six_wheel.profiles")?.getattr(name)
 }
 
-impl Made {
+impl ConstructorCall {
     /// The call, to be pasted back.
     pub fn repr(&self, py: Python<'_>) -> PyResult<String> {
         let mut arguments = Vec::new();
@@ -39,7 +39,7 @@ impl Made {
         self.arguments.bind(py).hash()
     }
 
-    /// What pickle needs to make it again.
+    /// The result of `__reduce__`: the call again.
     pub fn reduce<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let maker = class(py, self.maker)?;
         let partial = py.import("functools")?.call_method("partial", (maker,), Some(self.keywords.bind(py)))?;
@@ -47,7 +47,7 @@ impl Made {
     }
 }
 
-/// What a class has for being known by the call that makes it.
+/// Equality, hash and pickling by the call that made an object.
 macro_rules! known_by_its_call {
     ($class: ident) => {
         #[pymethods]

@@ -4,10 +4,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use six_wheel_core::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 
-use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
-use super::made::{Made, class, known_by_its_call};
+use super::inputs::{Keywords, one_of, pasteable, plain, row, states, twist};
+use super::made::{ConstructorCall, class, known_by_its_call};
+use crate::arguments;
 use crate::convert::refuse;
-use crate::given;
 use crate::rover::Rover;
 
 macro_rules! value_methods {
@@ -33,11 +33,12 @@ macro_rules! value_methods {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct BodyTransition {
     core: core::BodyTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(BodyTransition);
 known_by_its_call!(BodyTransition);
+replaceable!(BodyTransition);
 
 #[pymethods]
 impl BodyTransition {
@@ -74,19 +75,18 @@ impl BodyTransition {
     #[staticmethod]
     #[pyo3(signature = (rover, start_twist, end_twist, duration=None, *, shape=None, acceleration=None,
         angular_acceleration=None, jerk=None, angular_jerk=None, synchronise=None, previous=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
         acceleration: Option<&Bound<'py, PyAny>>,
         angular_acceleration: Option<&Bound<'py, PyAny>>,
         jerk: Option<&Bound<'py, PyAny>>,
         angular_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
         previous: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
@@ -116,7 +116,7 @@ impl BodyTransition {
         };
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made {
+            made: ConstructorCall {
                 maker: "body_transition",
                 arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),
@@ -143,11 +143,12 @@ impl BodyTransition {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct ModuleTransition {
     core: core::ModuleTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(ModuleTransition);
 known_by_its_call!(ModuleTransition);
+replaceable!(ModuleTransition);
 
 /// The pair (steering, speeds).
 fn modules(argument: &str, rover: &Rover, value: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, Vec<f64>)> {
@@ -199,20 +200,19 @@ impl ModuleTransition {
     #[pyo3(signature = (rover, start, end, duration=None, *, shape=None, steering_rate=None,
         steering_acceleration=None, steering_jerk=None, wheel_acceleration=None, wheel_jerk=None,
         synchronise=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start: &Bound<'py, PyAny>,
         end: &Bound<'py, PyAny>,
         duration: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::shape)] shape: Option<&str>,
+        #[pyo3(from_py_with = arguments::shape)] shape: Option<&str>,
         steering_rate: Option<&Bound<'py, PyAny>>,
         steering_acceleration: Option<&Bound<'py, PyAny>>,
         steering_jerk: Option<&Bound<'py, PyAny>>,
         wheel_acceleration: Option<&Bound<'py, PyAny>>,
         wheel_jerk: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::synchronise)] synchronise: Option<&str>,
+        #[pyo3(from_py_with = arguments::synchronise)] synchronise: Option<&str>,
     ) -> PyResult<Self> {
         let keywords = Keywords::new(py);
         let from = modules("start", rover.get(), start)?;
@@ -247,7 +247,7 @@ impl ModuleTransition {
         };
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
+            made: ConstructorCall { maker: "module_transition", arguments, keywords: keywords.0.unbind() },
         })
     }
 
@@ -273,11 +273,17 @@ impl ModuleTransition {
 #[pyclass(frozen, module = "six_wheel.profiles")]
 pub struct IcrTransition {
     core: core::IcrTransition,
-    made: Made,
+    made: ConstructorCall,
 }
 
 value_methods!(IcrTransition);
 known_by_its_call!(IcrTransition);
+replaceable!(IcrTransition);
+
+getters! { IcrTransition, this, py:
+    /// How often the rover has to come to rest on the way.
+    stops: usize = this.core.stops();
+}
 
 #[pymethods]
 impl IcrTransition {
@@ -321,10 +327,9 @@ impl IcrTransition {
     #[pyo3(signature = (rover, start_twist, end_twist, *, steering_rate, steering_acceleration=None,
         steering_jerk=None, wheel_speed=None, wheel_acceleration=None, acceleration=None,
         angular_acceleration=None, previous=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn between<'py>(
         py: Python<'py>,
-        #[pyo3(from_py_with = given::rover)] rover: Bound<'py, Rover>,
+        #[pyo3(from_py_with = arguments::rover)] rover: Bound<'py, Rover>,
         start_twist: &Bound<'py, PyAny>,
         end_twist: &Bound<'py, PyAny>,
         steering_rate: &Bound<'py, PyAny>,
@@ -352,18 +357,12 @@ impl IcrTransition {
         let core = core::IcrTransition::new(&rover.get().core, start.into(), end.into(), &limits, previous.as_deref());
         Ok(Self {
             core: core.map_err(plain)?,
-            made: Made {
+            made: ConstructorCall {
                 maker: "icr_transition",
                 arguments: (rover, pasteable(py, start)?, pasteable(py, end)?).into_pyobject(py)?.unbind(),
                 keywords: keywords.0.unbind(),
             },
         })
-    }
-
-    /// How often the rover has to come to rest on the way.
-    #[getter]
-    fn stops(&self) -> usize {
-        self.core.stops()
     }
 
     /// What happens when and why: a tuple of `Phase`.

@@ -7,10 +7,10 @@ use six_wheel_core::moving::Prepared;
 use six_wheel_core::suspension::TripleBogie;
 use six_wheel_core::{Chain, Error, SteeringRange};
 
-use super::{joint_range, steering};
-use crate::convert::{Rows, number, numbers, raise, refuse, shape_text};
-use crate::given;
-use crate::wheel::reduce;
+use super::joint_range::{joint_range, steering};
+use crate::arguments::{self, ArgumentKind};
+use crate::classes::{reduce, repr_of_call};
+use crate::convert::{OrRaise, Rows, number, numbers, refuse, shape_text};
 
 /// A suspension as data: parts that turn about axes of their parents, and wheels mounted on them.
 ///
@@ -20,8 +20,8 @@ use crate::wheel::reduce;
 pub struct Suspension {
     /// The parts, joints and wheels.
     pub chain: Chain,
-    /// What its motion needs beforehand.
-    pub motion: Prepared,
+    /// The constants of its motion, in a box: their registers need more alignment than the memory of Python's objects has.
+    pub motion: Box<Prepared>,
     /// The name of what made it, and its arguments.
     made: Option<(&'static str, Py<PyDict>)>,
 }
@@ -29,17 +29,17 @@ pub struct Suspension {
 impl Suspension {
     /// The face of a chain that a subclass makes.
     pub fn of(chain: Chain) -> Self {
-        Self { motion: Prepared::new(&chain), chain, made: None }
+        Self { motion: Box::new(Prepared::new(&chain)), chain, made: None }
     }
 
     /// The face of a chain, and how it is made again.
     fn made(chain: Result<Chain, Error>, name: &'static str, arguments: Bound<'_, PyDict>) -> PyResult<Self> {
-        let chain = chain.map_err(|error| raise(error, &[]))?;
+        let chain = chain.or_raise(&[])?;
         Ok(Self { made: Some((name, arguments.unbind())), ..Self::of(chain) })
     }
 }
 
-/// Which of the pairs steer.
+/// The pairs that steer.
 fn pairs(steered: &str) -> PyResult<[bool; 3]> {
     match steered {
         "front" => Ok([true, false, false]),
@@ -51,6 +51,24 @@ fn pairs(steered: &str) -> PyResult<[bool; 3]> {
         }
     }
 }
+
+impl ArgumentKind for Suspension {
+    const KIND: &'static str = "a Suspension, such as a RockerBogie";
+
+    fn remedy(_: &Bound<'_, PyAny>) -> String {
+        "one like sw.RockerBogie.perseverance()".into()
+    }
+}
+
+getters! { Suspension, this, py:
+    /// Names of the wheels, in the order of every array.
+    wheel_names: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.wheels().iter().map(|wheel| &*wheel.name));
+    /// Names of the free angles, in the order of `joints` of a settled pose.
+    free_joints: PyResult<Bound<'py, PyTuple>> = PyTuple::new(py, this.chain.joints().iter().map(|joint| &*joint.name));
+}
+
+equal_by!(Suspension: chain);
+replaceable!(Suspension);
 
 #[pymethods]
 impl Suspension {
@@ -86,7 +104,6 @@ impl Suspension {
     ///     If a number is not finite, or the radius or a limit makes no sense.
     #[staticmethod]
     #[pyo3(signature = (*, bogie_pivot, bogie_to_front, bogie_to_middle, rear_pivot, rear_to_wheel, wheel_radius, steered="corners", steering_limit=None, bogie_limit=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn triple_bogie<'py>(
         py: Python<'py>,
         bogie_pivot: &Bound<'py, PyAny>,
@@ -95,7 +112,7 @@ impl Suspension {
         rear_pivot: &Bound<'py, PyAny>,
         rear_to_wheel: &Bound<'py, PyAny>,
         wheel_radius: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = given::steered)] steered: &str,
+        #[pyo3(from_py_with = arguments::steered)] steered: &str,
         steering_limit: Option<&Bound<'py, PyAny>>,
         bogie_limit: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
@@ -271,31 +288,9 @@ impl Suspension {
         Self::made(Chain::rigid(&wheels, radius), "rigid", arguments)
     }
 
-    /// Names of the wheels, in the order of every array.
-    #[getter]
-    fn wheel_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.chain.wheels().iter().map(|wheel| &*wheel.name))
-    }
-
-    /// Names of the free angles, in the order of `joints` of a settled pose.
-    #[getter]
-    fn free_joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.chain.joints().iter().map(|joint| &*joint.name))
-    }
-
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let Some((name, arguments)) = &self.made else {
-            return Ok("Suspension(...)".into());
-        };
-        let mut texts = Vec::new();
-        for (argument, value) in arguments.bind(py).iter() {
-            texts.push(format!("{argument}={}", value.repr()?));
-        }
-        Ok(format!("Suspension.{name}({})", texts.join(", ")))
-    }
-
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get().chain == self.chain)
+        let Some((name, arguments)) = &self.made else { return Ok("Suspension(...)".into()) };
+        repr_of_call(&format!("Suspension.{name}"), arguments.bind(py))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {

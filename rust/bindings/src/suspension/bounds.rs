@@ -7,44 +7,42 @@ use pyo3::types::PyFloat;
 use six_wheel_core::Error;
 use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
 
-use super::RockerBogie;
-use crate::batch::any_workers;
-use crate::convert::{Out, Rows, Scalars, compute, joined, memory, named, raise, refuse, scalar_or_array, together};
-use crate::given;
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
+use crate::convert::{
+    OrRaise, Out, Rows, Scalars, compute_rows, joined, memory, named, refuse, scalar_or_array, together,
+};
 use crate::terrain::Terrain;
+use crate::workers::any_workers;
 
-/// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
-///
-/// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
-#[pyclass(frozen, module = "six_wheel")]
-pub struct Bounds {
-    /// Height of the origin of the rover's frame, shape (..., 2) [m].
-    #[pyo3(get)]
-    z: Py<PyAny>,
-    /// Roll, shape (..., 2) [rad].
-    #[pyo3(get)]
-    roll: Py<PyAny>,
-    /// Pitch, shape (..., 2) [rad].
-    #[pyo3(get)]
-    pitch: Py<PyAny>,
-    /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
-    #[pyo3(get)]
-    tilt: Py<PyAny>,
-    /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
-    #[pyo3(get)]
-    clearance: Py<PyAny>,
-    /// Angle of the left rocker, shape (..., 2) [rad].
-    #[pyo3(get)]
-    rocker: Py<PyAny>,
-    /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
-    #[pyo3(get)]
-    bogies: Py<PyAny>,
-    /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
-    /// (..., 2) [m].
-    #[pyo3(get)]
-    wheel_drop: Py<PyAny>,
-    worth: Vec<Knowledge>,
-    leading: Vec<usize>,
+result_class! {
+    /// Intervals in which a rover stands, without settling it: see `RockerBogie.bounds`.
+    ///
+    /// Every interval holds its lower and its upper end in the last axis; NaN unless `status` is ``bounded``.
+    pub struct Bounds {
+        /// Height of the origin of the rover's frame, shape (..., 2) [m].
+        z: Py<PyAny>,
+        /// Roll, shape (..., 2) [rad].
+        roll: Py<PyAny>,
+        /// Pitch, shape (..., 2) [rad].
+        pitch: Py<PyAny>,
+        /// Angle between the rover's z axis and the vertical, shape (..., 2) [rad].
+        tilt: Py<PyAny>,
+        /// Least vertical distance from the ground to the belly, shape (..., 2) [m].
+        clearance: Py<PyAny>,
+        /// Angle of the left rocker, shape (..., 2) [rad].
+        rocker: Py<PyAny>,
+        /// Angles of the left and the right bogie, shape (..., 2, 2) [rad].
+        bogies: Py<PyAny>,
+        /// How far, in the rover's frame, the wheel that has come down most is below its place on level ground, shape
+        /// (..., 2) [m].
+        wheel_drop: Py<PyAny>,
+    }
+    hidden {
+        worth: Vec<Knowledge>,
+        leading: Vec<usize>,
+    }
+    repr { z roll pitch tilt clearance rocker bogies wheel_drop status }
 }
 
 #[pymethods]
@@ -56,22 +54,6 @@ impl Bounds {
         let codes = scalar_or_array(py, memory::gathered(codes)?, &self.leading)?;
         let module = py.import("six_wheel.bounding")?;
         module.call_method1("statuses", (codes,)).map(Bound::unbind)
-    }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "Bounds(z={}, roll={}, pitch={}, tilt={}, clearance={}, rocker={}, bogies={}, wheel_drop={}, status={})",
-            text(&self.z)?,
-            text(&self.roll)?,
-            text(&self.pitch)?,
-            text(&self.tilt)?,
-            text(&self.clearance)?,
-            text(&self.rocker)?,
-            text(&self.bogies)?,
-            text(&self.wheel_drop)?,
-            text(&self.status(py)?)?,
-        ))
     }
 }
 
@@ -86,7 +68,7 @@ fn sizes<'py>(py: Python<'py>, argument: &'static str, value: Option<&Bound<'py,
     }
 }
 
-/// What `out=` takes, in this order.
+/// The arrays of `out=`, in this order.
 const RESULTS: [&str; 8] = ["z", "roll", "pitch", "tilt", "clearance", "rocker", "bogies", "wheel_drop"];
 
 /// Shape of one of them.
@@ -98,10 +80,15 @@ fn shape(leading: &[usize], k: usize) -> Vec<usize> {
     }
 }
 
+/// The intervals of an array.
+fn pairs(values: &mut [f64]) -> &mut [[f64; 2]] {
+    values.as_chunks_mut().0
+}
+
 /// A belly as it is given: rear and front edge, half width and height [m].
 type Plate = (f64, f64, f64, f64);
 
-/// What is asked beside the poses.
+/// The options of the bounds beside the poses.
 pub struct Question<'a> {
     pub plans: Cow<'a, [Plan]>,
     pub error: f64,
@@ -126,7 +113,7 @@ impl RockerBogie {
             }
             (_, None) => self.plans(belly).map(|plans| Cow::Owned(plans.into())),
         };
-        Ok(Question { plans: plans.map_err(|error| raise(error, &[]))?, error: map_error })
+        Ok(Question { plans: plans.or_raise(&[])?, error: map_error })
     }
 
     fn plan(&self, belly: Option<Plate>, within: Within) -> Result<Plan, Error> {
@@ -206,24 +193,22 @@ impl RockerBogie {
     /// articulated suspension systems, Journal of Field Robotics 37(5), 2020, with another closed form
     /// (`docs/bounds.md`).
     #[pyo3(signature = (ground, poses, yaw_margin=None, *, position_margin=None, map_error=0.0, belly=None, within=None, out=None, threads=None, kernel=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn bounds<'py>(
         &self,
         py: Python<'py>,
-        #[pyo3(from_py_with = given::ground)] ground: Bound<'py, Terrain>,
+        #[pyo3(from_py_with = arguments::ground)] ground: Bound<'py, Terrain>,
         poses: &Bound<'py, PyAny>,
         yaw_margin: Option<&Bound<'py, PyAny>>,
         position_margin: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::map_error)] map_error: f64,
-        #[pyo3(from_py_with = given::belly)] belly: Option<(f64, f64, f64, f64)>,
-        #[pyo3(from_py_with = given::within)] within: Option<(f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::map_error)] map_error: f64,
+        #[pyo3(from_py_with = arguments::belly)] belly: Option<(f64, f64, f64, f64)>,
+        #[pyo3(from_py_with = arguments::within)] within: Option<(f64, f64, f64)>,
         out: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
-        #[pyo3(from_py_with = given::kernel)] kernel: Option<&str>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::kernel)] kernel: Option<&str>,
     ) -> PyResult<Bounds> {
         let question = self.question(map_error, belly, within)?;
-        let mut poses = Rows::read("poses", poses, 3)?;
-        poses.check_finite("poses")?;
+        let mut poses = Rows::read_finite("poses", poses, 3)?;
         let mut yaw = sizes(py, "yaw_margin", yaw_margin)?;
         let mut position = sizes(py, "position_margin", position_margin)?;
         together([named("poses", &mut poses), named("yaw_margin", &mut yaw), named("position_margin", &mut position)])?;
@@ -233,39 +218,27 @@ impl RockerBogie {
         let workers = any_workers(threads, kernel)?;
         let (rows, ground) = (poses.triples(), &*ground.get().0);
         let count = rows.len();
-        let out = Out::<8>::read(out, RESULTS)?;
-        let result = |k| out.result(py, k, &shape(leading, k), false);
-        let (mut zs, mut roll, mut pitch, mut tilt) = (result(0)?, result(1)?, result(2)?, result(3)?);
-        let (mut clearance, mut rocker, mut bogies, mut drop) = (result(4)?, result(5)?, result(6)?, result(7)?);
+        let shapes = std::array::from_fn(|k| shape(leading, k));
+        let mut results = Out::read(out, RESULTS)?.results(py, shapes, false)?;
         let mut sides = [memory::filled([0.0; 2], count)?, memory::filled([0.0; 2], count)?];
         let mut status = memory::filled(Knowledge::Bounded, count)?;
-        let (z, rolls, pitches, tilts) = (zs.pairs(), roll.pairs(), pitch.pairs(), tilt.pairs());
-        let (belly, turns, drops) = (clearance.pairs(), rocker.pairs(), drop.pairs());
-        let pairs = bogies.flat().as_chunks_mut::<4>().0;
-        compute(py, count.max(ground.heights().len() / 1000), || {
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, drop] = results.flat();
+        let [z, roll, pitch, tilt] = [z, roll, pitch, tilt].map(pairs);
+        let [clearance, rocker, drop] = [clearance, rocker, drop].map(pairs);
+        let bogies = bogies.as_chunks_mut::<4>().0;
+        compute_rows(py, count.max(ground.heights().len() / 1000), &[], || {
             let map = Ground { pyramid: ground.pyramid()?, error: question.error };
             let margins = Margins { yaw: &yaw, position: &position };
             let [left, right] = sides.each_mut().map(Vec::as_mut_slice);
-            let blocks = [z, rolls, pitches, tilts, belly, turns, &mut *left, &mut *right, drops];
+            let blocks = [z, roll, pitch, tilt, clearance, rocker, &mut *left, &mut *right, drop];
             core::bounds(&question.plans, map, rows, margins, blocks, &mut status, workers);
-            for ((pair, left), right) in pairs.iter_mut().zip(&*left).zip(&*right) {
+            for ((pair, left), right) in bogies.iter_mut().zip(&*left).zip(&*right) {
                 *pair = [left[0], left[1], right[0], right[1]];
             }
             Ok(())
-        })
-        .map_err(|error: Error| raise(error, &[]))?;
+        })?;
+        let [z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop] = results.finish()?;
         let leading = leading.to_vec();
-        Ok(Bounds {
-            z: out.finish(0, zs)?,
-            roll: out.finish(1, roll)?,
-            pitch: out.finish(2, pitch)?,
-            tilt: out.finish(3, tilt)?,
-            clearance: out.finish(4, clearance)?,
-            rocker: out.finish(5, rocker)?,
-            bogies: out.finish(6, bogies)?,
-            wheel_drop: out.finish(7, drop)?,
-            worth: status,
-            leading,
-        })
+        Ok(Bounds { z, roll, pitch, tilt, clearance, rocker, bogies, wheel_drop, worth: status, leading })
     }
 }

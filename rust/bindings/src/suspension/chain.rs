@@ -6,12 +6,12 @@ use six_wheel_core::batch::Workers;
 use six_wheel_core::suspension::{self as core, FRAMES, WHEELS};
 use six_wheel_core::{Error, RockerBogie as Core};
 
-use super::RockerBogie;
-use crate::batch::any_workers;
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
 use crate::convert::{
     Named, Output, Rows, Scalars, compute, given, memory, named, raise, refuse, shape_text, together,
 };
-use crate::given;
+use crate::workers::any_workers;
 
 /// Angles of the suspension, one row of (rho, beta_1, beta_2) per sample.
 pub struct Joints<'py> {
@@ -83,7 +83,7 @@ impl RockerBogie {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (rho, beta, psi) = angles;
         let mut joints = Joints::read(rho, beta)?;
-        let mut psi = psi.map(|psi| Rows::read("psi", psi, self.steered().len())).transpose()?;
+        let mut psi = Rows::read_optional("psi", psi, self.steered().len())?;
         let all = joints.both().into_iter().chain(given("psi", &mut psi));
         let leading = together(all)?;
         let rows = joints.with_steering(psi.as_ref(), self.steered().len())?;
@@ -139,7 +139,7 @@ impl RockerBogie {
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);
@@ -176,7 +176,7 @@ impl RockerBogie {
         rho: &Bound<'py, PyAny>,
         beta: &Bound<'py, PyAny>,
         psi: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let workers = any_workers(threads, None)?;
         let names = self.0.links().map(|link| link.frame);

@@ -1,68 +1,34 @@
-//! `RockerBogie.planar`, `RockerBogie.icr_offset` and `RockerBogie.steer`.
+//! `RockerBogie.icr_offset` and `RockerBogie.steer`.
 
 use pyo3::prelude::*;
 use six_wheel_core::Inputs;
 use six_wheel_core::suspension::WHEELS;
 
-use super::RockerBogie;
 use super::chain::Joints;
-use crate::batch::any_workers;
-use crate::convert::{Output, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together};
-use crate::given;
-use crate::rover::Rover;
+use super::rocker_bogie::RockerBogie;
+use crate::arguments;
+use crate::convert::{
+    Output, Results, Rows, Scalars, compute, given, joined, memory, named, scalar_or_array, together,
+};
+use crate::workers::any_workers;
 
-/// What the wheels have to do for a forward speed and a yaw rate.
-#[pyclass(frozen, get_all, module = "six_wheel")]
-pub struct SteeringCommand {
-    /// Steering angles, shape (..., steered wheels) [rad].
-    steering: Py<PyAny>,
-    /// Speeds of all wheels, shape (..., 6) [rad/s].
-    wheel_speeds: Py<PyAny>,
-    /// Distance of the centre of rotation to the left of the origin [m]; infinite driving straight, NaN at rest.
-    turning_radius: Py<PyAny>,
-    /// Speed at which each unsteered wheel slides to its left, shape (..., unsteered wheels) [m/s].
-    scrub: Py<PyAny>,
-}
-
-#[pymethods]
-impl SteeringCommand {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let text = |value: &Py<PyAny>| value.bind(py).repr().map(|repr| repr.to_string());
-        Ok(format!(
-            "SteeringCommand(steering={}, wheel_speeds={}, turning_radius={}, scrub={})",
-            text(&self.steering)?,
-            text(&self.wheel_speeds)?,
-            text(&self.turning_radius)?,
-            text(&self.scrub)?,
-        ))
+result_class! {
+    /// What the wheels have to do for a forward speed and a yaw rate.
+    pub struct SteeringCommand {
+        /// Steering angles, shape (..., steered wheels) [rad].
+        steering: Py<PyAny>,
+        /// Speeds of all wheels, shape (..., 6) [rad/s].
+        wheel_speeds: Py<PyAny>,
+        /// Distance of the centre of rotation to the left of the origin [m]; infinite driving straight, NaN at rest.
+        turning_radius: Py<PyAny>,
+        /// Speed at which each unsteered wheel slides to its left, shape (..., unsteered wheels) [m/s].
+        scrub: Py<PyAny>,
     }
+    repr { steering wheel_speeds turning_radius scrub }
 }
 
 #[pymethods]
 impl RockerBogie {
-    /// The rover seen from above: its wheels where the suspension puts their centres.
-    ///
-    /// Parameters
-    /// ----------
-    /// rho : float
-    ///     Angle of the left rocker [rad]; the right one has ``-rho``.
-    /// beta : array_like, shape (2,)
-    ///     Angles of the left and the right bogie against their rockers [rad].
-    ///
-    /// Returns
-    /// -------
-    /// Rover
-    ///     With the origin of R; wheels front_left, front_right, middle_left, middle_right, rear_left, rear_right.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an angle is not finite or a shape does not fit.
-    fn planar(&self, py: Python<'_>, rho: &Bound<'_, PyAny>, beta: &Bound<'_, PyAny>) -> PyResult<Rover> {
-        let (rho, beta) = Joints::read_one(rho, beta)?;
-        Rover::named(py, self.0.planar(rho, beta))
-    }
-
     /// How far behind the origin the unsteered wheels want the centre of rotation: x_R of the papers.
     ///
     /// Turning about a point of the line ``x = -icr_offset`` they scrub least. It moves with the suspension.
@@ -97,7 +63,7 @@ impl RockerBogie {
         beta: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
         dtype: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let workers = any_workers(threads, None)?;
         let mut joints = Joints::read(rho, beta)?;
@@ -157,7 +123,6 @@ impl RockerBogie {
     /// Source: M. Tarokh, G. McDermott, S. Hayati, J. Hung, Kinematic modeling of a high mobility Mars rover,
     /// ICRA 1999.
     #[pyo3(signature = (speed, yaw_rate, rho, beta, *, previous=None, previous_speeds=None, threads=None))]
-    #[allow(clippy::too_many_arguments)] // they are keywords
     fn steer<'py>(
         &self,
         py: Python<'py>,
@@ -167,22 +132,15 @@ impl RockerBogie {
         beta: &Bound<'py, PyAny>,
         previous: Option<&Bound<'py, PyAny>>,
         previous_speeds: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = given::threads)] threads: Option<i64>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<i64>,
     ) -> PyResult<SteeringCommand> {
         let workers = any_workers(threads, None)?;
         let steered = self.steered().len();
         let mut joints = Joints::read(rho, beta)?;
-        let read = |argument: &'static str, value| {
-            let scalars = Scalars::read(argument, value)?;
-            scalars.check_finite(argument)?;
-            PyResult::Ok(scalars)
-        };
-        let (mut speeds, mut yaw_rates) = (read("speed", speed)?, read("yaw_rate", yaw_rate)?);
-        let optional = |argument, value: Option<&Bound<'py, PyAny>>, width| {
-            value.map(|value| Rows::read(argument, value, width)).transpose()
-        };
-        let mut previous = optional("previous", previous, steered)?;
-        let mut rolling = optional("previous_speeds", previous_speeds, WHEELS.len())?;
+        let mut speeds = Scalars::read_finite("speed", speed)?;
+        let mut yaw_rates = Scalars::read_finite("yaw_rate", yaw_rate)?;
+        let mut previous = Rows::read_optional("previous", previous, steered)?;
+        let mut rolling = Rows::read_optional("previous_speeds", previous_speeds, WHEELS.len())?;
         let all = joints
             .both()
             .into_iter()
@@ -193,17 +151,12 @@ impl RockerBogie {
         let (previous, rolling) = (previous.as_ref().map(Rows::flat), rolling.as_ref().map(Rows::flat));
         let motion = |k| (speeds.at(k), yaw_rates.at(k), joints.row(k));
         let motions = memory::gathered((0..joints.beta.count()).map(motion))?;
-        let output = |width| Output::fresh(py, &joined(&leading, width));
-        let (mut steering, mut wheel_speeds) = (output(steered)?, output(WHEELS.len())?);
         let unsteered = WHEELS.len() - steered;
-        let mut scrub = output(unsteered)?;
+        let widths = [steered, WHEELS.len(), unsteered];
+        let mut results = Results::fresh(py, widths.map(|width| joined(&leading, width)))?;
+        let [steering, wheel_speeds, scrub] = results.flat();
         let mut radii = memory::filled(0.0, motions.len())?;
-        let targets = [
-            (steering.flat(), steered),
-            (wheel_speeds.flat(), WHEELS.len()),
-            (scrub.flat(), unsteered),
-            (&mut radii[..], 1),
-        ];
+        let targets = [(steering, steered), (wheel_speeds, WHEELS.len()), (scrub, unsteered), (&mut radii[..], 1)];
         compute(py, motions.len(), || {
             workers.rows(motions.len(), targets, |k, [angles, speeds, scrubs, radius]| {
                 let (speed, yaw_rate, (rho, beta)) = motions[k];
@@ -223,12 +176,7 @@ impl RockerBogie {
             })
         })
         .map_err(|error| joints.raise(error))?;
-        let array = |output: Output<'py>| PyResult::Ok(output.finish()?.into_any().unbind());
-        Ok(SteeringCommand {
-            turning_radius: scalar_or_array(py, radii, &leading)?,
-            steering: array(steering)?,
-            wheel_speeds: array(wheel_speeds)?,
-            scrub: array(scrub)?,
-        })
+        let [steering, wheel_speeds, scrub] = results.finish_arrays()?;
+        Ok(SteeringCommand { turning_radius: scalar_or_array(py, radii, &leading)?, steering, wheel_speeds, scrub })
     }
 }

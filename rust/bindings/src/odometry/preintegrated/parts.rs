@@ -3,28 +3,12 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::estimate::sensitivity::Quantity;
 use six_wheel_core::odometry::preintegrated::space::Motion3;
 use six_wheel_core::odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
 
+use super::columns::{BIAS, SLIPS, dimension};
 use super::{Core, Matrix, Named, Preintegrated};
-use crate::convert::{Rows, Scalars, compute, numbers, raise, refuse};
-
-/// Names of the dimensions, as of `Sensitivity`.
-pub fn dimension(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Radius => "radius",
-        Quantity::X => "x",
-        Quantity::Y => "y",
-        Quantity::Heading => "heading",
-        Quantity::Scrub => "scrub",
-        Quantity::Trail => "trail",
-        _ => "roller_angle",
-    }
-}
-
-pub const SLIPS: [&str; 2] = ["slip", "side_slip"];
-pub const BIAS: &str = "gyroscope_bias";
+use crate::convert::{OrRaise, Rows, Scalars, compute, numbers, raise, refuse};
 
 impl Preintegrated {
     pub(super) fn with(&self, core: Core, py: Python<'_>) -> Self {
@@ -102,7 +86,7 @@ impl Preintegrated {
         let rows = Rows::read(argument, value, 4)?;
         rows.check_leading(argument, &[4])?;
         let matrix = std::array::from_fn(|row| rows.flat().as_chunks::<4>().0[row]);
-        Motion3::from_matrix(argument, &matrix).map_err(|error| raise(error, &[]))
+        Motion3::from_matrix(argument, &matrix).or_raise(&[])
     }
 
     pub(super) fn written<'py>(&self, py: Python<'py>, motion: &Motion3, yaw: f64) -> Bound<'py, PyAny> {
@@ -116,7 +100,7 @@ impl Preintegrated {
         PyArray1::from_slice(py, &[x, y, yaw]).into_any()
     }
 
-    /// What changes by name make of the motion, in its tangent.
+    /// Changes by name, as a change of the motion in its tangent.
     pub(super) fn change(&mut self, py: Python<'_>, changes: &Bound<'_, PyDict>) -> PyResult<([f64; 6], Named)> {
         let (mut sum, mut wanted) = ([0.0; 6], Vec::new());
         for (name, values) in changes {

@@ -1,10 +1,10 @@
-//! What `Odometry3` is told: attitudes, poses and covariances in space.
+//! Arguments of `Odometry3`: attitudes, poses and covariances in space.
 
 use pyo3::prelude::*;
 use six_wheel_core::odometry::preintegrated::space::Motion3;
 use six_wheel_core::odometry::spatial::{Attitude, Pose3, attitude};
 
-use crate::convert::{Rows, Scalars, raise, refuse, shape_text};
+use crate::convert::{OrRaise, Rows, Scalars, refuse, shape_text};
 
 /// Places of x, y and yaw among six numbers.
 const PLAN: [usize; 3] = [0, 1, 5];
@@ -13,7 +13,7 @@ const PLAN: [usize; 3] = [0, 1, 5];
 pub fn attitude_of(value: &Bound<'_, PyAny>) -> PyResult<Attitude> {
     let numbers = Scalars::read("attitude", value)?;
     match numbers.shape.as_slice() {
-        [2..=4] => attitude(numbers.flat()).map_err(|error| raise(error, &[])),
+        [2..=4] => attitude(numbers.flat()).or_raise(&[]),
         shape => {
             let rule = "have shape (2,), (3,) or (4,)";
             let got = format!("shape {}", shape_text(shape));
@@ -48,7 +48,7 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
             let mut matrix = [[0.0; 4]; 4];
             matrix.as_flattened_mut().copy_from_slice(flat);
             let motion = Motion3::from_matrix(argument, &matrix);
-            Ok(Pose3::of(&motion.map_err(|error| raise(error, &[]))?))
+            Ok(Pose3::of(&motion.or_raise(&[])?))
         }
         (shape, _) => {
             let got = format!("shape {}", shape_text(shape));
@@ -60,9 +60,7 @@ pub fn pose(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Pose3>
 /// A covariance, zero if it is left out: of six numbers, or of three in plan with this variance for the others.
 pub fn covariance(value: Option<&Bound<'_, PyAny>>, others: f64) -> PyResult<[[f64; 6]; 6]> {
     let mut matrix = [[0.0; 6]; 6];
-    let Some(value) = value else {
-        return Ok(matrix);
-    };
+    let Some(value) = value else { return Ok(matrix) };
     let numbers = Scalars::read("covariance", value)?;
     let flat = numbers.flat();
     let all = [0, 1, 2, 3, 4, 5];
