@@ -5,16 +5,17 @@
 //! range. The admissible set is their intersection: a union of polyhedral cones.
 
 pub(crate) mod faces;
+mod keep;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::str::FromStr;
-
 use nalgebra::Vector3;
 
+use self::faces::Faces;
+pub use self::keep::Keep;
 use crate::error::{Error, ErrorKind, finite, numbers, radians, short};
 use crate::geometry::Twist;
-use crate::rover::{Bank, Mount, Rover};
+use crate::rover_data::{Bank, Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};
 
@@ -23,39 +24,6 @@ pub const SLIP_TOLERANCE: f64 = 1e-9;
 
 /// Intervals of turning radius narrower than this are two names of one limit [share of the size].
 const SAME_RADIUS: f64 = 1e-9;
-
-/// Share of a twist's size below which a component of its projection is rounding.
-pub(crate) const VANISHED: f64 = 1e-14;
-
-/// What [`Rover::project`] preserves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keep {
-    /// Forward speed and yaw rate, hence the turning radius; past the limits neither grows.
-    Curvature,
-    /// Forward speed.
-    Speed,
-    /// Yaw rate.
-    YawRate,
-    /// As much as possible: least root mean square change of the pivots' velocities.
-    Nearest,
-}
-
-impl FromStr for Keep {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "curvature" => Ok(Self::Curvature),
-            "speed" => Ok(Self::Speed),
-            "yaw_rate" => Ok(Self::YawRate),
-            "nearest" => Ok(Self::Nearest),
-            _ => {
-                let rule = "be 'curvature', 'speed', 'yaw_rate' or 'nearest'";
-                Err(Error::value("keep", rule, format!("{name:?}")))
-            }
-        }
-    }
-}
 
 /// What keeps a rover from a twist.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +34,7 @@ enum Obstacle {
     Range { wheel: usize, angle: f64, slip: f64 },
 }
 
-impl Rover {
+impl RoverData {
     /// Fails unless the rover can make the twist: finite, without side slip, inside the steering ranges.
     pub fn check(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<(), Error> {
         let fastest = self.check_speeds(twist, steering_rates)?;
@@ -151,7 +119,7 @@ impl Rover {
         })
     }
 
-    /// How fast the worst wheel slides sideways at these steering angles, those of [`Self::solve`] [m/s]: 0 if the
+    /// How fast the worst wheel slides sideways at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the
     /// rover can make the twist.
     pub(crate) fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
@@ -207,14 +175,20 @@ impl Rover {
         fastest
     }
 
-    /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
-    pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
+    /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged. The faces of the
+    /// admissible set are asked for where they are needed.
+    pub(crate) fn project_by<'f>(
+        &self,
+        faces: impl Fn() -> &'f Faces,
+        twist: Twist,
+        keep: Keep,
+    ) -> Result<Twist, Error> {
         let fastest = self.check_speeds(twist, None)?;
         if self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none() {
             return Ok(twist);
         }
         let nearest = |keep: Keep| {
-            self.nearest(twist, keep).ok_or_else(|| {
+            faces().nearest(self, twist, keep).ok_or_else(|| {
                 let kept = if keep == Keep::Speed { "speed" } else { "yaw rate" };
                 infeasible(format!("have a possible twist of the same {kept} beside it"), twist)
             })
@@ -223,7 +197,7 @@ impl Rover {
             Keep::Speed => nearest(keep).map(|found| Twist { vx: twist.vx, ..found }),
             Keep::YawRate => nearest(keep).map(|found| Twist { omega: twist.omega, ..found }),
             Keep::Nearest => nearest(keep),
-            Keep::Curvature => match self.nearest(twist, keep) {
+            Keep::Curvature => match faces().nearest(self, twist, keep) {
                 Some(found) => Ok(Twist { vy: found.vy, ..twist }),
                 None => nearest(Keep::Nearest).map(|found| shrink(found, twist)),
             },

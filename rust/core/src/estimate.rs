@@ -9,9 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, ErrorKind, finite, numbers};
 use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
-use crate::mobility::triangle;
-use crate::rover::{MAX_WHEELS, Mount, Rover};
+use crate::jacobi::{Jacobi, triangle};
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot};
 
 /// Singular values below this share of the largest are zero.
@@ -129,7 +128,7 @@ impl Measured<'_> {
     }
 }
 
-impl Rover {
+impl RoverData {
     /// The twist that fits the readings of all wheels best, in the sense of least squares.
     pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
         self.check_readings(measured)?;

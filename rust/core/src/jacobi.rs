@@ -7,7 +7,7 @@
 //! Source: J. Demmel, K. Veselic, Jacobi's Method is More Accurate than QR, SIAM J. Matrix Anal. Appl. 13(4),
 //! 1992.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix3, Matrix4x3, SMatrix, SVector, Vector3};
 
 /// Columns whose cosine is below this are orthogonal.
 const ORTHOGONAL: f64 = 4.0 * f64::EPSILON;
@@ -104,6 +104,16 @@ fn rotate<const R: usize, const C: usize>(matrix: &mut SMatrix<f64, R, C>, i: us
         matrix[(row, i)] = cosine * a - sine * b;
         matrix[(row, k)] = sine * a + cosine * b;
     }
+}
+
+/// The triangular factor of stacked rows, folded row by row: same singular values, same right vectors.
+pub(crate) fn triangle(rows: impl Iterator<Item = Vector3<f64>>) -> Matrix3<f64> {
+    rows.fold(Matrix3::zeros(), |triangle, row| {
+        let mut stack = Matrix4x3::zeros();
+        stack.fixed_view_mut::<3, 3>(0, 0).copy_from(&triangle);
+        stack.set_row(3, &row.transpose());
+        stack.qr().r()
+    })
 }
 
 #[cfg(test)]

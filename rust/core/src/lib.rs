@@ -34,6 +34,7 @@ pub mod planner;
 pub mod presets;
 pub mod profiles;
 pub mod rover;
+pub mod rover_data;
 pub mod steering;
 pub mod suspension;
 pub mod terrain;

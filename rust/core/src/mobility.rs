@@ -3,13 +3,14 @@
 //! G. Campion, G. Bastin, B. d'Andrea-Novel, Structural properties and classification of kinematic and dynamic
 //! models of wheeled mobile robots, IEEE Transactions on Robotics and Automation 12(1), 1996.
 
-use nalgebra::{Matrix3, Matrix4x3, Vector3};
+use nalgebra::Vector3;
 
 use crate::admissible::Keep;
 use crate::error::{Error, finite};
 use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
-use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
+use crate::jacobi::{Jacobi, triangle};
+use crate::rover::Rover;
+use crate::rover_data::{Inputs, MAX_WHEELS, Mount};
 use crate::wheels::Direction;
 
 /// Side slip per metre driven up to which steering angles count as concurrent [m/m]: far below what an
@@ -105,14 +106,4 @@ impl Rover {
 /// Singular values and vectors of stacked rows.
 fn decompose(rows: &[Vector3<f64>]) -> Jacobi<3, 3> {
     Jacobi::new(&triangle(rows.iter().copied()))
-}
-
-/// The triangular factor of stacked rows, folded row by row: same singular values, same right vectors.
-pub(crate) fn triangle(rows: impl Iterator<Item = Vector3<f64>>) -> Matrix3<f64> {
-    rows.fold(Matrix3::zeros(), |triangle, row| {
-        let mut stack = Matrix4x3::zeros();
-        stack.fixed_view_mut::<3, 3>(0, 0).copy_from(&triangle);
-        stack.set_row(3, &row.transpose());
-        stack.qr().r()
-    })
 }

@@ -1,18 +1,10 @@
-//! A rover is a list of wheels, checked once; from it follow layout, inverse kinematics and the named layouts.
-
-use std::sync::OnceLock;
+//! The data of a rover: a list of wheels, checked once, and what follows from them without any kernel.
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::admissible::faces::Faces;
-use crate::batch;
-use crate::batch::Cone;
 use crate::error::{Error, finite};
-use crate::estimate::gradients::Gradients;
-use crate::estimate::sensitivity::Quantity;
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
-use crate::units;
 use crate::wheels::{Direction, Pivot, Rows, Wheel};
 
 /// Largest number of wheels of one rover.
@@ -39,9 +31,9 @@ pub struct Bank {
     pub wheels: Vec<usize>,
 }
 
-/// Whether a wheel's angle is part of the layout or of the motion.
+/// The angle of a wheel as part of the layout or of the motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Mount {
+pub enum Mount {
     /// Always in this direction: the rows are constant.
     Fixed(Rows),
     /// Steered; the direction is that of steering angle 0.
@@ -50,11 +42,11 @@ pub(crate) enum Mount {
     Castor(Direction),
 }
 
-/// A wheeled vehicle: its wheels, and what follows from them once and for all.
+/// The data of a wheeled vehicle: its wheels, checked, and what follows from them alone. Every kernel takes it.
 ///
 /// Immutable, without state: every method may be called from any number of threads.
 #[derive(Clone, Debug)]
-pub struct Rover {
+pub struct RoverData {
     wheels: Vec<Wheel>,
     steered: Vec<usize>,
     pub(crate) mounts: Vec<Mount>,
@@ -69,30 +61,11 @@ pub struct Rover {
     pub(crate) solution: Option<Matrix3<f64>>,
     /// Readings times this must be finite.
     pub(crate) reading_bound: f64,
-    /// An angle up to here is no question of units, whichever wheel's it is [rad].
-    plain_angle: f64,
-    /// How one call is answered by registers, where it is.
-    pub(crate) single: Option<batch::one_row::inverse::Plan>,
-    pub(crate) single_forward: Option<batch::one_row::forward::Plan>,
-    min_radius: f64,
-    spin_radius: f64,
-    /// The admissible twists as registers judge them, where they do.
-    pub(crate) cone: Option<Cone>,
-    /// Made when they are first asked for: many rovers are never asked to project.
-    faces: OnceLock<Faces>,
-    /// Likewise, for derivatives of the twist.
-    gradients: [OnceLock<Gradients>; Quantity::ALL.len()],
 }
 
-impl PartialEq for Rover {
-    fn eq(&self, other: &Self) -> bool {
-        self.wheels == other.wheels
-    }
-}
-
-impl Rover {
-    /// A rover of any layout. Fails if a wheel is not well formed or two share a name.
-    pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
+impl RoverData {
+    /// Fails if a wheel is not well formed or two share a name. The solution is for who knows the estimate.
+    pub(crate) fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
         if wheels.is_empty() || wheels.len() > MAX_WHEELS {
             let rule = format!("hold 1 to {MAX_WHEELS} wheels");
             return Err(Error::value("wheels", rule, wheels.len().to_string()));
@@ -123,32 +96,7 @@ impl Rover {
         );
         let lengths = |wheel: &Wheel| wheel.radius + wheel.scrub.abs() + wheel.trail.abs();
         let reading_bound = wheels.iter().map(lengths).sum::<f64>() * (square + 1.0) / (size * size);
-        let mut rover = Self {
-            wheels,
-            steered,
-            mounts,
-            banks,
-            centre,
-            size,
-            metric,
-            solution: None,
-            reading_bound,
-            plain_angle: 0.0,
-            single: None,
-            single_forward: None,
-            min_radius: 0.0,
-            spin_radius: f64::INFINITY,
-            cone: None,
-            faces: OnceLock::new(),
-            gradients: Default::default(),
-        };
-        rover.plain_angle = units::plain_angle(&rover);
-        rover.solution = rover.constant_solution();
-        rover.cone = Cone::new(&rover);
-        (rover.min_radius, rover.spin_radius) = rover.turning_limits();
-        rover.single = batch::one_row::inverse::Plan::new(&rover);
-        rover.single_forward = batch::one_row::forward::Plan::new(&rover);
-        Ok(rover)
+        Ok(Self { wheels, steered, mounts, banks, centre, size, metric, solution: None, reading_bound })
     }
 
     /// The wheels, in the order of every array.
@@ -161,61 +109,12 @@ impl Rover {
         &self.steered
     }
 
-    /// The admissible twists as registers judge them, where these say it all.
-    pub(crate) fn whole_cone(&self) -> Option<&Cone> {
-        self.cone.as_ref().filter(|cone| cone.is_whole)
-    }
-
-    /// Whether no angle raises a question of units ([`units::angles`]): a comparison each.
-    pub fn are_plain(&self, steering: &[f64]) -> bool {
-        steering.iter().all(|angle| angle.abs() <= self.plain_angle)
-    }
-
-    /// What derivatives of the twist by a quantity are made of.
-    pub(crate) fn gradients(&self, quantity: Quantity) -> &Gradients {
-        self.gradients[quantity as usize].get_or_init(|| Gradients::new(self, quantity))
-    }
-
-    /// The faces of the admissible set.
-    pub(crate) fn faces(&self) -> &Faces {
-        self.faces.get_or_init(|| Faces::new(self))
-    }
-
     /// The lines on which the fixed wheels allow the centre of rotation.
     pub fn banks(&self) -> &[Bank] {
         &self.banks
     }
 
-    /// Every turning radius of at least this size is possible [m]; 0 if all are, infinite if none is.
-    ///
-    /// The centre of rotation lies on the line of the fixed wheels, or abreast of the body's origin if
-    /// there are none; the radius counts from the foot of the origin on that line.
-    pub fn min_radius(&self) -> f64 {
-        self.min_radius
-    }
-
-    /// Every turning radius of at most this size is possible [m]; 0 if the rover cannot spin at all.
-    pub fn spin_radius(&self) -> f64 {
-        self.spin_radius
-    }
-
-    /// The wheel equation solved for the wheels: steering angles [rad] and wheel speeds [rad/s].
-    ///
-    /// Nothing is written unless [`Self::check`] passes.
-    pub fn inverse(
-        &self,
-        twist: Twist,
-        inputs: Inputs<'_>,
-        steering: &mut [f64],
-        speeds: &mut [f64],
-    ) -> Result<(), Error> {
-        inputs.check()?;
-        self.check(twist, inputs.steering_rates)?;
-        self.solve(twist, inputs, steering, speeds);
-        Ok(())
-    }
-
-    /// [`Self::inverse`] of a twist that has been checked.
+    /// The inverse kinematics of a twist that has been checked.
     pub(crate) fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         let vector = Vector3::from(twist);
         let mut undecided = Undecided::default();
@@ -362,7 +261,7 @@ fn say_change(row: &Vector3<f64>, other: &Vector3<f64>, change: &Vector3<f64>) -
     (-4.0 * falling * sine * sine_change) * (row.x * other.x + row.y * other.y).signum()
 }
 
-impl Rover {
+impl RoverData {
     /// The side-slip row of a fixed wheel before it is shared; none of wheels that share nothing.
     fn own_row(&self, k: usize) -> Option<Vector3<f64>> {
         let wheel = &self.wheels[k];

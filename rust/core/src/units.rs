@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::batch::Table;
 use crate::error::short;
-use crate::rover::Rover;
+use crate::rover_data::RoverData;
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
 
@@ -33,7 +33,7 @@ pub struct Question {
 }
 
 /// Everything that is odd about the dimensions of a rover.
-pub fn dimensions(rover: &Rover) -> Vec<Question> {
+pub fn dimensions(rover: &RoverData) -> Vec<Question> {
     let wheels = rover.wheels();
     let one_each = [lengths(wheels), exchanged(wheels), range(rover)];
     let turned = wheels.iter().find_map(direction);
@@ -89,7 +89,7 @@ fn direction(wheel: &Wheel) -> Option<Question> {
     })
 }
 
-fn range(rover: &Rover) -> Option<Question> {
+fn range(rover: &RoverData) -> Option<Question> {
     let wheels = rover.wheels();
     let ranges = wheels.iter().filter_map(Wheel::steering);
     let widest = largest(ranges.map(widest));
@@ -103,7 +103,7 @@ fn range(rover: &Rover) -> Option<Question> {
 }
 
 /// Up to which angle [`angles`] asks nothing, whichever wheel's it is [rad].
-pub(crate) fn plain_angle(rover: &Rover) -> f64 {
+pub(crate) fn plain_angle(rover: &RoverData) -> f64 {
     let wheels = rover.wheels().iter();
     let ranges = wheels.filter_map(Wheel::steering).map(widest);
     ranges.fold(f64::INFINITY, f64::min) + PI
@@ -111,7 +111,7 @@ pub(crate) fn plain_angle(rover: &Rover) -> f64 {
 
 /// The first of some steering angles [rad] that lies more than half a turn beyond its joint's range. Rows are looked at
 /// here and there: a log is in one unit.
-pub fn angles(rover: &Rover, table: Table<'_>, count: usize) -> Option<Question> {
+pub fn angles(rover: &RoverData, table: Table<'_>, count: usize) -> Option<Question> {
     let (joints, buffer) = (rover.steered().len(), &mut Vec::new());
     if joints == 0 {
         return None;
@@ -166,6 +166,7 @@ mod tests {
     use super::*;
     use crate::SkidCentres;
     use crate::presets;
+    use crate::rover::Rover;
 
     #[test]
     fn published_rovers_raise_no_question() -> Result<(), crate::Error> {

@@ -9,10 +9,13 @@
 
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
-use super::{Keep, VANISHED};
+use super::keep::Keep;
 use crate::geometry::Twist;
 use crate::jacobi::Jacobi;
-use crate::rover::Rover;
+use crate::rover_data::RoverData;
+
+/// Share of a twist's size below which a component of its projection is rounding.
+pub(crate) const VANISHED: f64 = 1e-14;
 
 /// Squared sine of the angle below which two conditions are one.
 const INDEPENDENT: f64 = 1e-12;
@@ -84,7 +87,7 @@ pub(crate) fn components(keep: Keep) -> &'static [usize] {
 }
 
 impl Faces {
-    pub fn new(rover: &Rover) -> Self {
+    pub fn new(rover: &RoverData) -> Self {
         let size = Cholesky::new(rover.metric).map_or_else(Matrix3::identity, |factor| factor.l().transpose());
         let all = [Keep::Curvature, Keep::Speed, Keep::YawRate, Keep::Nearest];
         Self {
@@ -100,7 +103,7 @@ impl Faces {
 }
 
 /// All faces: no plane, one or two planes on which a wheel rolls at an end of its range, among those of the fixed wheels.
-fn faces(rover: &Rover, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
+fn faces(rover: &RoverData, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
     let banks: Vec<_> = rover.banks.iter().map(|bank| bank.row).collect();
     let limits = rover.limit_rows();
     let Some(to_twist) = size.try_inverse() else {
@@ -137,7 +140,7 @@ fn faces(rover: &Rover, size: &Matrix3<f64>, keep: Keep) -> Vec<Face> {
 }
 
 struct Maker<'a> {
-    rover: &'a Rover,
+    rover: &'a RoverData,
     size: &'a Matrix3<f64>,
     to_twist: Matrix3<f64>,
     kept: &'static [usize],
@@ -273,15 +276,14 @@ fn unit(k: usize) -> Vector3<f64> {
     Matrix3::identity().column(k).into_owned()
 }
 
-impl Rover {
+impl Faces {
     /// The nearest point of the admissible set that keeps what is to be kept.
-    pub(super) fn nearest(&self, wanted: Twist, keep: Keep) -> Option<Twist> {
-        let faces = self.faces();
+    pub(super) fn nearest(&self, rover: &RoverData, wanted: Twist, keep: Keep) -> Option<Twist> {
         let target = Vector3::from(wanted);
-        let size = faces.size.iter().fold(0.0, |most: f64, row| most.max(Vector3::from(*row).dot(&target).abs()));
+        let size = self.size.iter().fold(0.0, |most: f64, row| most.max(Vector3::from(*row).dot(&target).abs()));
         let mut best: Option<(f64, Vector3<f64>)> = None;
         let nearer = |distance: f64, best: &Option<(f64, _)>| best.as_ref().is_none_or(|(least, _)| distance < *least);
-        for face in faces.of(keep) {
+        for face in self.of(keep) {
             let distance = face.distance(&target);
             if !nearer(distance, &best) {
                 continue;
@@ -291,7 +293,7 @@ impl Rover {
                 continue;
             }
             // What is left of a component that vanishes is rounding, and rounding has no direction.
-            let lengths = [1.0, 1.0, self.size];
+            let lengths = [1.0, 1.0, rover.size];
             if face.open.is_empty() {
                 let vanishes = (0..3).all(|k| found[k].abs() * lengths[k] <= VANISHED * size);
                 found = if vanishes { Vector3::zeros() } else { found };
@@ -299,14 +301,14 @@ impl Rover {
                 for (part, length) in found.iter_mut().zip(lengths) {
                     *part = if part.abs() * length <= VANISHED * size { 0.0 } else { *part };
                 }
-                if !self.is_possible(found.into()) {
+                if !rover.is_possible(found.into()) {
                     continue;
                 }
             }
             best = Some((distance, found));
         }
         if components(keep).iter().all(|&k| target[k] == 0.0) {
-            let distance = target.dot(&(self.metric * target));
+            let distance = target.dot(&(rover.metric * target));
             if nearer(distance, &best) {
                 best = Some((distance, Vector3::zeros()));
             }

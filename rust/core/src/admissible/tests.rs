@@ -2,8 +2,9 @@
 
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
+use super::faces::VANISHED;
 use super::faces::components;
-use super::{Keep, VANISHED, shrink};
+use super::{Keep, shrink};
 use crate::batch;
 use crate::error::Error;
 use crate::geometry::Twist;

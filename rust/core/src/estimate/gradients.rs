@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::sensitivity::{Linearised, Quantity};
 use super::{Measured, Reading};
-use crate::rover::{MAX_WHEELS, Mount, Rover};
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::Direction;
 
 /// `1, vx, vy, omega, speed, rate`, and how often: times 1, cosine and sine of the direction.
@@ -24,7 +24,7 @@ pub(crate) type Sum = Vec<(usize, f64)>;
 pub(crate) struct Gradients([Vec<[Sum; 3]>; 2]);
 
 impl Gradients {
-    pub fn new(rover: &Rover, quantity: Quantity) -> Self {
+    pub fn new(rover: &RoverData, quantity: Quantity) -> Self {
         let zeros = [0.0; MAX_WHEELS];
         let at_rest = Measured {
             steering: &zeros[..rover.steered().len()],
@@ -59,7 +59,12 @@ fn sums(products: &[Vector3<f64>; PRODUCTS], turning: bool) -> [Sum; 3] {
 }
 
 /// What every product is multiplied by.
-fn products(rover: &Rover, readings: &[Reading; MAX_WHEELS], i: usize, quantity: Quantity) -> [Vector3<f64>; PRODUCTS] {
+fn products(
+    rover: &RoverData,
+    readings: &[Reading; MAX_WHEELS],
+    i: usize,
+    quantity: Quantity,
+) -> [Vector3<f64>; PRODUCTS] {
     let mut products = [Vector3::zeros(); PRODUCTS];
     let ask = |sin, cos| {
         let mut all = [Vector3::zeros(); GIVEN];
@@ -85,7 +90,7 @@ fn products(rover: &Rover, readings: &[Reading; MAX_WHEELS], i: usize, quantity:
 
 /// What it is with a wheel in this direction, where everything is 0 but this one number, which is 1.
 fn gradient(
-    rover: &Rover,
+    rover: &RoverData,
     mut readings: [Reading; MAX_WHEELS],
     i: usize,
     quantity: Quantity,

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::{Measured, Reading, Unseen};
 use crate::error::Error;
 use crate::geometry::Twist;
-use crate::rover::{MAX_WHEELS, Mount, Rover};
+use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot, Wheel};
 
 /// Something of one wheel on which the twist depends.
@@ -111,7 +111,7 @@ impl Change {
 /// The twist of one instant with all that its derivatives need.
 #[derive(Debug)]
 pub struct Linearised<'a> {
-    pub(crate) rover: &'a Rover,
+    pub(crate) rover: &'a RoverData,
     pub(crate) readings: &'a [Reading],
     pub(crate) measured: Measured<'a>,
     /// Inverse of the normal equations about the centre of the pivots.
@@ -224,7 +224,7 @@ fn respond(
     row_change * residual + row * (reading_change - row_change.dot(twist))
 }
 
-impl Rover {
+impl RoverData {
     /// What the readings of one instant say about the derivatives of their twist, all wheels alike.
     pub fn sensitivity<T>(&self, measured: Measured<'_>, ask: impl FnOnce(&Linearised<'_>) -> T) -> Result<T, Error> {
         self.check_readings(measured)?;

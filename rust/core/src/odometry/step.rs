@@ -16,6 +16,7 @@ use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::geometry::Twist;
 use crate::rover::Rover;
+use crate::rover_data::RoverData;
 pub(super) use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
 pub(crate) use turned::{Turned, agreed, gain, leant, left, left_of, met};
@@ -103,7 +104,7 @@ pub(crate) fn shared_readings(rover: &Rover, from_rates: bool) -> usize {
 }
 
 /// Columns of the steering joints: those beyond the last joint are always zero.
-fn joint_columns(rover: &Rover) -> usize {
+fn joint_columns(rover: &RoverData) -> usize {
     rover.steered().len().next_multiple_of(COLUMNS)
 }
 

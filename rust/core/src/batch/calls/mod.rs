@@ -3,6 +3,7 @@
 pub(crate) mod maps;
 pub(crate) mod poses;
 pub(crate) mod rows;
+pub(crate) mod single;
 pub(crate) mod singly;
 pub(crate) mod twists;
 

@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use super::BLOCK_ROWS;
+use super::{BLOCK_ROWS, single};
 use crate::batch::formulas::{forward as estimate, inverse as command};
 use crate::batch::machine::level::Level;
 use crate::batch::machine::stream::is_large;
 use crate::batch::machine::table::{Beside, Log, Readings, Table};
 use crate::batch::machine::workers::Workers;
-use crate::batch::one_row::{forward as single_forward, inverse as single};
 use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
 use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
+use crate::rover::Rover;
+use crate::rover_data::Inputs;
 
 /// Rows from which a batch is worth setting up a kernel for.
 pub(super) const FEW: usize = 8;
@@ -105,7 +105,7 @@ pub fn inverse<'a>(
     let planned = level != Level::Plain && count >= FEW;
     let commands = Commands {
         rover,
-        plan: planned.then(|| command::Plan::new(rover)).flatten(),
+        plan: planned.then(|| command::Plan::new(rover, rover.cone.as_ref()?)).flatten(),
         level,
         twists: twists.into(),
         beside,
@@ -191,7 +191,7 @@ impl<'a> Reports<'a> {
         }
         for (k, twist) in twists.iter_mut().enumerate() {
             let measured = log.row(self.rover, k);
-            *twist = single_forward::solve_row(self.level, self.rover, measured, self.unseen)?.into();
+            *twist = single::read_row(self.level, self.rover, measured, self.unseen)?.into();
         }
         Ok(())
     }

@@ -102,7 +102,8 @@ pub fn sensitivity(
         let log = log.rows(rover, k * share..k * share + twists.len());
         let failed = |error: Error| error.below(k * share);
         if let Some(plan) = &plan {
-            let ask = Ask { plan, log, twists, targets: &mut targets };
+            let gradients: Vec<_> = targets.iter().map(|(quantity, ..)| rover.gradients(*quantity)).collect();
+            let ask = Ask { plan, log, twists, targets: &mut targets, gradients: &gradients };
             if let Some(done) = workers.here().level.run(ask) {
                 return done.map_err(failed);
             }

@@ -2,8 +2,8 @@
 
 use crate::admissible::Keep;
 use crate::batch::formulas::admissible::{Admissible, Project};
-use crate::batch::formulas::inverse::LARGEST;
 use crate::batch::formulas::sizes::sum_of_sizes;
+use crate::batch::formulas::usual::LARGEST;
 use crate::batch::machine::workers::Workers;
 use crate::error::Error;
 use crate::geometry::Twist;
@@ -83,7 +83,7 @@ fn project_rows(
     workers: Workers,
 ) -> Result<(), Error> {
     if let Some(cone) = rover.whole_cone()
-        && let Some(done) = workers.level.run(Project { rover, cone, keep, twists, projected })
+        && let Some(done) = workers.level.run(Project { rover, cone, faces: rover.faces(), keep, twists, projected })
     {
         return done;
     }

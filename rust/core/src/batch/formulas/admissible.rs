@@ -10,11 +10,11 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
 use crate::error::Error;
 use crate::geometry::Twist;
-use crate::rover::Rover;
+use crate::rover_data::RoverData;
 
 /// Whether each twist is possible; those in doubt are asked of the plain core.
 pub(crate) struct Admissible<'a> {
-    pub rover: &'a Rover,
+    pub rover: &'a RoverData,
     pub cone: &'a Cone,
     pub twists: &'a [[f64; 3]],
     pub answers: &'a mut [bool],
@@ -57,8 +57,9 @@ impl Kernel for Admissible<'_> {
 
 /// The nearest possible twists; those in doubt by the plain core.
 pub(crate) struct Project<'a> {
-    pub rover: &'a Rover,
+    pub rover: &'a RoverData,
     pub cone: &'a Cone,
+    pub faces: &'a Faces,
     pub keep: Keep,
     pub twists: &'a [[f64; 3]],
     pub projected: &'a mut [[f64; 3]],
@@ -69,7 +70,6 @@ impl Kernel for Project<'_> {
 
     #[inline(always)]
     fn run<S: Vector>(self, simd: S) -> Self::Output {
-        let faces = self.rover.faces();
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let [mut wanted, mut found] = [[Column::ZERO; 3]; 2];
         let mut doubts = Column::ZERO;
@@ -79,7 +79,7 @@ impl Kernel for Project<'_> {
             let mut doubt = zero.below(zero);
             for k in 0..BLOCK / S::F64_LANES {
                 let wanted = load(simd, &wanted, k);
-                let (point, sure) = self.cone.project(simd, faces, self.keep, wanted);
+                let (point, sure) = self.cone.project(simd, self.faces, self.keep, wanted);
                 doubt = doubt | !sure;
                 for (column, part) in found.iter_mut().zip(point) {
                     column.store(k, part);
@@ -90,7 +90,7 @@ impl Kernel for Project<'_> {
             if doubt.any() {
                 for (k, target) in targets.iter_mut().enumerate() {
                     if doubts.0[k] != 0.0 {
-                        let point = self.rover.project(rows[k].into(), self.keep);
+                        let point = self.rover.project_by(|| self.faces, rows[k].into(), self.keep);
                         *target = point.map_err(|error| error.at_row(block * BLOCK + k))?.into();
                     }
                 }

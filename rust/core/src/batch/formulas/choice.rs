@@ -7,14 +7,11 @@ use std::f64::consts::{PI, TAU};
 
 use pulp::Simd;
 
-use super::steered::Steered;
+use super::steered::{CLOSE, Steered};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::{ROUND, angle};
 use crate::steering::{ANGLE_TOLERANCE, UNDECIDED};
 use crate::wheels::Direction;
-
-/// Comparisons that rounding may turn are not sure within this [rad].
-pub(super) const CLOSE: f64 = 1e-9;
 
 /// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
 const LEFT: f64 = 0.75;

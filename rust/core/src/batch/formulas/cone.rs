@@ -8,11 +8,11 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
-use super::inverse::{is_usual, pivots_apart, usual};
-use crate::admissible::faces::{AGREED, Face, Faces, components};
-use crate::admissible::{Keep, SLIP_TOLERANCE, VANISHED};
+use super::usual::{is_usual, pivots_apart, usual};
+use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
+use crate::admissible::{Keep, SLIP_TOLERANCE};
 use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::rover::{Mount, Rover};
+use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Direction;
 
 /// Shares of the tolerance up to which a wheel surely does not slide, and from which on it surely does.
@@ -55,7 +55,7 @@ pub(crate) struct Verdict<S: Simd> {
 
 impl Cone {
     /// Nothing where a size is extreme.
-    pub fn new(rover: &Rover) -> Option<Self> {
+    pub fn new(rover: &RoverData) -> Option<Self> {
         let mut wedges = Vec::new();
         let mut arm: f64 = 0.0;
         let mut is_whole = true;

@@ -16,11 +16,11 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column, weave, with_columns};
 use crate::error::Error;
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
-use crate::rover::{MAX_WHEELS, Rover};
+use crate::rover_data::{MAX_WHEELS, RoverData};
 
 /// What the kernel needs to know of a rover and a method.
 pub(crate) struct Plan<'a> {
-    rover: &'a Rover,
+    rover: &'a RoverData,
     method: Method,
     unseen: Unseen,
     forward: readings::Plan<'a>,
@@ -63,7 +63,7 @@ impl Fits<'_> {
 
 impl<'a> Plan<'a> {
     /// Nothing where the solution depends on the readings.
-    pub fn new(rover: &'a Rover, method: Method, unseen: Unseen) -> Option<Self> {
+    pub fn new(rover: &'a RoverData, method: Method, unseen: Unseen) -> Option<Self> {
         let solution = rover.solution?;
         let (wheels, zeros) = (rover.wheels(), [0.0; MAX_WHEELS]);
         let at_rest = Measured {

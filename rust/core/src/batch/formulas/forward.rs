@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::inverse::all_within;
 pub(crate) use super::readings::Plan;
 use super::readings::{Kept, LARGEST_SPEED, solve, solve_block};
+use super::usual::all_within;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::LARGEST_ANGLE;

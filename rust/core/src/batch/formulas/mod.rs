@@ -16,3 +16,4 @@ pub(crate) mod sensitivity;
 pub(crate) mod sizes;
 pub(crate) mod steered;
 pub(crate) mod tile;
+pub(crate) mod usual;

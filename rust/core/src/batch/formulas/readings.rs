@@ -12,7 +12,7 @@ use crate::batch::machine::stream::fetch_ahead;
 use crate::batch::machine::table::Log;
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column, unweave};
-use crate::rover::{Mount, Rover};
+use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Wheel;
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
@@ -51,7 +51,7 @@ struct Offset {
 }
 
 impl Rows {
-    fn new(rover: &Rover, i: usize, says: bool) -> Self {
+    fn new(rover: &RoverData, i: usize, says: bool) -> Self {
         let wheel = &rover.wheels()[i];
         let (rows, kind) = match rover.mounts[i] {
             Mount::Castor(_) => ([Vector3::zeros(); 2], Kind::Castor),
@@ -84,7 +84,7 @@ pub(super) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
 
 /// What the kernel needs to know of a rover.
 pub(crate) struct Plan<'a> {
-    pub(super) rover: &'a Rover,
+    pub(super) rover: &'a RoverData,
     pub(super) wheels: Vec<Rows>,
     pub(super) joints: usize,
     /// Of the normal equations, `00 01 02 11 12 22`: what does not depend on the angles.
@@ -103,7 +103,7 @@ pub(super) struct Heard<'a> {
 
 impl<'a> Plan<'a> {
     /// Nothing where the twist is never determined, or sizes are extreme.
-    pub fn new(rover: &'a Rover) -> Option<Self> {
+    pub fn new(rover: &'a RoverData) -> Option<Self> {
         let solution = rover.solution;
         let swings = |i: &usize| !rover.wheels()[*i].is_centred();
         if solution.is_none() && !rover.steered().iter().any(swings) {
@@ -113,7 +113,11 @@ impl<'a> Plan<'a> {
     }
 
     /// Wheels with a say of 1 or 0, and the solution of their normal equations, where it is a constant.
-    pub fn weighted(rover: &'a Rover, solution: Option<Matrix3<f64>>, weight: impl Fn(usize) -> f64) -> Option<Self> {
+    pub fn weighted(
+        rover: &'a RoverData,
+        solution: Option<Matrix3<f64>>,
+        weight: impl Fn(usize) -> f64,
+    ) -> Option<Self> {
         let turned = |wheel: &Wheel| wheel.heading.abs() > LARGEST_ANGLE / 2.0;
         if rover.reading_bound > LARGEST_ROVER || rover.wheels().iter().any(turned) {
             return None;

@@ -3,28 +3,23 @@
 //! A steered wheel without scrub and trail measures its pivot's whole velocity, so what a wheel adds to the normal
 //! equations is a constant of the rover times its weight; the rounds need no angle.
 
+mod block;
 mod rounds;
 
-use rounds::Rounds;
-
-use super::readings::{self, Kept, Rows, products};
+use self::block::LANES;
+pub(super) use self::block::{Block, MOST, Plan};
+use self::rounds::Rounds;
+use super::readings::Kept;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column};
 use crate::estimate::{NOISE, ROUNDS};
-use crate::rover::Rover;
-
-/// Lanes at most.
-const LANES: usize = 8;
 
 /// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
 /// as most. After the first ones, those of many blocks go on together.
 pub(super) const EARLY: [usize; 2] = [6, 8];
 pub(super) const LATE: [usize; 4] = [12, 16, 28, 30];
 const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
-
-/// Wheels at most: their registers are sorted by comparing neighbours.
-pub(super) const MOST: usize = 8;
 
 /// Sums of squares of rim speeds whose squares neither overflow nor lose digits [m²/s²].
 const SQUARES: [f64; 2] = [1e-100, 1e100];
@@ -36,45 +31,6 @@ const PLAIN_BELOW: f64 = 1e-3;
 /// Rotations are over when what they take away is this share of the trace.
 const DIAGONAL: f64 = 1e-18;
 const SWEEPS: usize = 8;
-
-/// What the kernel needs to know of a rover.
-pub(super) struct Plan {
-    wheels: Vec<Wheel>,
-}
-
-/// A wheel with the sums of the products of its rows, for the unknowns about the centre and for the twist itself.
-struct Wheel {
-    rows: Rows,
-    normal: [f64; 6],
-    raw: [f64; 6],
-}
-
-impl Plan {
-    /// Nothing where there are too many wheels.
-    pub fn new(rover: &Rover, forward: &readings::Plan<'_>) -> Option<Self> {
-        let raw = |rows: [[f64; 3]; 2]| {
-            let [cx, cy] = [rover.centre.x, rover.centre.y];
-            products(rows.map(|[x, y, z]| [x, y, z * rover.size - x * cy + y * cx]))
-        };
-        let wheel = |rows: &Rows| Wheel { rows: *rows, normal: rows.normal(), raw: raw(rows.rows) };
-        let wheels: Vec<_> = forward.wheels.iter().map(wheel).collect();
-        (wheels.len() <= MOST).then_some(Self { wheels })
-    }
-}
-
-/// Rows on their way: those of a block, or those of many blocks that take long.
-pub(super) struct Block<'a> {
-    pub kept: Kept<'a>,
-    pub weights: &'a mut [Column],
-    /// Squared noise at least, and square of the scale of the last round [m²/s²].
-    least: Column,
-    scale: Column,
-    /// The ones that have not settled.
-    active: [usize; BLOCK],
-    pub left: usize,
-    /// Rounds that are left to them.
-    rounds: usize,
-}
 
 impl<'a> Block<'a> {
     /// No rows yet.

@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use super::cone::dot;
 use super::integrate::Place;
-use super::inverse::{Part, Plan, usual};
+use super::inverse::{Part, Plan};
 use super::logs::{Logs, Watch, side_by_side};
 use super::steered::Steered;
 use super::tile::{LANES, PerStep, STEPS, WIDTH};
 use crate::batch::calls::poses::{Buffers, Journey};
+use crate::batch::formulas::usual::usual;
 use crate::batch::machine::lanes::{Lanes, Lockstep, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::angle;
@@ -17,7 +18,8 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::machine::workers::Workers;
 use crate::error::{Error, finite};
 use crate::geometry::{Steps, Twist};
-use crate::rover::{Inputs, MAX_WHEELS, Rover};
+use crate::rover::Rover;
+use crate::rover_data::{Inputs, MAX_WHEELS};
 
 /// Sizes of controls up to which the kernel's squares and speeds are surely finite.
 const LARGEST_TOTAL: f64 = 1e100;
@@ -86,7 +88,7 @@ pub fn rollout_cost<'a>(
     let logs = poses.len() / (count + 1);
     let plan = journey
         .is_side_by_side(level, logs)
-        .then(|| Plan::new(rover))
+        .then(|| Plan::new(rover, rover.cone.as_ref()?))
         .flatten()
         .filter(|plan| plan.parts.iter().all(|(part, _)| is_folded(part)));
     journey.rover = Some(rover);

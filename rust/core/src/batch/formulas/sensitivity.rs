@@ -2,8 +2,8 @@
 //!
 //! They are sums of products of what the wheels read, with constants of the rover: see [`crate::estimate::gradients`].
 
-use super::inverse::all_within;
 use super::readings::{self, Kept, solve, solve_block};
+use super::usual::all_within;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::sin_cos;
@@ -11,9 +11,9 @@ use crate::batch::machine::table::{Log, row_mut};
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column, weave, weave_tiles};
 use crate::error::Error;
-use crate::estimate::gradients::{GIVEN, PRODUCTS, Sum};
+use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
 use crate::estimate::sensitivity::Quantity;
-use crate::rover::{Mount, Rover};
+use crate::rover_data::{Mount, RoverData};
 
 /// Registers in lockstep.
 const QUAD: usize = 4;
@@ -27,6 +27,8 @@ pub(crate) struct Ask<'a, 'b> {
     pub log: Log<'a>,
     pub twists: &'a mut [[f64; 3]],
     pub targets: &'a mut [Target<'b>],
+    /// The products of each target.
+    pub gradients: &'a [&'a Gradients],
 }
 
 impl Kernel for Ask<'_, '_> {
@@ -64,8 +66,8 @@ impl Kernel for Ask<'_, '_> {
                 if plan.solution.is_none() {
                     invert(simd, plan, heard.steering, quad, &mut inverse);
                 }
-                for (quantity, of, target) in &mut *self.targets {
-                    let (width, gradients) = (of.len(), rover.gradients(*quantity));
+                for ((_, of, target), gradients) in self.targets.iter_mut().zip(self.gradients) {
+                    let width = of.len();
                     for (column, &i) in of.iter().enumerate() {
                         let products = &products[PRODUCTS * i..PRODUCTS * (i + 1)];
                         let sums = gradients.of(i, turning);
@@ -96,7 +98,7 @@ impl Kernel for Ask<'_, '_> {
 
 /// A row by the plain core: row `k` of the log, row `to` of the targets.
 pub(crate) fn plain(
-    rover: &Rover,
+    rover: &RoverData,
     log: Log<'_>,
     k: usize,
     to: usize,
@@ -121,7 +123,7 @@ pub(crate) fn plain(
 #[inline(always)]
 fn multiply<S: Vector>(
     simd: S,
-    rover: &Rover,
+    rover: &RoverData,
     heard: readings::Heard<'_>,
     twists: &[Column; 3],
     quad: usize,

@@ -4,13 +4,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use pulp::Simd;
 
-use super::choice::CLOSE;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::angle;
 use crate::batch::machine::weave::{BLOCK, Column};
-use crate::rover::Mount;
+use crate::rover_data::Mount;
 use crate::steering::{SteeringRange, UNDECIDED};
 use crate::wheels::{Direction, REST, Wheel};
+
+/// Comparisons that rounding may turn are not sure within this [rad].
+pub(super) const CLOSE: f64 = 1e-9;
 
 /// Angles this near to an end of the reach need a second thought where the other end may be as near [rad].
 pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;

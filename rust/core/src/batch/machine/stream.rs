@@ -193,7 +193,7 @@ mod tests {
             let readings = numbers(wheels * count);
             let log = Log { steering: &readings[..joints * count], speeds: &readings, steering_rates: None };
             for level in Level::available().into_iter().filter(|level| *level != Level::Plain) {
-                if let Some(plan) = inverse::Plan::new(&rover) {
+                if let Some(plan) = rover.cone.as_ref().and_then(|cone| inverse::Plan::new(&rover, cone)) {
                     let mut others = vec![0.0; wheels * count];
                     is_the_same(joints * count, |steering, past| {
                         let inputs = Inputs::default();

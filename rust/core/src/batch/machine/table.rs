@@ -7,7 +7,7 @@ use crate::batch;
 use crate::error::Error;
 use crate::estimate::Measured;
 use crate::geometry::Steps;
-use crate::rover::{Inputs, Rover};
+use crate::rover_data::{Inputs, RoverData};
 
 /// Rows of numbers.
 #[derive(Clone, Copy)]
@@ -200,7 +200,7 @@ impl<'a> Durations<'a> {
 
 impl<'a> Inputs<'a> {
     /// The inputs of one row of a batch.
-    pub(in crate::batch) fn row(&self, rover: &Rover, k: usize) -> Self {
+    pub(in crate::batch) fn row(&self, rover: &RoverData, k: usize) -> Self {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
         Self {
@@ -212,7 +212,7 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
-    pub(in crate::batch) fn rows(&self, rover: &Rover, rows: Range<usize>) -> Self {
+    pub(in crate::batch) fn rows(&self, rover: &RoverData, rows: Range<usize>) -> Self {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let of = |values: &'a [f64], width| &values[rows.start * width..rows.end * width];
         Self {
@@ -222,7 +222,7 @@ impl<'a> Log<'a> {
         }
     }
 
-    pub(in crate::batch) fn row(&self, rover: &Rover, k: usize) -> Measured<'a> {
+    pub(in crate::batch) fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
             steering: row(self.steering, joints, k),

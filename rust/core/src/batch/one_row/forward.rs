@@ -6,35 +6,10 @@ use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
 use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, level, order, padded};
-use crate::error::Error;
-use crate::estimate::{Measured, Unseen};
+use crate::estimate::Measured;
 use crate::geometry::Twist;
-use crate::rover::{Mount, Rover};
+use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Wheel;
-
-/// [`Rover::forward`], by the kernel for one row where there is one.
-pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
-    if let Some(plan) = &rover.single_forward
-        && measured.steering_rates.is_none()
-        && let Some(Some(twist)) = plan.level.run(Row { plan, measured })
-    {
-        return Ok(twist);
-    }
-    rover.forward(measured, unseen)
-}
-
-/// A row of a log: at the plain level without the kernel.
-pub(in crate::batch) fn solve_row(
-    level: Level,
-    rover: &Rover,
-    measured: Measured<'_>,
-    unseen: Unseen,
-) -> Result<Twist, Error> {
-    match level {
-        Level::Plain => rover.forward(measured, unseen),
-        _ => forward_one(rover, measured, unseen),
-    }
-}
 
 /// What the kernel needs to know of a rover.
 #[derive(Clone, Debug)]
@@ -61,7 +36,7 @@ struct Group {
 
 impl Plan {
     /// Nothing where the solution depends on the readings, or the machine has no kernel.
-    pub fn new(rover: &Rover) -> Option<Self> {
+    pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
         let solution = rover.solution?;
         let turned = |wheel: &Wheel| wheel.heading.abs() > LARGEST_ANGLE / 2.0;
@@ -92,6 +67,15 @@ impl Plan {
         let omega = solution.row(2) / size;
         let rows = [solution.row(0) + omega * centre.y, solution.row(1) - omega * centre.x, omega];
         Some(Self { level, groups, order, solution: rows.map(|row| [row.x, row.y, row.z]) })
+    }
+
+    /// The twist of one instant; nothing where the plain core has to find it.
+    #[inline]
+    pub fn solve(&self, measured: Measured<'_>) -> Option<Twist> {
+        match measured.steering_rates {
+            None => self.level.run(Row { plan: self, measured })?,
+            Some(_) => None,
+        }
     }
 }
 

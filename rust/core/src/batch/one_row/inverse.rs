@@ -13,17 +13,15 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use pulp::Simd;
 
-use super::twist::is_sure;
 use crate::admissible::SLIP_TOLERANCE;
-use crate::batch::formulas::inverse::{LARGEST, SMALLEST, is_usual, pivots_apart};
 use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
+use crate::batch::formulas::usual::{LARGEST, SMALLEST, is_usual, pivots_apart};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::polynomials::{ROUND, angle};
 use crate::batch::machine::vector::Vector;
-use crate::error::Error;
 use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
+use crate::rover_data::{Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheels::{REST, Wheel};
 
@@ -36,65 +34,14 @@ const GROUPS: usize = MAX_WHEELS / GROUP;
 /// One number per wheel of a group.
 pub(super) type Eight = [f64; GROUP];
 
-/// [`Rover::inverse`], by the kernel for one row where there is one.
-pub fn inverse_one(
-    rover: &Rover,
-    twist: Twist,
-    inputs: Inputs<'_>,
-    steering: &mut [f64],
-    speeds: &mut [f64],
-) -> Result<(), Error> {
-    if try_one(rover, twist, inputs, steering, speeds) {
-        return Ok(());
-    }
-    rover.inverse(twist, inputs, steering, speeds)
-}
-
-/// Whether the kernel could do it; nothing is written otherwise.
-#[inline]
-fn try_one(rover: &Rover, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) -> bool {
-    let Some(plan) = &rover.single else {
-        return false;
-    };
-    if inputs.previous_speeds.is_some() || inputs.steering_rates.is_some() {
-        return false;
-    }
-    let row = Row { plan, twist: twist.into(), previous: inputs.previous, steering, speeds };
-    plan.level.run(row) == Some(true)
-}
-
-/// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
-pub(in crate::batch) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Inputs<'_>) -> Result<(), Error> {
-    inputs.check()?;
-    match inputs.steering_rates {
-        None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
-        rates => rover.check(twist, rates),
-    }
-}
-
-/// A row that has been checked.
-pub(in crate::batch) fn solve_row(
-    level: Level,
-    rover: &Rover,
-    twist: Twist,
-    inputs: Inputs<'_>,
-    steering: &mut [f64],
-    speeds: &mut [f64],
-) {
-    let solved = level != Level::Plain && try_one(rover, twist, inputs, steering, speeds);
-    if !solved {
-        rover.solve(twist, inputs, steering, speeds);
-    }
-}
-
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
-pub(super) fn level() -> Option<Level> {
+pub(crate) fn level() -> Option<Level> {
     [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here())
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.
-pub(super) fn order(rover: &Rover) -> Vec<usize> {
+pub(super) fn order(rover: &RoverData) -> Vec<usize> {
     let others = (0..rover.wheels().len()).filter(|i| !rover.steered().contains(i));
     rover.steered().iter().copied().chain(others).collect()
 }
@@ -188,7 +135,7 @@ impl Group {
 
 impl Plan {
     /// Nothing where a wheel is not one of those the kernel knows, or the machine has no kernel.
-    pub fn new(rover: &Rover) -> Option<Self> {
+    pub fn new(rover: &RoverData) -> Option<Self> {
         let level = level()?;
         let order = order(rover);
         let mut groups = vec![Group::default(); order.len().div_ceil(GROUP)];
@@ -211,6 +158,17 @@ impl Plan {
             banks: rover.banks.iter().map(|bank| bank.row.into()).collect(),
             pivots: pivots_apart(rover.wheels()),
         })
+    }
+
+    /// Steering angles and wheel speeds of one twist. The answer is whether the kernel could do it; nothing is written
+    /// otherwise.
+    #[inline]
+    pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) -> bool {
+        if inputs.previous_speeds.is_some() || inputs.steering_rates.is_some() {
+            return false;
+        }
+        let row = Row { plan: self, twist: twist.into(), previous: inputs.previous, steering, speeds };
+        self.level.run(row) == Some(true)
     }
 
     /// Whether the plain core would surely let the twist pass, the steered wheels apart.

@@ -3,4 +3,3 @@
 pub(crate) mod forward;
 pub(crate) mod inverse;
 pub(crate) mod step;
-pub(crate) mod twist;

@@ -2,18 +2,18 @@
 
 use pulp::Simd;
 
-use super::{Part, Plan, block, usual};
+use super::plan::{Part, Plan, block};
 use crate::batch::formulas::choice::Asked;
-use crate::batch::formulas::choice::CLOSE;
 use crate::batch::formulas::cone::dot;
-use crate::batch::formulas::steered::{EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
+use crate::batch::formulas::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
+use crate::batch::formulas::usual::usual;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::stream::{Output, fetch_ahead};
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
 use crate::geometry::Twist;
-use crate::rover::Inputs;
+use crate::rover_data::Inputs;
 use crate::wheels::REST;
 
 /// Blocks after one that needed the whole formula, until the usual one is tried again.

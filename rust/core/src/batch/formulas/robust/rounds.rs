@@ -1,6 +1,6 @@
 //! A register of rows in its rounds: weights by residuals, and the least squares with them.
 
-use super::{Block, LANES, MOST, Plan};
+use super::block::{Block, LANES, MOST, Plan};
 use crate::batch::formulas::readings::solve;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::Vector;
