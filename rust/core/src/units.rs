@@ -171,7 +171,8 @@ mod tests {
     #[test]
     fn published_rovers_raise_no_question() -> Result<(), crate::Error> {
         for preset in presets::PRESETS {
-            assert_eq!(dimensions(&presets::preset(preset.name, None)?), []);
+            let rover = presets::preset(preset.name, None)?;
+            assert_eq!(dimensions(&rover), []);
         }
         Ok(())
     }

@@ -21,7 +21,7 @@
 //! made with the rover.
 
 mod calls;
-mod formulas;
+pub(crate) mod formulas;
 pub(crate) mod machine;
 pub(crate) mod one_row;
 

@@ -2,6 +2,8 @@
 
 use std::ops::{BitOr, BitOrAssign};
 
+use crate::error::Error;
+
 /// Flags of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Health(pub u32);
@@ -66,5 +68,17 @@ impl BitOr for Health {
 impl BitOrAssign for Health {
     fn bitor_assign(&mut self, other: Self) {
         self.0 |= other.0;
+    }
+}
+
+/// Why a sample is refused.
+pub(crate) struct Refusal {
+    pub flag: Health,
+    pub error: Error,
+}
+
+impl Refusal {
+    pub fn new(flag: Health, error: Error) -> Self {
+        Self { flag, error }
     }
 }

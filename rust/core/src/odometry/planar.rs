@@ -4,98 +4,59 @@
 //! the turns of all wheels best, at the steering angles of its middle, is held as one arc ([`Twist::exp`]). Its
 //! covariance comes from the analytic derivatives of that fit (`estimate::sensitivity`).
 
-mod arithmetic;
-pub mod dimensions;
-pub mod encoder;
-pub mod gyroscope;
-pub mod health;
+mod advance;
+mod correct;
 mod history;
-pub mod noise;
-pub mod preintegrated;
 mod quick;
-pub mod settings;
-pub mod spatial;
-mod spread;
-mod state;
-mod step;
+mod suspect;
 mod take;
 mod tolerant;
-mod uncertainty;
 
-pub use dimensions::Deviations;
-pub use encoder::Encoder;
-pub use gyroscope::Gyroscope;
-pub use health::Health;
-pub use noise::Noise;
-pub use preintegrated::Preintegrated;
-pub use settings::{Readings, Settings};
-pub use spatial::Odometry3;
-
-use crate::batch::one_row::step::Plan;
+use self::advance::advance;
+use self::history::History;
+pub(crate) use self::suspect::Suspect;
 use crate::error::{Error, number, numbers};
 use crate::geometry::{Pose, Twist, Walk};
+use crate::odometry::health::Health;
+use crate::odometry::motion::Motion;
+use crate::odometry::registers::Plan;
+use crate::odometry::settings::{Readings, Settings};
+use crate::odometry::spread::Spread;
+use crate::odometry::state::{State, check_covariance, check_pose};
+use crate::odometry::step::{Workspace, shared_readings};
+use crate::odometry::uncertainty::Uncertainty;
 use crate::rover::{Inputs, Rover};
-pub(crate) use arithmetic::{Arithmetic, Instruction};
-use history::History;
-pub(crate) use quick::Terms;
-pub(crate) use spread::Spread;
-pub(crate) use state::State;
-use state::{advance, check_covariance, check_pose};
-use step::{Motion, Workspace, shared_readings};
-pub(crate) use step::{
-    ROUNDING, SMALL_TURN, SUSPICIOUS, Turned, agreed, bend, gain, leant, left, left_of, met, small_bend, step_jacobian,
-};
-use take::Refusal;
-use tolerant::Suspect;
-pub use tolerant::{Recording, TrackRows};
-use uncertainty::Uncertainty;
-pub(crate) use uncertainty::{Bias, StepJacobian, StepNoise, rounded};
-
-/// What was read at one instant.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample<'a> {
-    /// Readings of the steering joints.
-    pub steering: &'a [f64],
-    /// Readings of the wheels. NaN where a passive wheel has no encoder.
-    pub wheels: &'a [f64],
-    /// When [s].
-    pub stamp: f64,
-    /// Absolute yaw from a sensor with a zero of its own [rad].
-    pub yaw: Option<f64>,
-    /// Yaw rate of a gyroscope [rad/s].
-    pub yaw_rate: Option<f64>,
-}
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-struct Reference {
+pub(crate) struct Reference {
     /// Whether there is one.
-    known: bool,
-    stamp: f64,
-    wheels: Vec<f64>,
+    pub(crate) known: bool,
+    pub(crate) stamp: f64,
+    pub(crate) wheels: Vec<f64>,
     /// As read.
-    steering: Vec<f64>,
+    pub(crate) steering: Vec<f64>,
     /// Whole turns kept [rad].
-    angles: Vec<f64>,
-    yaw_rate: Option<f64>,
+    pub(crate) angles: Vec<f64>,
+    pub(crate) yaw_rate: Option<f64>,
 }
 
 /// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]
 pub struct Odometry {
-    rover: Rover,
-    settings: Settings,
-    reference: Reference,
-    state: State,
-    residual: Vec<f64>,
-    health: Health,
-    work: Workspace,
+    pub(crate) rover: Rover,
+    pub(crate) settings: Settings,
+    pub(crate) reference: Reference,
+    pub(crate) state: State,
+    pub(crate) residual: Vec<f64>,
+    pub(crate) health: Health,
+    pub(crate) work: Workspace,
     /// How a usual step is made by registers, where it is.
-    plan: Option<Plan>,
-    turned: Vec<f64>,
-    angles: Vec<f64>,
-    history: History,
-    suspect: Suspect,
+    pub(crate) plan: Option<Plan>,
+    pub(crate) turned: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
+    pub(crate) history: History,
+    pub(crate) suspect: Suspect,
 }
 
 impl Odometry {
@@ -124,7 +85,7 @@ impl Odometry {
             residual: vec![0.0; wheels],
             health: Health::GOOD,
             work: Workspace::new(&rover, &settings),
-            plan: settings.plan(&rover),
+            plan: Plan::of(&settings, &rover),
             turned: vec![0.0; wheels],
             angles: vec![0.0; joints],
             rover,

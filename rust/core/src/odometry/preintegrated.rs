@@ -12,12 +12,15 @@ pub mod space;
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::settings::Readings;
-use super::{Gyroscope, Odometry, Recording, Sample, Settings};
+use super::planar::Odometry;
+use super::recording::{Recording, Sample};
+use super::settings::gyroscope::Gyroscope;
+pub use super::settings::quantities::{Column, DIMENSIONS};
+use super::settings::{Readings, Settings};
 use crate::error::{Error, ErrorKind, finite, number};
 use crate::geometry::Pose;
 use crate::rover::Rover;
-pub use replay::{Column, DIMENSIONS, Replayed};
+pub use replay::Replayed;
 use space::{Motion3, right_jacobian};
 
 /// Rows of a tangent in the plane among those in space.
@@ -352,11 +355,6 @@ impl Preintegrated {
     /// Covariance in the plane, in coordinates; None where it has to be worked out by [`Self::replay`].
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.is_plain().then(|| self.odometry.covariance())
-    }
-
-    /// All there is to know of the motion, from its samples.
-    pub fn replay(&self) -> Result<Replayed, Error> {
-        replay::replay(self)
     }
 }
 

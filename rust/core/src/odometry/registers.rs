@@ -9,6 +9,7 @@
 
 pub(crate) mod log;
 mod plan;
+pub(crate) mod terms;
 mod wheels;
 
 use crate::batch::machine::lanes::Lanes;
@@ -17,21 +18,16 @@ use crate::batch::machine::polynomials::sin_cos;
 use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::{Eight, GROUP, padded};
 use crate::error::HUGE;
-use crate::odometry::{
-    Instruction, ROUNDING, SUSPICIOUS, Spread, State, StepJacobian, StepNoise, Terms, Turned, agreed, bend, gain, left,
-    left_of, met, step_jacobian,
-};
+use crate::odometry::arithmetic::Instruction;
+use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
+use crate::odometry::spread::Spread;
+use crate::odometry::state::State;
+use crate::odometry::step::{bend, step_jacobian};
+use crate::odometry::uncertainty::{StepJacobian, StepNoise, Turned, agreed, gain, left, left_of, met};
 pub(crate) use plan::Plan;
 use plan::Room;
-pub(crate) use wheels::SURELY;
+use terms::Terms;
 use wheels::{InLanes, Pick, Register, Squares, disagree, lean, listen};
-
-/// Way of a wheel and turn of a joint over one step beyond which it is left to the plain core [m, rad]; half the turn is as
-/// far as the chord is the polynomial. A wheel may turn by as many radians as metres.
-pub(crate) const LARGEST_STEP: [f64; 2] = [1e50, std::f64::consts::FRAC_PI_2];
-
-/// The columns of joints come in whole registers, on every level that has this kernel.
-pub(crate) const COLUMNS: usize = 4;
 
 impl Plan {
     /// One step: whether a wheel slides further than the noise explains. Nothing where the plain core has to do it; no

@@ -1,15 +1,18 @@
 //! How odometry works: all that does not change while it does.
 
-use super::dimensions::Deviations;
-use super::encoder::Encoder;
-use super::gyroscope::Gyroscope;
-use super::noise::Noise;
-use super::step::Rules;
-use crate::batch::one_row::step::Plan;
+pub mod dimensions;
+pub mod encoder;
+pub mod gyroscope;
+pub mod noise;
+pub(crate) mod quantities;
+
+use self::dimensions::Deviations;
+use self::encoder::Encoder;
+use self::gyroscope::Gyroscope;
+use self::noise::Noise;
 use crate::error::{Error, number};
 use crate::estimate::Method;
 use crate::rover::Rover;
-use crate::wheels::Pivot;
 
 /// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
 const GUESSED_SLIP: f64 = 0.05;
@@ -87,8 +90,19 @@ impl Default for Settings {
     }
 }
 
+/// How a step is worked out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    pub noise: Noise,
+    pub method: Method,
+    /// Whether disagreement of the wheels beyond the noise counts as more noise.
+    pub inflate: bool,
+    /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
+    pub slip_threshold: Option<f64>,
+}
+
 impl Settings {
-    pub(super) fn check(&self, rover: &Rover) -> Result<(), Error> {
+    pub(crate) fn check(&self, rover: &Rover) -> Result<(), Error> {
         self.check_for(rover.wheels().len(), rover.steered().len())?;
         if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
             let rule = "be another one for a rover without unsteered wheels";
@@ -98,7 +112,7 @@ impl Settings {
     }
 
     /// The same for so many wheels and steering joints, whatever they are mounted on.
-    pub(super) fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
+    pub(crate) fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
         self.dimensions.check_for(wheels)?;
@@ -147,7 +161,7 @@ impl Settings {
 
 impl Settings {
     /// Smoothing of the twist [s], and by how much the bias of the gyroscope wanders [rad/s per root s].
-    pub(super) fn habits(&self) -> [f64; 2] {
+    pub(crate) fn habits(&self) -> [f64; 2] {
         let walk = self.gyroscope.map_or(0.0, |known| known.bias_walk);
         [self.smoothing, walk]
     }
@@ -161,21 +175,21 @@ impl Settings {
 
     /// Standard deviation of a yaw rate [rad/s].
     #[inline]
-    pub(super) fn rate_noise(&self) -> f64 {
+    pub(crate) fn rate_noise(&self) -> f64 {
         self.gyroscope.map_or(self.noise.yaw_rate, |known| known.noise)
     }
 
     /// Standard deviation of the factor that the gyroscope's turns are off by.
-    pub(super) fn scale_noise(&self) -> f64 {
+    pub(crate) fn scale_noise(&self) -> f64 {
         self.gyroscope.map_or(0.0, |known| known.scale_noise)
     }
 
     /// Number of errors that stay the same all along: those of the dimensions, then the gyroscope's scale.
-    pub(super) fn lasting(&self) -> usize {
+    pub(crate) fn lasting(&self) -> usize {
         self.dimensions.len() + usize::from(self.scale_noise() > 0.0)
     }
 
-    pub(super) fn rules(&self) -> Rules {
+    pub(crate) fn rules(&self) -> Rules {
         Rules {
             noise: Noise { yaw_rate: self.rate_noise(), ..self.noise },
             method: self.method,
@@ -185,28 +199,15 @@ impl Settings {
     }
 
     /// Slip of a wheel that is flagged [m/s], where one number says it.
-    pub(super) fn flagged_slip(&self) -> Option<f64> {
+    pub(crate) fn flagged_slip(&self) -> Option<f64> {
         self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
-    /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
-    pub(super) fn plan(&self, rover: &Rover) -> Option<Plan> {
-        let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
-        let is_plain = self.readings == Readings::Angles
-            && self.method == Method::LeastSquares
-            && !self.inflate
-            && self.lasting() == 0
-            && self.wheel_noise.is_empty()
-            && (self.max_speed.is_none() || !castors());
-        let encoders = (|wheel| self.wheel_encoder(wheel), |joint| self.steering_encoder(joint));
-        is_plain.then(|| Plan::new(rover, encoders.0, encoders.1)).flatten()
-    }
-
-    pub(super) fn wheel_encoder(&self, wheel: usize) -> Encoder {
+    pub(crate) fn wheel_encoder(&self, wheel: usize) -> Encoder {
         pick(&self.wheel_encoders, wheel)
     }
 
-    pub(super) fn steering_encoder(&self, joint: usize) -> Encoder {
+    pub(crate) fn steering_encoder(&self, joint: usize) -> Encoder {
         pick(&self.steering_encoders, joint)
     }
 }

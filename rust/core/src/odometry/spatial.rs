@@ -20,10 +20,11 @@ use std::sync::Arc;
 
 use nalgebra::Matrix6;
 
+use super::Suspect;
+use super::health::{Health, Refusal};
+use super::recording::Sample;
 use super::settings::{Readings, Settings};
 use super::state::check_pose;
-use super::tolerant::Suspect;
-use super::{Health, Refusal, Sample};
 use crate::error::{Error, finite, number, numbers};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
 use crate::terrain::Terrain;

@@ -1,59 +1,23 @@
 //! The displacement over one step, from what the wheels turned, and what it may be off by.
 
 mod arc;
-mod turned;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::dimensions::Deviations;
-use super::noise::Noise;
-use super::settings::{Readings, Settings};
+use super::motion::{Fusion, Motion, ROUNDING, SUSPICIOUS};
+use super::settings::dimensions::Deviations;
+use super::settings::noise::Noise;
+use super::settings::{Readings, Rules, Settings};
 use super::spread::Spread;
-use super::uncertainty::StepNoise;
-use crate::batch::one_row::step::COLUMNS;
+use super::uncertainty::{COLUMNS, StepNoise};
 use crate::error::{Error, HUGE, numbers};
 use crate::estimate::sensitivity::{Linearised, Quantity};
 use crate::estimate::{Measured, Method, Reading, Unseen};
 use crate::geometry::Twist;
 use crate::rover::Rover;
 use crate::rover_data::RoverData;
-pub(super) use arc::chord;
+pub(crate) use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
-pub(crate) use turned::{Turned, agreed, gain, leant, left, left_of, met};
-
-/// How many standard deviations a wheel may disagree before it is said to slip.
-pub(crate) const SUSPICIOUS: f64 = 4.0;
-
-/// Share of a wheel's way below which a residual is rounding.
-pub(crate) const ROUNDING: f64 = 1e-9;
-
-/// What is known of one step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion<'a> {
-    /// Steering angles at its start and end [rad].
-    pub steering: [&'a [f64]; 2],
-    /// What every wheel turned [rad].
-    pub turned: &'a [f64],
-    /// Whether that is the mean of readings at its start and end, which other steps share.
-    pub from_rates: bool,
-    /// Duration [s].
-    pub dt: f64,
-    /// What a gyroscope turned, its bias taken off [rad].
-    pub gyro_turn: Option<f64>,
-    /// Variance of that bias [rad²/s²].
-    pub bias_variance: f64,
-}
-
-/// How a step is worked out.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
-    pub noise: Noise,
-    pub method: Method,
-    /// Whether disagreement of the wheels beyond the noise counts as more noise.
-    pub inflate: bool,
-    /// Slip of a wheel that is worth reporting [m/s]; None: by the noise.
-    pub slip_threshold: Option<f64>,
-}
 
 /// Memory of a step, so that none is asked for while driving.
 #[derive(Clone, Debug)]
@@ -80,21 +44,6 @@ pub(crate) struct Workspace {
     /// Turns of wheels and joints along the chords of their arcs, for derivatives.
     chorded: Vec<f64>,
     chorded_by: Vec<f64>,
-}
-
-/// How wheels and a gyroscope share a step: `displacement' = displacement + gain (turn - displacement.z)`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fusion {
-    /// By the turn of the gyroscope.
-    pub gain: Vector3<f64>,
-    /// By the displacement of the wheels.
-    pub rest: Matrix3<f64>,
-}
-
-impl Fusion {
-    fn none() -> Self {
-        Self { gain: Vector3::zeros(), rest: Matrix3::identity() }
-    }
 }
 
 /// Number of readings whose errors two steps may share: steering angles, wheel rates and the gyroscope.

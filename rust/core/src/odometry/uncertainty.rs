@@ -16,13 +16,18 @@ use std::ops::{Add, Mul, Neg};
 
 use nalgebra::{Matrix3, Vector3};
 
+mod turned;
+
+pub(crate) use self::turned::{Turned, agreed, gain, leant, left, left_of, met};
 use super::arithmetic::{Apart, Arithmetic};
 use super::spread::Spread;
-use super::step::{leant, met};
 use crate::jacobi::Jacobi;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is negative.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// The columns of joints come in whole registers, on every level that has this kernel.
+pub(crate) const COLUMNS: usize = 4;
 
 /// A covariance with what rounding may have left of it.
 #[inline(always)]

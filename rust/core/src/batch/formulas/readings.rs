@@ -19,7 +19,7 @@ use crate::wheels::Wheel;
 pub(in crate::batch) const LARGEST_SPEED: f64 = 1e100;
 
 /// Bound of what the rover multiplies readings by.
-pub(in crate::batch) const LARGEST_ROVER: f64 = 1e100;
+pub(crate) const LARGEST_ROVER: f64 = 1e100;
 
 /// Pivot of the normal equations, as a share of their trace, that surely determines a direction.
 const DETERMINED: f64 = 1e-10;

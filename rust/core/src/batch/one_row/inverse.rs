@@ -26,13 +26,13 @@ use crate::steering::SteeringRange;
 use crate::wheels::{REST, Wheel};
 
 /// Wheels in a group: a whole number of registers on every level.
-pub(super) const GROUP: usize = 8;
+pub(crate) const GROUP: usize = 8;
 
 /// Groups of the largest rover.
 const GROUPS: usize = MAX_WHEELS / GROUP;
 
 /// One number per wheel of a group.
-pub(super) type Eight = [f64; GROUP];
+pub(crate) type Eight = [f64; GROUP];
 
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
@@ -41,7 +41,7 @@ pub(crate) fn level() -> Option<Level> {
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.
-pub(super) fn order(rover: &RoverData) -> Vec<usize> {
+pub(crate) fn order(rover: &RoverData) -> Vec<usize> {
     let others = (0..rover.wheels().len()).filter(|i| !rover.steered().contains(i));
     rover.steered().iter().copied().chain(others).collect()
 }
@@ -254,7 +254,7 @@ impl Row<'_> {
 
 /// A register of numbers, zero beyond their end.
 #[inline(always)]
-pub(super) fn padded<S: Simd>(simd: S, numbers: &[f64]) -> Lanes<S> {
+pub(crate) fn padded<S: Simd>(simd: S, numbers: &[f64]) -> Lanes<S> {
     if let [register, ..] = S::as_simd_f64s(numbers).0 {
         return Lanes::load(simd, std::slice::from_ref(register), 0);
     }

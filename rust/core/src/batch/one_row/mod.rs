@@ -2,4 +2,3 @@
 
 pub(crate) mod forward;
 pub(crate) mod inverse;
-pub(crate) mod step;

@@ -2,83 +2,23 @@
 
 use std::ops::Range;
 
-use super::arithmetic::{Apart, Arithmetic};
-use super::step::Turned;
-use super::tolerant::{Recording, TrackRows};
-use super::{Health, Odometry, Sample, Settings, gyroscope};
-use crate::batch::one_row::step::log::{Block, Follow, Room, Rows};
-use crate::batch::one_row::step::{Given, LARGEST_STEP, SURELY, Targets};
+use super::Odometry;
+use crate::odometry::arithmetic::Apart;
+use crate::odometry::health::Health;
+use crate::odometry::recording::{Recording, Sample, TrackRows};
+use crate::odometry::registers::log::{Block, Follow, Room, Rows};
+use crate::odometry::registers::{Given, Targets};
+use crate::odometry::settings::gyroscope;
+use crate::odometry::uncertainty::Turned;
 
 /// Rows of a log that are worth a register.
 const FEW: usize = 4;
-
-/// What the settings say of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<T> {
-    /// Duration [s].
-    pub dt: T,
-    /// Variance of what a wheel rolled, but for slip [m²].
-    pub reading_variance: T,
-    /// Half the deviation of a steering angle [rad], and its variance.
-    pub half_deviation: T,
-    pub steering_variance: T,
-    /// How far a wheel slides that is reported [m]; None: by the variances.
-    pub slip_bound: Option<T>,
-    /// Way of a wheel and turn of a joint beyond which the plain core is asked [m, rad]; at most [`LARGEST_STEP`].
-    pub most: [T; 2],
-    /// Variance along and across a wheel's heading per metre of its pivot [m].
-    pub slip_variances: [f64; 2],
-    /// Time constant of the filter of the twist [s].
-    pub smoothing: f64,
-}
-
-impl Settings {
-    /// Of a step that takes so long.
-    #[inline(always)]
-    pub(crate) fn terms<F: Arithmetic>(&self, by: F, dt: F::Number) -> Terms<F::Number> {
-        let noise = &self.noise;
-        let read = by.number(noise.speed) * dt;
-        let steering = by.number(noise.steering);
-        let (reading_variance, deviation) = match noise.period {
-            None => (read * read, steering),
-            Some(period) => {
-                let sharing = by.over(by.number(period), dt);
-                (sharing * (read * read), by.sqrt(sharing) * steering)
-            }
-        };
-        let most = |limit: Option<f64>, largest: f64| match limit {
-            None => by.number(largest),
-            Some(limit) => by.least(by.number(SURELY * limit) * dt, by.number(largest)),
-        };
-        let [way, turn] = LARGEST_STEP;
-        Terms {
-            dt,
-            reading_variance,
-            half_deviation: deviation * by.number(0.5),
-            steering_variance: deviation * deviation,
-            slip_bound: self.flagged_slip().map(|threshold| by.number(threshold) * dt),
-            most: [most(self.max_speed, way), most(self.max_steering_rate, turn)],
-            slip_variances: [noise.slip * noise.slip, noise.side_slip * noise.side_slip],
-            smoothing: self.smoothing,
-        }
-    }
-
-    /// What the deviation of a gyroscope's reading at either end of a step makes of its turn [rad].
-    #[inline(always)]
-    pub(crate) fn turn_deviation<F: Arithmetic>(&self, by: F, dt: F::Number) -> F::Number {
-        let half = by.number(0.5 * self.rate_noise()) * dt;
-        match self.noise.period {
-            None => half,
-            Some(period) => half * by.sqrt(by.over(by.number(period), dt)),
-        }
-    }
-}
 
 impl Odometry {
     /// A usual sample by registers. Whether a wheel slips, and what a gyroscope turned; nothing, and nothing has changed,
     /// where the sample is none, the rover stands, or it may have to be refused.
     #[inline]
-    pub(super) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
+    pub(crate) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let reference = &self.reference;
         self.plan.as_ref()?;
         let dt = sample.stamp - reference.stamp;
@@ -134,14 +74,14 @@ impl Odometry {
     }
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
-    pub(super) fn room(&self) -> Option<Room> {
+    pub(crate) fn room(&self) -> Option<Room> {
         let plan = self.plan.as_ref().filter(|_| self.settings.lag == 0.0)?;
         Room::new(plan)
     }
 
     /// Takes in rows of a log from `first` on, the row before which has just been taken in, as many as are usual: the
     /// same numbers as row by row. How many.
-    pub(super) fn stride(
+    pub(crate) fn stride(
         &mut self,
         recording: &Recording<'_>,
         first: usize,

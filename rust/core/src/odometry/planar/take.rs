@@ -1,24 +1,15 @@
 //! How a sample is taken in: checked, turned into a step, and made the one from which the next one counts.
 
-use super::gyroscope::{self, LIKELY, STANDING};
-use super::state::{advance, meet_yaw};
-use super::step::Motion;
-use super::uncertainty::Bias;
-use super::{Health, Odometry, Readings, Sample};
+use super::Odometry;
+use super::advance::{advance, meet_yaw};
 use crate::error::{Error, number, numbers};
 use crate::geometry::Twist;
-
-/// Why a sample is refused.
-pub(super) struct Refusal {
-    pub flag: Health,
-    pub error: Error,
-}
-
-impl Refusal {
-    pub fn new(flag: Health, error: Error) -> Self {
-        Self { flag, error }
-    }
-}
+use crate::odometry::health::{Health, Refusal};
+use crate::odometry::motion::Motion;
+use crate::odometry::recording::Sample;
+use crate::odometry::settings::Readings;
+use crate::odometry::settings::gyroscope::{self, LIKELY, STANDING};
+use crate::odometry::uncertainty::Bias;
 
 impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
@@ -27,7 +18,7 @@ impl Odometry {
     }
 
     #[inline]
-    pub(super) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
             Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
@@ -90,7 +81,7 @@ impl Odometry {
 
     /// Takes a sample whose step has been made as the one from which the next one counts.
     #[inline]
-    pub(super) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
+    pub(crate) fn conclude(&mut self, sample: &Sample<'_>, flags: Health, gyro_turn: Option<f64>) -> Health {
         let reference = &mut self.reference;
         let dt = sample.stamp - reference.stamp;
         let is_gap = self.settings.max_gap.is_some_and(|gap| dt > gap);
@@ -127,7 +118,7 @@ impl Odometry {
     }
 
     /// Takes the sample as the one from which the next one counts.
-    pub(super) fn refer_to(&mut self, sample: &Sample<'_>) {
+    pub(crate) fn refer_to(&mut self, sample: &Sample<'_>) {
         for (joint, (angle, reading)) in self.reference.angles.iter_mut().zip(sample.steering).enumerate() {
             *angle = self.settings.steering_encoder(joint).first_angle(*reading);
         }
@@ -139,7 +130,7 @@ impl Odometry {
     }
 
     /// What wheels and joints turned since the reference. Whether a counter started over.
-    pub(super) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+    pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let mut wrapped = false;
         let pairs = self.reference.wheels.iter().zip(sample.wheels);
         for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
@@ -198,7 +189,7 @@ impl Odometry {
     /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
     /// its bias.
     #[inline]
-    pub(super) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
+    pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
             return false;
         };

@@ -9,71 +9,12 @@ use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3,
 use super::space::{Motion3, left_jacobian, right_jacobian};
 use super::{PLANE, Preintegrated, Tangent};
 use crate::error::Error;
-use crate::estimate::sensitivity::{Linearised, Quantity};
-use crate::odometry::Odometry;
+use crate::odometry::health::Health;
+use crate::odometry::motion::Motion;
+use crate::odometry::planar::Odometry;
 use crate::odometry::settings::Readings;
-use crate::odometry::step::Fusion;
-use crate::odometry::step::Motion;
+use crate::odometry::settings::quantities::{Column, DIMENSIONS};
 use crate::rover::Rover;
-
-/// Something the motion answers to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// A dimension of a wheel.
-    Dimension(Quantity, usize),
-    /// Share of the way a wheel rolled by which its contact slipped forwards.
-    Slip(usize),
-    /// The way a wheel slipped to its left, as a share of the way its pivot went.
-    SideSlip(usize),
-    /// Share by which a wheel turned more than was read.
-    Turned(usize),
-    /// Share by which a wheel is steered farther than was read.
-    Steered(usize),
-    /// The bias of the gyroscope [rad/s].
-    Bias,
-}
-
-impl Column {
-    /// What it makes of the displacement of a step: the derivative, wheels and gyroscope having had their say.
-    pub(in crate::odometry) fn of_step(self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64) -> Vector3<f64> {
-        let by_wheels = match self {
-            Self::Dimension(quantity, wheel) => linearised.derivative(wheel, quantity),
-            Self::Slip(wheel) => linearised.derivative(wheel, Quantity::Slip) * linearised.readings[wheel].rolled,
-            Self::SideSlip(wheel) => {
-                let pivot = &linearised.rover.wheels()[wheel];
-                let way = linearised.twist().at(pivot.x, pivot.y).norm();
-                linearised.derivative(wheel, Quantity::SideSlip) * way
-            }
-            Self::Turned(wheel) => match linearised.measured.speeds[wheel] {
-                turned if turned.is_nan() => Vector3::zeros(),
-                turned => linearised.derivative(wheel, Quantity::Speed) * turned,
-            },
-            Self::Steered(wheel) => {
-                let Some(joint) = linearised.joint(wheel) else {
-                    return Vector3::zeros();
-                };
-                let angle = linearised.measured.steering[joint];
-                let rates = linearised.measured.steering_rates;
-                let rate = rates.map_or(0.0, |rates| rates[joint]);
-                linearised.derivative(wheel, Quantity::Steering) * angle
-                    + linearised.derivative(wheel, Quantity::SteeringRate) * rate
-            }
-            Self::Bias => return fusion.gain * -dt,
-        };
-        fusion.rest * by_wheels
-    }
-}
-
-/// Dimensions of a wheel the motion answers to.
-pub const DIMENSIONS: [Quantity; 7] = [
-    Quantity::Radius,
-    Quantity::X,
-    Quantity::Y,
-    Quantity::Heading,
-    Quantity::Scrub,
-    Quantity::Trail,
-    Quantity::RollerAngle,
-];
 
 /// A motion with its covariance and derivatives, in axes of its end.
 #[derive(Clone, Debug)]
@@ -148,37 +89,40 @@ fn embedding() -> Matrix6x3<f64> {
     embedding
 }
 
-pub(super) fn replay(of: &Preintegrated) -> Result<Replayed, Error> {
-    let mut odometry = of.fresh.clone();
-    odometry.plan = None; // every step by the plain core, which has the derivatives
-    let shared = odometry.work.noise.old.len();
-    let tilts = if of.rules.in_space { 2 } else { 0 };
-    let mut sums = Sums {
-        settled: Matrix6::zeros(),
-        carried: vec![Vector6::zeros(); shared + tilts],
-        columns: columns(of.rover()),
-    };
-    let (mut motion, mut yaw) = (Motion3::identity(), 0.0);
-    if !of.is_empty() {
-        odometry.refer_to(&of.sample(0));
+impl Preintegrated {
+    /// All there is to know of the motion, from its samples.
+    pub fn replay(&self) -> Result<Replayed, Error> {
+        let mut odometry = self.fresh.clone();
+        odometry.plan = None; // every step by the plain core, which has the derivatives
+        let shared = odometry.work.noise.old.len();
+        let tilts = if self.rules.in_space { 2 } else { 0 };
+        let mut sums = Sums {
+            settled: Matrix6::zeros(),
+            carried: vec![Vector6::zeros(); shared + tilts],
+            columns: columns(self.rover()),
+        };
+        let (mut motion, mut yaw) = (Motion3::identity(), 0.0);
+        if !self.is_empty() {
+            odometry.refer_to(&self.sample(0));
+        }
+        for k in 1..self.len() {
+            let begins = if k == 1 { self.begins } else { 0.0 };
+            let ends = if k == self.len() - 1 { self.ends } else { 1.0 };
+            let step = sums.step(self, &mut odometry, k, ends - begins, &motion)?;
+            yaw += step[5];
+            motion = motion.compose(&Motion3::exp(&step));
+        }
+        for carried in &sums.carried {
+            sums.settled += carried * carried.transpose();
+        }
+        let to_end = motion.inverse().adjoint();
+        Ok(Replayed {
+            covariance: to_end * sums.settled * to_end.transpose(),
+            columns: sums.columns.into_iter().map(|(column, by)| (column, to_end * by)).collect(),
+            motion,
+            yaw,
+        })
     }
-    for k in 1..of.len() {
-        let begins = if k == 1 { of.begins } else { 0.0 };
-        let ends = if k == of.len() - 1 { of.ends } else { 1.0 };
-        let step = sums.step(of, &mut odometry, k, ends - begins, &motion)?;
-        yaw += step[5];
-        motion = motion.compose(&Motion3::exp(&step));
-    }
-    for carried in &sums.carried {
-        sums.settled += carried * carried.transpose();
-    }
-    let to_end = motion.inverse().adjoint();
-    Ok(Replayed {
-        covariance: to_end * sums.settled * to_end.transpose(),
-        columns: sums.columns.into_iter().map(|(column, by)| (column, to_end * by)).collect(),
-        motion,
-        yaw,
-    })
 }
 
 impl Sums {
@@ -244,7 +188,7 @@ impl Sums {
             let by_turn = if from_attitude { gain } else { Vector3::zeros() };
             self.tilt(of, &turned, &relative, &by_turn, &answer);
         }
-        odometry.conclude(&sample, crate::odometry::Health::GOOD, gyro_turn);
+        odometry.conclude(&sample, Health::GOOD, gyro_turn);
         Ok(step)
     }
 

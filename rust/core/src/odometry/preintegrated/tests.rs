@@ -125,7 +125,7 @@ fn derivatives_are_differences() {
     let all = plain.replay().unwrap();
     let step = 1e-6;
     for i in 0..4 {
-        for quantity in replay::DIMENSIONS {
+        for quantity in DIMENSIONS {
             // Wheels that share an axle direction no longer would.
             let shares = i > 1 && quantity == Quantity::Heading;
             if shares || quantity == Quantity::RollerAngle {

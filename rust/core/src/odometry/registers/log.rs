@@ -10,7 +10,7 @@ mod led;
 mod room;
 
 use apart::apart;
-pub(crate) use block::Block;
+pub(crate) use block::{Block, Rows};
 use block::{at, load, store};
 use led::{LEAD, Led, all, row};
 pub(crate) use room::Room;
@@ -24,10 +24,13 @@ use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::BLOCK;
 use crate::batch::one_row::inverse::GROUP;
 use crate::error::HUGE;
-use crate::odometry::{
-    Bias, Instruction, ROUNDING, SMALL_TURN, SUSPICIOUS, Settings, Spread, State, StepJacobian, StepNoise, Turned,
-    agreed, gain, leant, left, left_of, met, small_bend, step_jacobian,
-};
+use crate::odometry::arithmetic::Instruction;
+use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
+use crate::odometry::settings::Settings;
+use crate::odometry::spread::Spread;
+use crate::odometry::state::State;
+use crate::odometry::step::{SMALL_TURN, small_bend, step_jacobian};
+use crate::odometry::uncertainty::{Bias, StepJacobian, StepNoise, Turned, agreed, gain, leant, left, left_of, met};
 
 /// Parts of a sum over wheels: the lanes of the registers of one sample.
 const PARTS: usize = if cfg!(target_arch = "aarch64") { 2 } else { 4 };
@@ -36,17 +39,6 @@ const PARTS: usize = if cfg!(target_arch = "aarch64") { 2 } else { 4 };
 struct Sums<S: Vector> {
     three: [[Lanes<S>; 3]; PARTS],
     six: [[Lanes<S>; 6]; PARTS],
-}
-
-/// Rows of a log, with the one before them.
-#[derive(Clone, Copy)]
-pub(crate) struct Rows<'a> {
-    pub wheels: &'a [f64],
-    pub steering: &'a [f64],
-    pub stamps: &'a [f64],
-    pub settings: &'a Settings,
-    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
-    pub leans: bool,
 }
 
 /// Goes along rows of a log, from these angles of the joints on, as many as are usual. Nothing but the state and the noise

@@ -6,11 +6,14 @@ use crate::batch::formulas::readings::LARGEST_ROVER;
 use crate::batch::machine::level::Level;
 use crate::batch::machine::polynomials::LARGEST_ANGLE;
 use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
-use crate::odometry::Encoder;
+use crate::estimate::Method;
+use crate::odometry::settings::encoder::Encoder;
+use crate::odometry::settings::{Readings, Settings};
 use crate::rover::{Mount, Rover};
+use crate::wheels::Pivot;
 
 /// Three numbers per wheel.
-pub(super) type Triple = [Eight; 3];
+pub(crate) type Triple = [Eight; 3];
 
 /// What the kernel needs to know of a rover and its encoders, and its memory.
 ///
@@ -21,55 +24,55 @@ pub(super) type Triple = [Eight; 3];
 /// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    pub(super) level: Level,
-    pub(super) groups: Vec<Group>,
+    pub(crate) level: Level,
+    pub(crate) groups: Vec<Group>,
     /// One per group.
-    pub(super) rooms: Vec<Room>,
+    pub(crate) rooms: Vec<Room>,
 }
 
 /// Eight wheels.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Index of each wheel in the rover; [`usize::MAX`] where there is none.
-    pub(super) wheels: [usize; GROUP],
+    pub(crate) wheels: [usize; GROUP],
     /// How many there are: lanes `0..count`.
-    pub(super) count: usize,
+    pub(crate) count: usize,
     /// How many of them are steered: lanes `0..steered`.
-    pub(super) steered: usize,
+    pub(crate) steered: usize,
     /// 1 for a steered wheel, 0 for another.
-    pub(super) steers: Eight,
+    pub(crate) steers: Eight,
     /// Direction at steering angle 0 [rad].
-    pub(super) heading: Eight,
+    pub(crate) heading: Eight,
     /// Angle of a wheel and of its joint per count of their encoders [rad].
-    pub(super) per_count: [Eight; 2],
+    pub(crate) per_count: [Eight; 2],
     /// [m]
-    pub(super) radius: Eight,
+    pub(crate) radius: Eight,
     /// Place of the pivot in the body, x and y [m].
-    pub(super) pivot: [Eight; 2],
+    pub(crate) pivot: [Eight; 2],
     /// Rolling and side-slip row. Those of a steered wheel are for the wheel pointing ahead: pointing by `a` to the left,
     /// they are `cos a` times the one and `sin a` times the other, and `cos a` times the other less `sin a` times the one.
-    pub(super) rows: [Triple; 2],
+    pub(crate) rows: [Triple; 2],
     /// Displacement [m, m, rad] that a metre measured along either row adds to the least-squares solution.
-    pub(super) shares: [Triple; 2],
+    pub(crate) shares: [Triple; 2],
     /// 1 where a wheel measures along the row, 0 where rollers or the lack of a wheel leave it out.
-    pub(super) has: [Eight; 2],
+    pub(crate) has: [Eight; 2],
     /// Share of the variance across a wheel that its rollers pass on along it.
-    pub(super) passed_on: Eight,
+    pub(crate) passed_on: Eight,
 }
 
 /// What is kept of eight wheels between the two halves of a step.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Room {
+pub(crate) struct Room {
     /// [`Group::shares`] with the wheel pointing where it pointed in the middle of the step.
-    pub(super) shares: [Triple; 2],
+    pub(crate) shares: [Triple; 2],
     /// Way along the wheel's heading, for a steered one along the chord [m].
-    pub(super) rolled: Eight,
+    pub(crate) rolled: Eight,
     /// The same in the axes of the rows [m].
-    pub(super) way: [Eight; 2],
+    pub(crate) way: [Eight; 2],
     /// Length of what the fitted displacement and the wheel disagree by [m].
-    pub(super) slid: Eight,
+    pub(crate) slid: Eight,
     /// Variance of that [m²].
-    pub(super) variance: Eight,
+    pub(crate) variance: Eight,
 }
 
 impl Group {
@@ -81,6 +84,19 @@ impl Group {
 }
 
 impl Plan {
+    /// How steps are made by registers: totals, wheels that weigh and slip alike, dimensions that are known.
+    pub fn of(settings: &Settings, rover: &Rover) -> Option<Self> {
+        let castors = || rover.wheels().iter().any(|wheel| wheel.pivot == Pivot::Castor);
+        let is_plain = settings.readings == Readings::Angles
+            && settings.method == Method::LeastSquares
+            && !settings.inflate
+            && settings.lasting() == 0
+            && settings.wheel_noise.is_empty()
+            && (settings.max_speed.is_none() || !castors());
+        let encoders = (|wheel| settings.wheel_encoder(wheel), |joint| settings.steering_encoder(joint));
+        is_plain.then(|| Self::new(rover, encoders.0, encoders.1)).flatten()
+    }
+
     /// Nothing where the normal equations depend on the readings, a counter starts over, or the machine has no kernel.
     pub fn new(
         rover: &Rover,

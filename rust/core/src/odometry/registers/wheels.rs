@@ -1,19 +1,17 @@
 //! What a wheel says of a step: the lanes of a register are the wheels of one step, or one wheel in successive steps.
 
-use super::LARGEST_STEP;
 use super::plan::{Group, Room, Triple};
+use super::terms::{LARGEST_STEP, SURELY, Terms};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
 use crate::batch::machine::vector::Vector;
 use crate::batch::one_row::inverse::Eight;
-use crate::odometry::{Arithmetic, SUSPICIOUS, Terms};
-
-/// Share of a bound that is surely below it, however it is rounded.
-pub(crate) const SURELY: f64 = 1.0 - 1e-9;
+use crate::odometry::arithmetic::Arithmetic;
+use crate::odometry::motion::SUSPICIOUS;
 
 /// Arithmetic with registers of successive steps.
 #[derive(Clone, Copy)]
-pub(super) struct InLanes<S: Vector>(pub S);
+pub(crate) struct InLanes<S: Vector>(pub S);
 
 impl<S: Vector> Arithmetic for InLanes<S> {
     type Number = Lanes<S>;
@@ -47,7 +45,7 @@ impl<S: Vector> Arithmetic for InLanes<S> {
 impl Terms<f64> {
     /// The same for every wheel.
     #[inline(always)]
-    pub(super) fn everywhere<S: Vector>(&self, simd: S) -> Terms<Lanes<S>> {
+    pub(crate) fn everywhere<S: Vector>(&self, simd: S) -> Terms<Lanes<S>> {
         let splat = |number| Lanes::splat(simd, number);
         Terms {
             dt: splat(self.dt),
@@ -63,7 +61,7 @@ impl Terms<f64> {
 }
 
 /// Which numbers of a group of wheels are in a register: those of register `k`, or everywhere that of one wheel.
-pub(super) trait Pick<S: Vector>: Copy {
+pub(crate) trait Pick<S: Vector>: Copy {
     fn of(self, numbers: &Eight) -> Lanes<S>;
 
     #[inline(always)]
@@ -74,10 +72,10 @@ pub(super) trait Pick<S: Vector>: Copy {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Register<S: Vector>(pub S, pub usize);
+pub(crate) struct Register<S: Vector>(pub S, pub usize);
 
 #[derive(Clone, Copy)]
-pub(super) struct Everywhere<S: Vector>(pub S, pub usize);
+pub(crate) struct Everywhere<S: Vector>(pub S, pub usize);
 
 impl<S: Vector> Pick<S> for Register<S> {
     #[inline(always)]
@@ -95,7 +93,7 @@ impl<S: Vector> Pick<S> for Everywhere<S> {
 
 /// Into register `k` of as many columns.
 #[inline(always)]
-pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Eight; N], k: usize) {
+pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Eight; N], k: usize) {
     for (lanes, column) in lanes.into_iter().zip(columns) {
         lanes.store(S::as_mut_simd_f64s(column).0, k);
     }
@@ -103,13 +101,13 @@ pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &m
 
 /// `a . b`.
 #[inline(always)]
-pub(super) fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
+pub(crate) fn dot<S: Vector>([a, b, c]: [Lanes<S>; 3], [x, y, z]: [Lanes<S>; 3]) -> Lanes<S> {
     c.mul_add(z, b.mul_add(y, a * x))
 }
 
 /// Sum of the outer products of vectors, one in every lane.
 #[derive(Clone, Copy)]
-pub(super) struct Squares<S: Vector>(pub [Lanes<S>; 6]);
+pub(crate) struct Squares<S: Vector>(pub [Lanes<S>; 6]);
 
 impl<S: Vector> Squares<S> {
     #[inline(always)]
@@ -144,7 +142,7 @@ impl<S: Vector> Squares<S> {
 /// Takes in what wheels counted, and where they are steered, the middle angle and the turn of their joints [rad]: adds what
 /// they say of the displacement. Where that is of a usual size.
 #[inline(always)]
-pub(super) fn listen<S: Vector, P: Pick<S>>(
+pub(crate) fn listen<S: Vector, P: Pick<S>>(
     simd: S,
     (group, pick): (&Group, P),
     counts: Lanes<S>,
@@ -186,7 +184,7 @@ pub(super) fn listen<S: Vector, P: Pick<S>>(
 /// How far wheels disagree with the displacement, and what it may be off by for them. Which of them slid further than the
 /// noise explains, but for rounding.
 #[inline(always)]
-pub(super) fn disagree<S: Vector, P: Pick<S>>(
+pub(crate) fn disagree<S: Vector, P: Pick<S>>(
     simd: S,
     (group, pick): (&Group, P),
     displacement: [Lanes<S>; 3],
@@ -227,7 +225,7 @@ pub(super) fn disagree<S: Vector, P: Pick<S>>(
 
 /// What half the deviation of a steering angle does to the displacement.
 #[inline(always)]
-pub(super) fn lean<S: Vector, P: Pick<S>>(
+pub(crate) fn lean<S: Vector, P: Pick<S>>(
     simd: S,
     (group, pick): (&Group, P),
     terms: &Terms<Lanes<S>>,

@@ -9,10 +9,10 @@
 
 use nalgebra::Vector3;
 
-use super::preintegrated::{Column, DIMENSIONS};
-use super::step::Fusion;
+use super::quantities::{Column, DIMENSIONS};
 use crate::error::{Error, HUGE, number};
 use crate::estimate::sensitivity::Linearised;
+use crate::odometry::motion::Fusion;
 
 /// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and as shares of what they read the turns of the
 /// wheel and its steering angle.
@@ -60,7 +60,7 @@ impl Deviations {
     }
 
     /// Fails unless they are of a rover with so many wheels.
-    pub(super) fn check_for(&self, wheels: usize) -> Result<(), Error> {
+    pub(crate) fn check_for(&self, wheels: usize) -> Result<(), Error> {
         if self.is_empty() || self.wheels == wheels {
             return Ok(());
         }
@@ -69,7 +69,7 @@ impl Deviations {
     }
 
     /// What each of them makes of the displacement of a step.
-    pub(super) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
+    pub(crate) fn of_step(&self, linearised: &Linearised<'_>, fusion: &Fusion, dt: f64, into: &mut [Vector3<f64>]) {
         into.fill(Vector3::zeros());
         for (column, by) in &self.moved {
             let of_one = column.of_step(linearised, fusion, dt);

@@ -2,19 +2,19 @@
 
 use nalgebra::Vector3;
 
-use super::uncertainty::Bias;
 use crate::error::{Error, number};
+use crate::odometry::uncertainty::Bias;
 
 /// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
-pub(super) const STANDING: f64 = 1e-3;
+pub(crate) const STANDING: f64 = 1e-3;
 
 /// Deviations within which a reading may well be the bias.
-pub(super) const LIKELY: f64 = 4.0;
+pub(crate) const LIKELY: f64 = 4.0;
 
 /// What a gyroscope turned in a step that began with the reading `before`, if there was one then, and ended with this one
 /// [rad]: their mean without the bias.
 #[inline]
-pub(super) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
+pub(crate) fn turn(before: Option<f64>, rate: f64, bias: Option<Bias>, dt: f64) -> f64 {
     let known = bias.map_or(0.0, |bias| bias.value);
     (f64::midpoint(before.unwrap_or(rate), rate) - known) * dt
 }
@@ -41,7 +41,7 @@ impl Default for Gyroscope {
 }
 
 impl Gyroscope {
-    pub(super) fn at_start(&self) -> Bias {
+    pub(crate) fn at_start(&self) -> Bias {
         Bias { value: self.bias, variance: self.bias_noise * self.bias_noise, cross: Vector3::zeros() }
     }
 

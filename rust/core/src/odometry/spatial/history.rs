@@ -11,8 +11,8 @@ use super::spread::whole;
 use super::state::{Fixed, Pose3, State, check_covariance};
 use crate::error::{Error, number};
 use crate::geometry::wrap_angle;
-use crate::odometry::Settings;
 use crate::odometry::preintegrated::space::Motion3;
+use crate::odometry::settings::Settings;
 use crate::odometry::state::check_pose;
 use crate::suspension::MAX_WHEELS;
 

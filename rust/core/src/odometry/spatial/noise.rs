@@ -5,8 +5,8 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
 use super::step::{Tilt, Told, Way};
 use crate::moving::MEMORY;
+use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
 use crate::odometry::settings::Readings as Kind;
-use crate::odometry::step::{ROUNDING, SUSPICIOUS};
 use crate::suspension::MAX_WHEELS;
 
 /// How a displacement answers to something that the yaw, and with it the measured turn, answers to as well.

@@ -12,9 +12,9 @@ use super::step::{Way, displace, halfway, middle_angles};
 use crate::error::{Error, ErrorKind, HUGE, number, numbers};
 use crate::geometry::{Sum, Walk, wrap_angle};
 use crate::ground::Status;
+use crate::odometry::health::{Health, Refusal};
 use crate::odometry::preintegrated::space::Motion3;
 use crate::odometry::state::read_variance;
-use crate::odometry::{Health, Refusal};
 use crate::suspension::{Chain, MAX_WHEELS, PlanPose};
 use crate::terrain::Terrain;
 

@@ -3,7 +3,7 @@
 use super::Odometry3;
 use super::sample::{Recording3, Sample3, attitude};
 use crate::error::Error;
-use crate::odometry::{Health, Refusal};
+use crate::odometry::health::{Health, Refusal};
 
 /// Where the results of a log go, one row per sample.
 #[derive(Debug)]

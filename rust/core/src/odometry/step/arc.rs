@@ -8,7 +8,7 @@ use crate::odometry::uncertainty::StepJacobian;
 pub(crate) const SMALL_TURN: f64 = 0.25;
 
 /// Chord of an arc that turns by `angle`, as a share of its length.
-pub(in crate::odometry) fn chord(angle: f64) -> f64 {
+pub(crate) fn chord(angle: f64) -> f64 {
     let half = angle / 2.0;
     if half.abs() > SMALL_TURN {
         return sinc(half);

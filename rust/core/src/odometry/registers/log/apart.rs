@@ -6,7 +6,7 @@ use crate::batch::machine::weave::unweave;
 
 /// What wheels and joints did in every step, by columns.
 #[inline(always)]
-pub(super) fn apart<S: Vector>(
+pub(crate) fn apart<S: Vector>(
     simd: S,
     rows: &Rows<'_>,
     angles: &[f64],

@@ -7,32 +7,46 @@ use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::vector::Vector;
 use crate::batch::machine::weave::{Column, weave};
-use crate::batch::one_row::step::wheels::InLanes;
-use crate::odometry::{Spread, TrackRows, rounded};
+use crate::odometry::recording::TrackRows;
+use crate::odometry::registers::wheels::InLanes;
+use crate::odometry::settings::Settings;
+use crate::odometry::spread::Spread;
+use crate::odometry::uncertainty::rounded;
+
+/// Rows of a log, with the one before them.
+#[derive(Clone, Copy)]
+pub(crate) struct Rows<'a> {
+    pub wheels: &'a [f64],
+    pub steering: &'a [f64],
+    pub stamps: &'a [f64],
+    pub settings: &'a Settings,
+    /// Whether a gyroscope has a say, or had in the row before; what it says is in the block.
+    pub leans: bool,
+}
 
 /// What a block needs of any rover.
 pub(crate) struct Block {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// What a gyroscope says of every step: [`Turned`](crate::odometry::Turned), where it has a say.
+    /// What a gyroscope says of every step: [`Turned`](crate::odometry::uncertainty::Turned), where it has a say.
     pub says: Column,
     pub turn: Column,
     pub bias: Column,
     /// Its gain; then what its bias makes of the end of a step, and its covariance with the pose at the start.
-    pub(super) by_bias: [Column; 3],
-    pub(super) cross: [Column; 3],
-    pub(super) displacement: [Column; 3],
-    pub(super) twists: [Column; 3],
+    pub(crate) by_bias: [Column; 3],
+    pub(crate) cross: [Column; 3],
+    pub(crate) displacement: [Column; 3],
+    pub(crate) twists: [Column; 3],
     /// Covariance of the displacement in body axes; then of its end in world axes; then of the pose, what is settled.
-    pub(super) own: [Column; 6],
+    pub(crate) own: [Column; 6],
     /// The same of the joints' readings at one end, and what is open of the pose.
-    pub(super) open: [Column; 6],
-    pub(super) heading: Column,
+    pub(crate) open: [Column; 6],
+    pub(crate) heading: Column,
     /// Way of every step in world axes; then the pose.
-    pub(super) poses: [Column; 3],
-    pub(super) lever: [Column; 2],
-    pub(super) covariances: [Column; 9],
+    pub(crate) poses: [Column; 3],
+    pub(crate) lever: [Column; 2],
+    pub(crate) covariances: [Column; 9],
 }
 
 impl Block {
@@ -58,7 +72,7 @@ impl Block {
 }
 
 #[inline(always)]
-pub(super) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
+pub(crate) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k: usize) -> [Lanes<S>; N] {
     let mut lanes = [Lanes::splat(simd, 0.0); N];
     for (lanes, column) in lanes.iter_mut().zip(columns) {
         *lanes = column.load(simd, k);
@@ -67,7 +81,7 @@ pub(super) fn load<S: Vector, const N: usize>(simd: S, columns: &[Column; N], k:
 }
 
 #[inline(always)]
-pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
+pub(crate) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &mut [Column; N], k: usize) {
     for (lanes, column) in lanes.into_iter().zip(columns) {
         column.store(k, lanes);
     }
@@ -75,7 +89,7 @@ pub(super) fn store<S: Vector, const N: usize>(lanes: [Lanes<S>; N], columns: &m
 
 /// A row of columns.
 #[inline(always)]
-pub(super) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] {
+pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] {
     let mut numbers = [0.0; N];
     for (number, column) in numbers.iter_mut().zip(columns) {
         *number = column.0[row];

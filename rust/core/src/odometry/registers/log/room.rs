@@ -4,28 +4,28 @@ use super::led::{LEAD, Led};
 use crate::batch::machine::level::Level;
 use crate::batch::machine::weave::{BLOCK, Column};
 use crate::batch::one_row::inverse::GROUP;
-use crate::batch::one_row::step::plan::{Plan, Room as Place};
+use crate::odometry::registers::plan::{Plan, Room as Place};
 
 /// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
 /// it in `ends`, which comes from the state.
 pub(crate) struct Room {
-    pub(super) level: Level,
+    pub(crate) level: Level,
     /// Row by row: what is taken apart into columns next.
-    pub(super) flat: Vec<f64>,
+    pub(crate) flat: Vec<f64>,
     /// Angle of every joint per count of its encoder [rad].
-    pub(super) per_count: Vec<f64>,
+    pub(crate) per_count: Vec<f64>,
     /// Angles of the joints, row by row [rad].
-    pub(super) angles: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
     /// Per wheel of the rover: what it counted; then how fast its contact slid [m/s].
-    pub(super) wheels: Vec<Column>,
+    pub(crate) wheels: Vec<Column>,
     /// Middle angles of the joints, then their turns [rad].
-    pub(super) joints: Vec<Column>,
+    pub(crate) joints: Vec<Column>,
     /// Per place of a wheel in the plan.
-    pub(super) places: Vec<Place>,
+    pub(crate) places: Vec<Place>,
     /// Per joint: what half the deviation of its angle does to the displacement; then, at the end of every step.
-    pub(super) ends: Vec<[Led; 3]>,
+    pub(crate) ends: Vec<[Led; 3]>,
     /// The same of a gyroscope's reading.
-    pub(super) by_gyroscope: [Led; 3],
+    pub(crate) by_gyroscope: [Led; 3],
 }
 
 /// So many, if there is memory.
