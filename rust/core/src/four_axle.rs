@@ -13,6 +13,7 @@
 mod brakes;
 mod flow;
 mod glide;
+mod handover;
 mod plan;
 
 use nalgebra::{Matrix4, Matrix4x3, SMatrix, SVector, Vector3};

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
-use crate::batch::longest;
+use crate::batch::machine::sizes::longest;
 use crate::error::{Error, finite, number, numbers};
 
 /// Velocity of the body frame, in body axes [m/s, m/s, rad/s].

@@ -9,16 +9,20 @@ mod chord;
 pub mod icr;
 mod laws;
 pub mod led;
+mod limits;
 pub mod optimal;
+mod phase;
 mod plan;
 mod ruckig;
 pub mod shapes;
 mod timing;
 
-pub use icr::{Action, IcrTransition, Phase};
+pub use icr::IcrTransition;
 pub use laws::IcrLimits;
 pub use led::{BodyTransition, ModuleLimits, ModuleTransition, Modules, Wheels};
-pub use optimal::{Bounds, Moving, Synchronise, time_optimal};
+pub use limits::{Bounds, Moving, Synchronise};
+pub use optimal::time_optimal;
+pub use phase::{Action, Phase};
 pub use shapes::{Shape, linear, s_curve, trapezoid};
 
 use crate::error::{Error, number};

@@ -3,7 +3,6 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::error::{Error, positive, short};
-use crate::wheels::WheelCommand;
 
 /// Overshoot of a steering angle that is rounding, not a request [rad].
 pub(crate) const ANGLE_TOLERANCE: f64 = 1e-9;
@@ -81,6 +80,15 @@ impl std::fmt::Display for SteeringRange {
         write!(f, "{} to {} rad (", short(low), short(high))?;
         write!(f, "{:.1}° to {:.1}°)", low.to_degrees(), high.to_degrees())
     }
+}
+
+/// What a wheel has to do.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelCommand {
+    /// Steering angle [rad]; 0 for a fixed wheel.
+    pub angle: f64,
+    /// Speed of the contact along the rim [m/s].
+    pub rim_speed: f64,
 }
 
 /// Which way round a wheel rolls.

@@ -12,45 +12,13 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use self::spline::{catmull_rom, four};
-use crate::bounds::Pyramid;
 use crate::error::{Error, finite, number, numbers};
+pub use crate::heights::Heights;
+use crate::pyramid::Pyramid;
 use crate::wheels::Direction;
 
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;
-
-/// Heights as they came, row after row.
-#[derive(Clone, Debug)]
-pub enum Heights {
-    /// Single precision, widened where it is read.
-    Single(Arc<Vec<f32>>),
-    /// Double precision.
-    Double(Arc<Vec<f64>>),
-}
-
-impl Heights {
-    /// Number of heights.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Single(heights) => heights.len(),
-            Self::Double(heights) => heights.len(),
-        }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// A height [m]; NaN where it is not known.
-    #[inline]
-    pub fn at(&self, index: usize) -> f64 {
-        match self {
-            Self::Single(heights) => f64::from(heights[index]),
-            Self::Double(heights) => heights[index],
-        }
-    }
-}
 
 /// How heights go on between nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,7 +191,7 @@ impl Terrain {
         if let Some(made) = self.pyramid.get() {
             return Ok(made);
         }
-        let made = Arc::new(Pyramid::new(self)?);
+        let made = Arc::new(Pyramid::new(&self.heights, self.shape(), self.spacing(), self.origin(), self.turn())?);
         Ok(self.pyramid.get_or_init(|| made))
     }
 

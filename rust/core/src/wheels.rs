@@ -17,7 +17,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::error::{Error, HUGE, TINY, finite, number, positive};
 use crate::geometry::Twist;
-use crate::steering::{Choice, SteeringRange, Way};
+use crate::steering::{Choice, SteeringRange, Way, WheelCommand};
 
 /// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
 const LARGEST_HEADING: f64 = 1e3;
@@ -89,15 +89,6 @@ pub struct Rows {
     pub rolling: Vector3<f64>,
     /// Gives `trail * steering_rate`.
     pub side_slip: Vector3<f64>,
-}
-
-/// What a wheel has to do.
-#[derive(Clone, Copy, Debug)]
-pub struct WheelCommand {
-    /// Steering angle [rad]; 0 for a fixed wheel.
-    pub angle: f64,
-    /// Speed of the contact along the rim [m/s].
-    pub rim_speed: f64,
 }
 
 impl Wheel {

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use super::Dimensions;
 use crate::error::{Error, numbers};
+use crate::suspension::Dimensions;
 use crate::suspension::Placed;
 use crate::terrain::Terrain;
 

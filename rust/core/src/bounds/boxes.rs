@@ -5,7 +5,7 @@
 //! `(x, y, z)` of the body is at `X = x cos(pitch) + (y sin(roll) + z cos(roll)) sin(pitch)`,
 //! `Y = y cos(roll) - z sin(roll)`.
 
-use super::Dimensions;
+use crate::suspension::Dimensions;
 
 /// How far the rover may be inclined for its wheels to be where they are looked for; sizes of angles [rad].
 #[derive(Clone, Copy, Debug, PartialEq)]

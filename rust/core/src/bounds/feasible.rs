@@ -1,8 +1,10 @@
 //! Whether a rover may stand somewhere: by bounds where they decide, by settling where they do not.
 
+use super::belly::Belly;
+use super::boxes::Within;
 use super::kernel::{Ground, Margins, bounds};
+use super::plan::{COUNT, Knowledge, Plan};
 use super::stability::{tilt, wheel_drop};
-use super::{Belly, COUNT, Knowledge, Plan, Within};
 use crate::batch::machine::workers::each;
 use crate::batch::{Level, Workers};
 use crate::error::{Error, number};

@@ -3,15 +3,15 @@
 use pulp::{Scalar, Simd};
 
 use super::boxes::Patch;
-use super::interval::{Interval, all};
-use super::pyramid::{Boxes, Pyramid, nothing};
-use super::stand::COUNT;
-use super::{Knowledge, Plan, TILT};
+use super::plan::{COUNT, Knowledge, Plan, TILT};
+use super::stand::Under;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
 use crate::batch::machine::vector::Vector;
 use crate::batch::{Level, Workers};
+use crate::interval::{Interval, all};
+use crate::pyramid::{Boxes, Pyramid, nothing};
 
 /// Lanes of the widest level.
 const MOST: usize = 8;
@@ -343,15 +343,6 @@ struct Seen<S: Vector> {
     /// Whether all of it is on the map, and is known.
     on_map: Mask<S>,
     known: Mask<S>,
-}
-
-/// The ground under the body, less the mean of that under the wheels, and that mean [m].
-#[derive(Clone, Copy)]
-pub(super) struct Under<S: Simd> {
-    pub mean: Lanes<S>,
-    /// Highest under the belly, lowest under its middle.
-    pub summit: Lanes<S>,
-    pub floor: Lanes<S>,
 }
 
 impl<S: Vector> Seen<S> {

@@ -4,21 +4,26 @@
 
 use pulp::Simd;
 
-use super::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
-use super::kernel::Under;
+use super::plan::{COUNT, Knowledge, Plan, Room};
 use super::side::{Lever, Side};
-use super::{Knowledge, Plan, Room};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::polynomials::sin_cos;
-
-/// Number of intervals of a pose.
-pub(super) const COUNT: usize = super::QUANTITIES.len();
+use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
 
 /// Rounds of the contraction of tan(g); the fourth gained less than 1e-3 of the width.
 const ROUNDS: usize = 3;
 
 /// tan(30 degrees): where the contraction of tan(g) begins.
 const STEEPEST: f64 = 0.577_350_269_189_625_8;
+
+/// The ground under the body, less the mean of that under the wheels, and that mean [m].
+#[derive(Clone, Copy)]
+pub(super) struct Under<S: Simd> {
+    pub mean: Lanes<S>,
+    /// Highest under the belly, lowest under its middle.
+    pub summit: Lanes<S>,
+    pub floor: Lanes<S>,
+}
 
 /// Of all quantities.
 pub(super) type Intervals<S> = [Interval<S>; COUNT];

@@ -19,6 +19,7 @@ pub mod reason;
 mod route;
 mod run;
 mod step;
+mod way;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -29,8 +30,8 @@ pub use self::goal::Mode;
 pub use self::limits::Limits;
 use self::motion::Motion;
 pub use self::options::{Align, Options};
-use self::route::Route;
 pub use self::run::Steps;
+use self::way::Route;
 use crate::admissible::Keep;
 use crate::error::{Error, HUGE, finite, number, numbers};
 use crate::geometry::Twist;

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::goal::Goal;
 use super::motion::Motion;
 use super::reason;
+use super::way::Route;
 use super::{Controller, Into};
 use crate::geometry::Twist;
 
@@ -16,23 +17,6 @@ const REVERSE: f64 = -0.866;
 
 /// Overshoot of a steering angle that is rounding [rad].
 const ANGLE_TOLERANCE: f64 = 1e-9;
-
-/// What to do next.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Route {
-    /// Nothing is asked for: stop, and keep the direction.
-    Stay,
-    /// The direction is there: take up speed, forwards or backwards along it.
-    Along { sign: f64 },
-    /// Turn to an angle of the arc, then as above.
-    Turn { end: f64, sign: f64 },
-    /// Another turn has to end first.
-    Wait,
-    /// No turn leads there: stop first. Why.
-    Blocked(u32),
-    /// At rest: each joint for itself.
-    Align,
-}
 
 impl Controller {
     /// Whether the body stands.

@@ -5,7 +5,7 @@ use super::goal::Goal;
 use super::motion::{Held, Motion};
 use super::options::Align;
 use super::reason;
-use super::route::Route;
+use super::way::Route;
 use super::{Controller, Into};
 use crate::error::Error;
 use crate::geometry::Twist;

@@ -9,7 +9,7 @@ use super::circles::{FAR, cells, floor};
 use super::look::{Extent, Here, Look, MARGIN, MOST, UPPER, spread};
 use super::plan::{Placing, Plan, Rows, solve};
 use super::search::TIE;
-use super::settle::{Settler, Status};
+use super::settler::{Settler, Status};
 use super::stand::{Contact, Stand};
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::level::Kernel;
@@ -62,7 +62,7 @@ const LOOKS: [Phase; 4] = [Phase::Far, Phase::Whole, Phase::Short, Phase::Both];
 
 /// Numbers of the poses, column by column.
 mod column {
-    use super::{MAX_STATE, MAX_WHEELS};
+    use crate::suspension::{MAX_STATE, MAX_WHEELS};
 
     pub const X: usize = 0;
     pub const Y: usize = 1;

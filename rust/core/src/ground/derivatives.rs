@@ -4,24 +4,11 @@ use nalgebra::Vector3;
 
 use super::newton::{Hold, System, loose};
 use super::stand::{Contact, Stand, rim_point};
+use super::touch::gap_slopes;
 use crate::suspension::{Bogie, Chain, Dimensions, MAX_FREE, MAX_STATE, Placed};
 
 /// Number of dimensions of a rocker-bogie: five vectors and the wheel radius.
 pub const DIMENSIONS: usize = 16;
-
-/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
-/// contact angle is where the gap is least, so how it moves does not matter.
-pub fn gap_slopes(
-    placed: &Placed<'_>,
-    wheel: usize,
-    point: Vector3<f64>,
-    gradient: [f64; 2],
-) -> ([f64; 3], [f64; MAX_STATE]) {
-    let upwards = Vector3::new(-gradient[0], -gradient[1], 1.0);
-    let slopes = placed.point_slopes(wheel, point);
-    let [x, y, yaw, state @ ..] = slopes.map(|slope| upwards.dot(&slope));
-    ([x, y, yaw], state)
-}
 
 /// Derivatives of z, roll, pitch and the free angles by something that moves the gaps of the wheels at these
 /// rates. None where the state is not determined.

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use nalgebra::{SMatrix, SVector};
 
 use super::newton::{Attempt, Hold, LARGEST_ANGLE};
-use super::settle::{Settler, Status};
+use super::settler::{Settler, Status};
 use super::touch::Touches;
 use crate::suspension::{MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};

@@ -1,7 +1,7 @@
 //! Closing the gaps of the wheels that touch: Newton's method with step control.
 
 use super::rim::Part;
-use super::settle::Settler;
+use super::settler::Settler;
 use super::touch::Touches;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};

@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 
 use super::newton::{Attempt, Hold, System, loose};
-use super::settle::Settler;
+use super::settler::Settler;
 use super::touch::Touches;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 

@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 
 use super::circle::Circle;
 use super::circles::RIMS;
-use super::derivatives::gap_slopes;
 use super::rim::{Minimum, Part, Rim, upper_half_matters, walk};
 use super::rims;
 use crate::batch::Level;
@@ -38,6 +37,20 @@ pub struct Touches<'a> {
     pub placed: Placed<'a>,
     /// Its wheels; those it does not have repeat the first.
     pub wheels: [Touch; MAX_WHEELS],
+}
+
+/// Derivatives of a wheel's gap by x, y and yaw, and by z, roll, pitch and the free angles, steering held. The
+/// contact angle is where the gap is least, so how it moves does not matter.
+pub fn gap_slopes(
+    placed: &Placed<'_>,
+    wheel: usize,
+    point: Vector3<f64>,
+    gradient: [f64; 2],
+) -> ([f64; 3], [f64; MAX_STATE]) {
+    let upwards = Vector3::new(-gradient[0], -gradient[1], 1.0);
+    let slopes = placed.point_slopes(wheel, point);
+    let [x, y, yaw, state @ ..] = slopes.map(|slope| upwards.dot(&slope));
+    ([x, y, yaw], state)
 }
 
 /// The rim of a wheel over the grid.

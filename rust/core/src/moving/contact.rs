@@ -220,3 +220,18 @@ pub(super) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector
     }
     (velocity, turn)
 }
+
+/// How far behind the body's origin the unsteered wheels have their centre, all angles 0 [m]: a rover that turns
+/// about a point abreast of it scrubs least on level ground.
+pub fn rest_offset(chain: &Chain) -> f64 {
+    let Some(placed) = in_body(chain, &[], &[]) else {
+        return 0.0;
+    };
+    let fixed = |wheel: &usize| placed.steering_axes(*wheel).next().is_none();
+    let unsteered: Vec<f64> =
+        (0..chain.wheels().len()).filter(fixed).map(|wheel| placed.wheel(wheel).centre.x).collect();
+    if unsteered.is_empty() {
+        return 0.0;
+    }
+    0.0 - unsteered.iter().sum::<f64>() / unsteered.len() as f64 // not minus zero
+}

@@ -13,6 +13,7 @@
 //! N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.)
 
 mod contact;
+pub(crate) mod driving;
 mod least_squares;
 mod motion;
 mod response;
@@ -22,30 +23,14 @@ mod steer;
 mod traction;
 mod unmapped;
 
-pub use contact::{COLUMNS, Contacts, Footing, Row};
+pub use contact::{COLUMNS, Contacts, Footing, Row, rest_offset};
+pub use driving::{Drives, Driving, Turns};
 pub use motion::{Command, Commanded, Moving, Readings, View, Wanted, inverse};
 pub use response::Response;
 pub use rows::{
-    Commands, Drives, Driving, Footings, Movings, Prepared, ReadingRows, Slips, Told, Turns, forward_rows,
-    inverse_rows, slip_rows, traction_rows,
+    Commands, Footings, Movings, Prepared, ReadingRows, Slips, Told, forward_rows, inverse_rows, slip_rows,
+    traction_rows,
 };
 pub use slip::{Slip, SlipTest, slip};
 pub use traction::{Closure, Driven, Lift, Rates, traction};
 pub use unmapped::{Climb, Found, MEMORY, Unmapped};
-
-use crate::suspension::Chain;
-
-/// How far behind the body's origin the unsteered wheels have their centre, all angles 0 [m]: a rover that turns
-/// about a point abreast of it scrubs least on level ground.
-pub fn rest_offset(chain: &Chain) -> f64 {
-    let Some(placed) = contact::in_body(chain, &[], &[]) else {
-        return 0.0;
-    };
-    let fixed = |wheel: &usize| placed.steering_axes(*wheel).next().is_none();
-    let unsteered: Vec<f64> =
-        (0..chain.wheels().len()).filter(fixed).map(|wheel| placed.wheel(wheel).centre.x).collect();
-    if unsteered.is_empty() {
-        return 0.0;
-    }
-    0.0 - unsteered.iter().sum::<f64>() / unsteered.len() as f64 // not minus zero
-}

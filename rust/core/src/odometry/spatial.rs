@@ -7,14 +7,17 @@
 //!
 //! On flat ground, for a rover that stands level, all of it is [`super::Odometry`].
 
+mod correct;
 mod history;
 mod noise;
 mod sample;
+pub(crate) mod settings;
 mod site;
 mod spread;
 mod state;
 mod step;
 mod tolerant;
+mod way;
 
 use std::sync::Arc;
 
@@ -23,7 +26,7 @@ use nalgebra::Matrix6;
 use super::Suspect;
 use super::health::{Health, Refusal};
 use super::recording::Sample;
-use super::settings::{Readings, Settings};
+use super::settings::Readings;
 use super::state::check_pose;
 use crate::error::{Error, finite, number, numbers};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
@@ -31,45 +34,11 @@ use crate::terrain::Terrain;
 use history::History;
 use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
+pub use settings::Settings3;
 use spread::StepNoise;
 pub use state::Pose3;
 use state::{Fixed, State};
 pub use tolerant::TrackRows3;
-
-/// How odometry in space works.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings3 {
-    /// As in the plane; wheels are weighed alike, and nothing is inflated.
-    pub common: Settings,
-    /// Standard deviation of roll and of pitch, as read [rad].
-    pub attitude_noise: f64,
-    /// Standard deviation of every free angle, as read [rad].
-    pub joint_noise: f64,
-}
-
-impl Default for Settings3 {
-    fn default() -> Self {
-        Self { common: Settings::default(), attitude_noise: 0.002, joint_noise: 0.001 }
-    }
-}
-
-impl Settings3 {
-    fn check(&self, chain: &Chain) -> Result<(), Error> {
-        self.common.check_for(chain.wheels().len(), chain.steering().len())?;
-        let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
-        for (argument, value) in deviations {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::value(argument, "be finite and not negative", number(value)));
-            }
-        }
-        Ok(())
-    }
-
-    /// By how much the way of a wheel's centre across the ground may be off over one step [m].
-    fn doubt(&self, reach: f64) -> f64 {
-        reach * (2.0 * (self.attitude_noise.powi(2) + self.joint_noise.powi(2))).sqrt()
-    }
-}
 
 /// Dead reckoning of one rover on ground: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::BLOCK;
 use super::costmap::Costmap;
 use super::drive::TRACK;
 use super::real::Real;
+use super::registers::BLOCK;
 use super::registers::Reg;
 use crate::batch::machine::vector::Vector;
 

@@ -5,10 +5,10 @@
 //! joints cannot follow, the motion's direction goes towards the wish as far as the slowest joint does. Where no
 //! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
 
-use super::BLOCK;
 use super::forms::{Reg, down_to_one, largest, splat, value};
 use super::model::Model;
 use super::real::Real;
+use super::registers::BLOCK;
 use crate::batch::machine::vector::Vector;
 
 /// Speed of the pivots below which a motion is none [m/s].

@@ -2,7 +2,6 @@
 //!
 //! Blocks are of a fixed size and sums go over them in a fixed order, so that no result depends on threads or levels.
 
-use super::BLOCK;
 use super::cost::{Judge, Path, Weights};
 use super::costmap::Costmap;
 use super::drive::{Begin, TRACK};
@@ -10,6 +9,7 @@ use super::facts::Facts;
 use super::model::Model;
 use super::noise::{self, Counter};
 use super::real::Real;
+use super::registers::BLOCK;
 use super::registers::Reg;
 use crate::batch::Workers;
 use crate::batch::machine::level::{Kernel, Level};

@@ -1,10 +1,10 @@
 //! What ranges and joints make of a motion that is wanted.
 
-use super::BLOCK;
 use super::drive::{Begin, State};
 use super::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
 use super::model::{Model, Wheel};
 use super::real::Real;
+use super::registers::BLOCK;
 use super::registers::Truths;
 use crate::batch::machine::vector::Vector;
 

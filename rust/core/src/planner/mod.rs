@@ -1,7 +1,7 @@
 //! A sampling planner's whole cycle: noise, wishes, rollouts within a rover's limits, costs, weights, new mean.
 //!
 //! From a rover and its limits follow a few numbers ([`facts`]); with them rollouts are driven ([`drive`]) and judged
-//! ([`cost`]), a block of [`BLOCK`] at a time, by the same operations in the same order whatever the level, the number of
+//! ([`cost`]), a block at a time, by the same operations in the same order whatever the level, the number of
 //! threads and the place in the batch ([`engine`]). All state of a planner is in
 //! [`State`]. A cycle ([`mppi`]) begins in [`prepare`] and ends in [`conclude`].
 //!
@@ -29,6 +29,7 @@ mod real;
 mod registers;
 mod rollout;
 mod setting;
+mod smooth;
 mod squares;
 
 pub use cost::Weights;
@@ -38,6 +39,3 @@ pub use facts::Stuck;
 pub use mppi::Mppi;
 pub use options::{Options, Precision};
 pub use rollout::{Present, rollout};
-
-/// Rollouts of a block: as many as fill two of the widest registers.
-pub(crate) const BLOCK: usize = 32;

@@ -1,12 +1,12 @@
 //! A sampling planner: the rollouts of a cycle, their weights and what follows from them.
 
-use super::BLOCK;
-use super::conclude::smooth;
 use super::cost::Path;
 use super::cycle::{Outcome, Situation, State};
 use super::engine::{Engine, Job, Machine, Settings};
 use super::facts::Facts;
 use super::options::{Options, Precision, not_negative};
+use super::registers::BLOCK;
+use super::smooth::smooth;
 use crate::batch::Workers;
 use crate::controller::Limits;
 use crate::error::{Error, finite, number};

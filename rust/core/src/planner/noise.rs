@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::BLOCK;
+use super::registers::BLOCK;
 use super::registers::{Reg, Truth};
 
 /// Rounds of the generator: the fewest that pass.

@@ -7,6 +7,9 @@ use pulp::Simd;
 use super::real::Real;
 use crate::batch::machine::vector::Vector;
 
+/// Rollouts of a block: as many as fill two of the widest registers.
+pub(crate) const BLOCK: usize = 32;
+
 /// Registers with the operators of a number, `N` in lockstep: while one result is on its way, the processor works on the
 /// others.
 pub(crate) struct Regs<S: Simd, R: Real, const N: usize> {

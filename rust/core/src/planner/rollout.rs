@@ -1,10 +1,10 @@
 //! Rollouts within a rover's limits, apart from a planner: where wishes lead.
 
-use super::BLOCK;
 use super::drive::{Begin, TRACK};
 use super::engine::Alone;
 use super::facts::Facts;
 use super::model::Model;
+use super::registers::BLOCK;
 use super::setting;
 use crate::batch::Workers;
 use crate::batch::machine::workers::each;

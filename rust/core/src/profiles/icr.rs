@@ -3,61 +3,18 @@
 //! The way is a chord between the twists, or two where the wheels cannot follow one; where they can follow neither,
 //! the rover stops, turns its wheels at rest and drives on, and the plan says why.
 
-use nalgebra::{Complex, Vector3};
-
+use super::Derivatives;
 use super::chord::Chord;
-use super::laws::{IcrLimits, swing};
+use super::laws::IcrLimits;
+use super::led::{Wheels, check_trail};
+use super::phase::{Action, Motion, Phase};
 use super::plan::{Plan, Planner};
-use super::timing::Timing;
-use super::{Derivatives, Profile, Wheels};
 use crate::error::{Error, finite, numbers};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
 
 /// Velocities whose squares are still numbers.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
-
-/// What happens in a phase of a transition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
-    /// Drive along the path of the centre of rotation.
-    Drive,
-    /// Come to rest, steering angles held.
-    Stop,
-    /// Turn wheels whose pivots rest.
-    Align,
-}
-
-impl Action {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Drive => "drive",
-            Self::Stop => "stop",
-            Self::Align => "align",
-        }
-    }
-}
-
-/// A part of a transition.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Phase {
-    /// What happens.
-    pub action: Action,
-    /// Why.
-    pub reason: String,
-    /// When it begins [s].
-    pub start: f64,
-    /// How long it takes [s].
-    pub duration: f64,
-    pub(super) motion: Motion,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Motion {
-    Along(Chord, Timing),
-    Turning(Twist, Profile),
-}
 
 /// From one twist to another with one centre of rotation at every instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +36,7 @@ impl IcrTransition {
         limits.check()?;
         check_twist(rover, "start_twist", start)?;
         check_twist(rover, "end_twist", end)?;
-        super::led::check_trail(rover)?;
+        check_trail(rover)?;
         let inputs = Inputs { previous, ..Inputs::default() };
         inputs.check()?;
         let planner = Planner { rover, limits };
@@ -165,19 +122,4 @@ fn check_twist(rover: &Rover, argument: &'static str, twist: Twist) -> Result<()
         return Err(Error::value(argument, rule, numbers(&parts)));
     }
     rover.check(twist, None).map_err(|error| Error { argument: argument.into(), ..error })
-}
-
-/// Rate and acceleration of the direction in which a pivot moves.
-pub(crate) fn pivot_swing(rover: &Rover, i: usize, twist: [Vector3<f64>; 3]) -> [f64; 2] {
-    let wheel = &rover.wheels()[i];
-    let velocity = |twist: Vector3<f64>| {
-        let u = Twist::from(twist).at(wheel.x, wheel.y);
-        Complex::new(u.x, u.y)
-    };
-    let [u, first, second] = twist.map(velocity);
-    if u.norm() == 0.0 {
-        return [0.0; 2];
-    }
-    let [rate, acceleration, _] = swing([u, first, second, Complex::default()]);
-    [rate, acceleration]
 }

@@ -1,9 +1,10 @@
 //! How fast a chord may be driven: a law for every joint and every part of the body's motion.
 
-use nalgebra::{Complex, Vector2};
+use nalgebra::{Complex, Vector2, Vector3};
 
 use super::chord::{Chord, Joint, is_driven};
 use crate::error::{Error, HUGE, TINY, number};
+use crate::geometry::Twist;
 use crate::rover::{Mount, Rover};
 
 /// Limits whose cubes, of rates, are still numbers.
@@ -197,4 +198,19 @@ pub(crate) fn swing(u: [Complex<f64>; 4]) -> [f64; 3] {
     let [w, second, third] = [u[1] / u[0], u[2] / u[0], u[3] / u[0]];
     let bend = second - w * w;
     [w.im, bend.im, (third - second * w * 3.0 + w * w * w * 2.0).im]
+}
+
+/// Rate and acceleration of the direction in which a pivot moves.
+pub(crate) fn pivot_swing(rover: &Rover, i: usize, twist: [Vector3<f64>; 3]) -> [f64; 2] {
+    let wheel = &rover.wheels()[i];
+    let velocity = |twist: Vector3<f64>| {
+        let u = Twist::from(twist).at(wheel.x, wheel.y);
+        Complex::new(u.x, u.y)
+    };
+    let [u, first, second] = twist.map(velocity);
+    if u.norm() == 0.0 {
+        return [0.0; 2];
+    }
+    let [rate, acceleration, _] = swing([u, first, second, Complex::default()]);
+    [rate, acceleration]
 }

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::icr::pivot_swing;
-use super::optimal::{Bounds, Moving, Synchronise, time_optimal};
+use super::laws::pivot_swing;
+use super::limits::{Bounds, Moving, Synchronise};
+use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
 use crate::error::{Error, finite, number};
 use crate::estimate::{Measured, Method, Unseen};

@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 
 use super::Profile;
 use super::chord::{Chord, Way};
-use super::icr::{Action, Motion, Phase};
 use super::laws::{IcrLimits, laws};
-use super::optimal::{Bounds, Moving, Synchronise, time_optimal};
+use super::limits::{Bounds, Moving, Synchronise};
+use super::optimal::time_optimal;
+use super::phase::{Action, Motion, Phase};
 use super::timing::{Smoothness, Timing};
 use crate::error::{Error, ErrorKind, number, numbers};
 use crate::geometry::Twist;

@@ -5,7 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, Synchronization, ThrowErrorHandler, Trajectory};
 use rsruckig::profile::Profile as Found;
 
-use super::{Axis, Bounds, Moving, Piece, Profile, Synchronise, coast};
+use super::limits::{Bounds, Moving, Synchronise};
+use super::{Axis, Piece, Profile, coast};
 use crate::error::{Error, numbers};
 
 /// Share by which a found profile may pass a limit or miss its end: rounding, and what Ruckig tolerates.

@@ -1,8 +1,8 @@
 //! Maps between twists and poses, row by row.
 
 use crate::batch::formulas::maps::{Map, Mapped};
-use crate::batch::formulas::sizes::sum_of_sizes;
 use crate::batch::machine::level::Level;
+use crate::batch::machine::sizes::sum_of_sizes;
 use crate::batch::machine::workers::Workers;
 use crate::error::{Error, finite};
 use crate::geometry::Steps;

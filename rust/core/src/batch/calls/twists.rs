@@ -2,8 +2,8 @@
 
 use crate::admissible::Keep;
 use crate::batch::formulas::admissible::{Admissible, Project};
-use crate::batch::formulas::sizes::sum_of_sizes;
 use crate::batch::formulas::usual::LARGEST;
+use crate::batch::machine::sizes::sum_of_sizes;
 use crate::batch::machine::workers::Workers;
 use crate::error::Error;
 use crate::geometry::Twist;

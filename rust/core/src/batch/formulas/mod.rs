@@ -13,7 +13,6 @@ pub(crate) mod readings;
 pub(crate) mod robust;
 pub(crate) mod rollout_cost;
 pub(crate) mod sensitivity;
-pub(crate) mod sizes;
 pub(crate) mod steered;
 pub(crate) mod tile;
 pub(crate) mod usual;

@@ -5,6 +5,7 @@ pub(crate) mod lanes;
 pub(crate) mod level;
 pub(crate) mod places;
 pub(crate) mod polynomials;
+pub(crate) mod sizes;
 pub(crate) mod stream;
 pub(crate) mod table;
 pub(crate) mod vector;

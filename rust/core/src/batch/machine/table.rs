@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::batch;
+use crate::batch::machine::sizes;
 use crate::error::Error;
 use crate::estimate::Measured;
 use crate::geometry::Steps;
@@ -188,7 +188,7 @@ impl<'a> Durations<'a> {
         for first in (0..length).step_by(block) {
             let end = length.min(first + block);
             let dts = table.get(first, end, &mut buffer);
-            let Some(here) = batch::longest(dts) else {
+            let Some(here) = sizes::longest(dts) else {
                 let checked = Steps::Each(dts).check(dts.len());
                 return checked.map(|()| longest).map_err(|error| error.below(first));
             };

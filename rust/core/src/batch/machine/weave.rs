@@ -4,10 +4,12 @@ use pulp::Simd;
 
 use super::lanes::Lanes;
 use super::vector::Vector;
-use crate::rover::MAX_WHEELS;
 
 /// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
 pub(crate) const BLOCK: usize = 64;
+
+/// Columns of the largest rover: steering and speeds of 64 wheels, and as many of three things beside.
+const MAX_COLUMNS: usize = 5 * 64;
 
 /// Columns of a square of registers.
 const TILE: usize = 8;
@@ -47,7 +49,7 @@ pub(crate) fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> 
     } else if count <= SOME {
         with_room::<T, SOME>(count, work)
     } else {
-        with_room::<T, { 5 * MAX_WHEELS }>(count, work)
+        with_room::<T, { MAX_COLUMNS }>(count, work)
     }
 }
 

@@ -1,9 +1,9 @@
 //! [`Contacts::forward`](super::super::Contacts::forward) for many rows.
 
-use super::Prepared;
 use super::columns::Span;
 use super::follow::{Contact, Contacts, Follow, Known, Room, Row, Touch, answers, swivel};
 use super::footings::{Footings, Standing, on_plane};
+use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Normal;
 use crate::batch::Workers;

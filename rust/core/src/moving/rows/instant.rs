@@ -1,11 +1,11 @@
 //! [`traction`](super::super::traction) for one row: the lanes of a register are the wheels.
 
 use super::columns::{angle_of, finite, way, within};
-use super::traction::{Drives, Driving, Turns};
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::Kernel;
 use crate::batch::machine::polynomials::direction;
 use crate::batch::machine::vector::Vector;
+use crate::moving::driving::{Drives, Driving, Turns};
 use crate::steering::SteeringRange;
 use crate::suspension::lanes::{Column, LARGEST_TURN, MOST, Plan, all};
 use crate::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};

@@ -1,10 +1,10 @@
 //! [`inverse`] for many rows.
 
-use super::Prepared;
 use super::aim::{Local, aimed};
 use super::columns::{Span, finite, within};
 use super::follow::{Contacts, Follow, Known, Room, Row, Touch, answers};
 use super::footings::{Footings, Standing, on_plane};
+use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
 use crate::batch::Workers;

@@ -1,7 +1,7 @@
 //! The way through many rows: as many at a time as there are lanes, and those that are not for lanes by themselves.
 
-use super::Prepared;
 use super::columns::{Span, truths};
+use super::prepared::Prepared;
 use super::solve::Square;
 use crate::batch::Level;
 use crate::batch::machine::lanes::Mask;

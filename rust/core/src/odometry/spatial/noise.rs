@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
-use super::step::{Tilt, Told, Way};
+use super::way::{Tilt, Told, Way};
 use crate::moving::MEMORY;
 use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
 use crate::odometry::settings::Readings as Kind;

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6, RowVector6, UnitQuaternion, Vector3, Vector6};
 
-use super::Settings3;
 use super::sample::{Read, tilting_axes};
+use super::settings::Settings3;
 use super::site::{Place, Site};
 use super::spread::{Errors, StepNoise, TILT, whole};
-use super::step::{Way, displace, halfway, middle_angles};
+use super::step::{displace, halfway, middle_angles};
+use super::way::Way;
 use crate::error::{Error, ErrorKind, HUGE, number, numbers};
 use crate::geometry::{Sum, Walk, wrap_angle};
 use crate::ground::Status;

@@ -1,9 +1,11 @@
 //! What is asked of all numbers of a batch before anything else.
 
-use super::tile::LANES;
 use crate::batch::machine::lanes::Lanes;
 use crate::batch::machine::level::{Kernel, Level};
 use crate::batch::machine::vector::Vector;
+
+/// Lanes of the widest register.
+const LANES: usize = 8;
 
 /// Registers in turn: their sums and answers do not wait for each other.
 const ABREAST: usize = 4;

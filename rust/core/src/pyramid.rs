@@ -5,11 +5,11 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
-use super::interval::all;
 use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::batch::machine::vector::{Vector, ZEROTH};
 use crate::error::{Error, ErrorKind};
-use crate::terrain::Terrain;
+use crate::heights::Heights;
+use crate::interval::all;
 use crate::wheels::Direction;
 
 /// Windows up to 32 cells wide.
@@ -43,10 +43,14 @@ pub(crate) struct Boxes<S: Vector> {
 
 impl Pyramid {
     /// Takes memory for `8 LEVELS` bytes per cell, which may not be there, and a few milliseconds per 10^5 cells.
-    pub fn new(ground: &Terrain) -> Result<Self, Error> {
-        let [rows, columns] = ground.shape();
+    pub fn new(
+        heights: &Heights,
+        [rows, columns]: [usize; 2],
+        spacing: [f64; 2],
+        origin: [f64; 2],
+        turn: Direction,
+    ) -> Result<Self, Error> {
         let cells = [columns - 1, rows - 1];
-        let heights = ground.heights();
         let corners = |k: usize| {
             let (row, column) = (k / cells[0], k % cells[0]);
             let k = row * columns + column;
@@ -81,13 +85,7 @@ impl Pyramid {
                 }
             }
         }
-        Ok(Self {
-            cells,
-            spacing: ground.spacing(),
-            origin: ground.origin(),
-            turn: ground.turn(),
-            windows: windows.into(),
-        })
+        Ok(Self { cells, spacing, origin, turn, windows: windows.into() })
     }
 
     /// Number of cells along x and along y.
@@ -267,8 +265,8 @@ mod tests {
         };
         let mut heights: Vec<f64> = (0..SHAPE[0] * SHAPE[1]).map(|_| draw(1000) as f64 / 7.0 - 60.0).collect();
         heights[40 * SHAPE[1] + 77] = f64::NAN;
-        let ground = Terrain::new(Heights::Double(heights.clone().into()), SHAPE[1], [1.0, 1.0], [0.0, 0.0], 0.0)?;
-        let pyramid = Pyramid::new(&ground)?;
+        let grid = Heights::Double(heights.clone().into());
+        let pyramid = Pyramid::new(&grid, SHAPE, [1.0, 1.0], [0.0, 0.0], Direction::from(0.0))?;
         for _ in 0..3000 {
             let longest = [1, 3, 8, 40, 140][draw(5)];
             let ends = [SHAPE[1] - 1, SHAPE[0] - 1].map(|cells| {
