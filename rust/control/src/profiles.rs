@@ -25,14 +25,14 @@ pub use optimal::time_optimal;
 pub use phase::{Action, Phase};
 pub use shapes::{Shape, linear, s_curve, trapezoid};
 
-use crate::error::{Error, number};
+use six_wheel_numerics::error::{Error, number};
 
 /// A value and its derivatives with respect to time, up to the jerk.
 pub type Derivatives = [f64; 4];
 
 /// A stretch of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub struct Piece {
     /// When it starts [s].
     pub start: f64,
     /// Value and derivatives there.
@@ -41,7 +41,7 @@ pub(crate) struct Piece {
 
 /// The course of one axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// At least one, in the order of their starts, the first of which is 0.
     pub pieces: Vec<Piece>,
     /// When the axis arrives [s].
@@ -121,7 +121,7 @@ impl Axis {
 }
 
 impl Profile {
-    pub(crate) fn new(axes: Vec<Axis>) -> Self {
+    pub fn new(axes: Vec<Axis>) -> Self {
         let duration = axes.iter().fold(0.0, |longest, axis| axis.duration.max(longest));
         Self { axes, duration }
     }

@@ -5,10 +5,13 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use six_wheel_core::controller::{Controller, Limits, Mode, Options, reason};
-use six_wheel_core::geometry::Twist;
-use six_wheel_core::layouts::{Drive, SkidCentres};
-use six_wheel_core::{Error, Rover, SteeringRange, Wheel};
+use six_wheel_control::controller::{Controller, Limits, Mode, Options, reason};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::layouts::{Drive, SkidCentres};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::Wheel;
+use six_wheel_numerics::error::Error;
 
 const STEPS: usize = 2_000;
 const STREAMS: usize = 500;

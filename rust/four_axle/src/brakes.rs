@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::error::Error;
+use six_wheel_numerics::error::Error;
 
 /// The brake on the pivots of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

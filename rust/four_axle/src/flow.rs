@@ -3,8 +3,8 @@
 use nalgebra::{Rotation2, Vector2};
 
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Motion, State, Step};
-use crate::error::{Error, ErrorKind, finite, number};
-use crate::geometry::{Pose, Twist};
+use six_wheel_kinematics::geometry::{Pose, Twist};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
 
 /// A step is halved until halving changes nothing by more than this [rad, m]; well above the rounding of the
 /// velocities, and a thousandth of what the laws of this room are tested to.
@@ -142,7 +142,7 @@ impl FourAxle {
     fn check_sequence(&self, start: State, sequence: &[Step], dt: f64) -> Result<usize, Error> {
         self.check_angles(&start.angles)?;
         finite("pose", &<[f64; 3]>::from(start.pose))?;
-        crate::error::positive("dt", dt)?;
+        six_wheel_numerics::error::positive("dt", dt)?;
         let mut samples = 0.0;
         for (row, step) in sequence.iter().enumerate() {
             if !(step.duration.is_finite() && step.duration >= 0.0) {

@@ -8,10 +8,10 @@ use nalgebra::{SMatrix, Vector3};
 
 use super::flow::gauss;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, RANK_TOLERANCE};
-use crate::admissible::SLIP_TOLERANCE;
-use crate::error::number;
-use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
+use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::number;
+use six_wheel_numerics::jacobi::Jacobi;
 
 /// Share of the asked pivot rate, and of the speed, that has to be left at every point of a turn under way.
 const LEAST_SHARE: f64 = 0.1;

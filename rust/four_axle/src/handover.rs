@@ -9,8 +9,8 @@ use nalgebra::{Matrix2, SMatrix, Vector2, Vector3};
 
 use super::brakes::{Brake, Brakes, Pair};
 use super::{Axles, FourAxle, RANK_TOLERANCE};
-use crate::error::{Error, ErrorKind, numbers};
-use crate::jacobi::Jacobi;
+use six_wheel_numerics::error::{Error, ErrorKind, numbers};
+use six_wheel_numerics::jacobi::Jacobi;
 
 impl FourAxle {
     /// Locks a pair. Fails, and changes nothing, where both pairs locked could not move.

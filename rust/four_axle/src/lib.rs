@@ -18,13 +18,13 @@ mod plan;
 
 use nalgebra::{Matrix4, Matrix4x3, SMatrix, SVector, Vector3};
 
-use crate::admissible::SLIP_TOLERANCE;
-use crate::error::{Error, ErrorKind, finite, number, numbers, positive};
-use crate::geometry::{Pose, Twist};
-use crate::jacobi::Jacobi;
-use crate::rover::{Inputs, Rover};
-use crate::steering::SteeringRange;
-use crate::wheels::{Direction, Rows, Wheel};
+use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
+use six_wheel_kinematics::geometry::{Pose, Twist};
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Direction, Rows, Wheel};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, number, numbers, positive};
+use six_wheel_numerics::jacobi::Jacobi;
 
 pub use brakes::{Brake, Brakes, Pair};
 pub use flow::Track;

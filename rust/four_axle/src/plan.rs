@@ -11,9 +11,9 @@ use nalgebra::Vector3;
 
 use super::glide::Glide;
 use super::{Axles, Brake, Brakes, Drives, FourAxle, Pair, State, Step};
-use crate::admissible::SLIP_TOLERANCE;
-use crate::error::{Error, finite, number, numbers, positive};
-use crate::geometry::Twist;
+use six_wheel_kinematics::admissible::SLIP_TOLERANCE;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 
 /// Angles nearer to each other than this are one [rad].
 const SAME_ANGLE: f64 = 1e-12;

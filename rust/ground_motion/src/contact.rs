@@ -2,8 +2,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, WheelFrame};
 
 /// Rates: the body's `vx, vy, vz, wx, wy, wz` and those of the free angles.
 pub const COLUMNS: usize = 6 + MAX_FREE;
@@ -13,7 +13,7 @@ pub const COLUMNS: usize = 6 + MAX_FREE;
 const SLOPE: [usize; 6] = [0, 1, 3, 4, 5, 2];
 
 /// The place of a rate's derivative.
-pub(super) fn slope(column: usize) -> usize {
+pub(crate) fn slope(column: usize) -> usize {
     SLOPE.get(column).copied().unwrap_or(column)
 }
 
@@ -45,7 +45,7 @@ impl Footing<'_> {
 }
 
 /// A chain in the axes of its own body. None where a differential does not reach.
-pub(super) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Placed<'a>> {
+pub(crate) fn in_body<'a>(chain: &'a Chain, joints: &[f64], steering: &[f64]) -> Option<Placed<'a>> {
     let mut state = [0.0; MAX_STATE];
     for (angle, joint) in state[3..].iter_mut().zip(joints) {
         *angle = *joint;
@@ -78,13 +78,13 @@ pub struct Contact {
 /// Which side of a rim touches, seen from the plane on which it does: the near one, but where a wheel that leans far lies on
 /// the edge of something steeper than it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Near,
     Far,
 }
 
 /// A wheel, the plane it stands on, and where it touches.
-pub(super) struct Tread {
+pub(crate) struct Tread {
     pub frame: WheelFrame,
     pub normal: Vector3<f64>,
     pub radius: f64,
@@ -139,7 +139,7 @@ pub struct Contacts {
 
 impl Contacts {
     /// Nothing touches yet.
-    pub(super) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
+    pub(crate) fn none(chain: &Chain, stopped: [bool; MAX_FREE]) -> Self {
         let blank = Contact {
             normal: [0.0; COLUMNS],
             rolling: [0.0; COLUMNS],
@@ -177,7 +177,7 @@ impl Contacts {
 }
 
 impl Contact {
-    pub(super) fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
+    pub(crate) fn new(placed: &Placed<'_>, wheel: usize, tread: &Tread, touching: bool) -> Self {
         let (tangent, spoke) = (tread.tangent(), tread.spoke());
         let (normal, left) = (tread.normal, tread.normal.cross(&tangent));
         let axle = tread.frame.axle;
@@ -208,7 +208,7 @@ impl Contact {
 }
 
 /// The velocity field of a wheel's carrier for given rates: of its centre [m/s], and its rotation [rad/s].
-pub(super) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector3<f64>, Vector3<f64>) {
+pub(crate) fn carried(placed: &Placed<'_>, wheel: usize, rates: &Row) -> (Vector3<f64>, Vector3<f64>) {
     let centre = placed.wheel(wheel).centre;
     let [vx, vy, vz, wx, wy, wz, joint_rates @ ..] = *rates;
     let mut turn = Vector3::new(wx, wy, wz);

@@ -13,12 +13,12 @@
 //! N. Seegmiller, A. Kelly, Enhanced 3D kinematic modeling of wheeled mobile robots, RSS 2014.)
 
 mod contact;
-pub(crate) mod driving;
-mod least_squares;
+pub mod driving;
 mod motion;
 mod response;
 mod rows;
 mod slip;
+pub mod spatial;
 mod steer;
 mod traction;
 mod unmapped;

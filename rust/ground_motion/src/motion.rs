@@ -3,17 +3,17 @@
 use nalgebra::Rotation3;
 
 use super::contact::{COLUMNS, Contacts, Footing, Row};
-use super::least_squares::{back, shortest, triangular};
 use super::rest_offset;
 use super::steer::steer;
-use crate::error::Error;
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::least_squares::{back, shortest, triangular};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Columns of the motion in plan: `vx, vy, wz`.
-pub(super) const PLAN: [usize; 3] = [0, 1, 5];
+pub(crate) const PLAN: [usize; 3] = [0, 1, 5];
 
 /// Rates that the ground decides: `vz, wx, wy` and the free angles.
-pub(super) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
+pub(crate) const FOLLOWING: [usize; 3 + MAX_FREE] = [2, 3, 4, 6, 7, 8];
 
 /// What was measured beside the wheels.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +32,7 @@ pub struct Readings<'a> {
 
 impl Readings<'_> {
     /// Rates that are no unknowns; NaN for those that are.
-    pub(super) fn known(&self, contacts: &Contacts) -> Row {
+    pub(crate) fn known(&self, contacts: &Contacts) -> Row {
         let mut known = [f64::NAN; COLUMNS];
         for (k, rate) in self.angular_velocity.into_iter().flatten().enumerate() {
             known[3 + k] = *rate;
@@ -112,7 +112,7 @@ pub struct Commanded {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(super) struct Follow {
+pub(crate) struct Follow {
     pub spread: [[f64; 3]; COLUMNS],
     pub offset: Row,
 }
@@ -125,14 +125,14 @@ impl Follow {
 }
 
 impl Contacts {
-    pub(super) fn touching(&self) -> impl Iterator<Item = (usize, &super::contact::Contact)> {
+    pub(crate) fn touching(&self) -> impl Iterator<Item = (usize, &super::contact::Contact)> {
         let wheels = self.wheels[..self.count].iter().enumerate();
         wheels.filter(|(_, contact)| contact.touching)
     }
 
     /// The suspension follows the ground whatever the motion in plan: rates that are not known (NaN) are those that
     /// keep the wheels on it, in least squares where there are fewer of them than wheels.
-    pub(super) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
+    pub(crate) fn follow(&self, known: &Row, swivels: &[f64; MAX_WHEELS]) -> Follow {
         let mut unknown = [0; FOLLOWING.len()];
         let mut count = 0;
         let mut follow =
@@ -228,7 +228,7 @@ impl Contacts {
     }
 
     /// What a touching point does at these rates [m/s].
-    pub(super) fn slip(
+    pub(crate) fn slip(
         &self,
         wheel: usize,
         contact: &super::contact::Contact,
@@ -339,7 +339,7 @@ pub fn inverse(
     })
 }
 
-pub(super) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
+pub(crate) fn weights(weights: Option<&[f64]>, count: usize, wheel: usize) -> [f64; 2] {
     match weights {
         None => [1.0; 2],
         Some(each) if each.len() == count => [each[wheel]; 2],
@@ -351,6 +351,6 @@ fn split(rates: &Row) -> ([f64; 6], [f64; MAX_FREE]) {
     (std::array::from_fn(|k| rates[k]), std::array::from_fn(|k| rates[6 + k]))
 }
 
-pub(super) fn dot(row: &Row, rates: &Row) -> f64 {
+pub(crate) fn dot(row: &Row, rates: &Row) -> f64 {
     row.iter().zip(rates).map(|(a, b)| a * b).sum()
 }

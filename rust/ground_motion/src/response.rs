@@ -3,10 +3,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::contact::{COLUMNS, Contacts, Row};
-use super::least_squares::DEPENDENT;
 use super::motion::{Follow, Readings, dot, weights};
-use crate::jacobi::Jacobi;
-use crate::suspension::MAX_WHEELS;
+use six_wheel_numerics::jacobi::Jacobi;
+use six_wheel_numerics::least_squares::DEPENDENT;
+use six_wheel_terrain::suspension::MAX_WHEELS;
 
 /// Derivatives of a twist `vx, vy, vz, wx, wy, wz`.
 pub type Answer = [f64; 6];

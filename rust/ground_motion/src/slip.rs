@@ -3,9 +3,9 @@
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::contact::{Contacts, Footing, Row, Tread, carried, in_body};
-use crate::error::{Error, number};
-use crate::suspension::{Chain, MAX_WHEELS};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// How a wheel slips.
 #[derive(Clone, Copy, Debug)]

@@ -1,17 +1,17 @@
 //! Dead reckoning in space: a rover on ground, its attitude from an IMU or from the ground it stands on.
 //!
-//! The motion of a step is that of [`crate::moving`]: wheels on a map, or on ground of which the joints alone tell
-//! ([`crate::moving::Unmapped`]). It is held as one screw, `exp` of SE(3). Roll and pitch that were measured are taken as
+//! The motion of a step is that of [`crate`]: wheels on a map, or on ground of which the joints alone tell
+//! ([`crate::Unmapped`]). It is held as one screw, `exp` of SE(3). Roll and pitch that were measured are taken as
 //! they are at both ends, and their error does not add up; the yaw comes from the wheels, a gyroscope or the
 //! attitude's own. On a map the rover stands where it settles: z, roll and pitch follow x, y and yaw.
 //!
-//! On flat ground, for a rover that stands level, all of it is [`super::Odometry`].
+//! On flat ground, for a rover that stands level, all of it is [`six_wheel_odometry::Odometry`].
 
 mod correct;
 mod history;
 mod noise;
 mod sample;
-pub(crate) mod settings;
+pub mod settings;
 mod site;
 mod spread;
 mod state;
@@ -23,18 +23,18 @@ use std::sync::Arc;
 
 use nalgebra::Matrix6;
 
-use super::Suspect;
-use super::health::{Health, Refusal};
-use super::recording::Sample;
-use super::settings::Readings;
-use super::state::check_pose;
-use crate::error::{Error, finite, number, numbers};
-use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
-use crate::terrain::Terrain;
 use history::History;
 use sample::Read;
 pub use sample::{Attitude, OVERTURNED, Recording3, Sample3, attitude};
 pub use settings::Settings3;
+use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_odometry::Suspect;
+use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::recording::Sample;
+use six_wheel_odometry::settings::Readings;
+use six_wheel_odometry::state::check_pose;
+use six_wheel_terrain::suspension::{Chain, MAX_STATE, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
 use spread::StepNoise;
 pub use state::Pose3;
 use state::{Fixed, State};

@@ -5,10 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
 
 use super::contact::{Footing, Row, Side, Tread, carried, in_body};
-use crate::error::{Error, ErrorKind, number};
-use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
-use crate::suspension::{Chain, MAX_WHEELS, Placed};
-use crate::wheels::Direction;
+use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, ErrorKind, number};
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS, Placed};
 
 /// Turns after which an angle is bracketed instead: from where its touching point goes Newton's method squares what is
 /// missing, but on a wheel that almost rests.
@@ -22,7 +22,7 @@ const HALVINGS: usize = 128;
 
 /// Angles of the steering joints at which the centres of wheels go where these point, in the plan of the body, forwards or
 /// backwards: the same rule without a ground. A joint whose wheels rest keeps what it has.
-pub(super) fn steer_in_plan(
+pub(crate) fn steer_in_plan(
     chain: &Chain,
     straight: &Placed<'_>,
     rates: &Row,
@@ -45,7 +45,7 @@ pub(super) fn steer_in_plan(
 
 /// Turns every steered wheel to where its touching point goes, forwards or backwards, whichever is nearer to where
 /// it points; one that rests stays. Wheels of one joint do so on average.
-pub(super) fn steer(
+pub(crate) fn steer(
     chain: &Chain,
     footing: &Footing<'_>,
     rates: &Row,
@@ -346,8 +346,8 @@ impl Together<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::moving::contact::{COLUMNS, Contacts};
-    use crate::suspension::{MAX_FREE, RockerBogie};
+    use crate::contact::{COLUMNS, Contacts};
+    use six_wheel_terrain::suspension::{MAX_FREE, RockerBogie};
 
     fn chains() -> Result<Vec<Chain>, Error> {
         let half_turn = SteeringRange { lower: -PI, upper: PI };

@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Row, carried, in_body};
 use super::steer::steer_in_plan;
-use crate::error::Error;
-use crate::suspension::{Chain, MAX_WHEELS};
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// What is commanded and measured.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ const STEEPEST: f64 = 1.557_407_724_654_902_3;
 
 impl Lift {
     /// The steepest slope as a ratio.
-    pub(super) fn slope(self) -> f64 {
+    pub(crate) fn slope(self) -> f64 {
         match self.angle {
             1.0 => STEEPEST,
             angle => angle.tan(),
@@ -190,13 +190,13 @@ fn along_the_links(centres: &[Centre]) -> f64 {
 }
 
 /// Steps of Gauss and Newton.
-pub(super) const STEPS: usize = 20;
+pub(crate) const STEPS: usize = 20;
 
 /// Step below which the vertical speed is found [m/s].
-pub(super) const FOUND: f64 = 1e-15;
+pub(crate) const FOUND: f64 = 1e-15;
 
 /// Added to the sum of squared derivatives: on level ground the rolling speeds do not depend on the vertical one.
-pub(super) const DAMPING: f64 = 1e-3;
+pub(crate) const DAMPING: f64 = 1e-3;
 
 /// [`Closure::Wheels`], by damped Gauss-Newton steps from [`along_the_links`].
 fn from_wheels(centres: &[Centre], measured: &[f64]) -> f64 {

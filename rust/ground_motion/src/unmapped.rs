@@ -8,8 +8,8 @@
 use nalgebra::Vector3;
 
 use super::contact::{COLUMNS, Contact, Contacts, Row, Side, Tread, carried, in_body, slope};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, Placed};
 
 /// Rounds in which plane and contacts on it are found; each leaves less than a hundredth of what was missing.
 const ROUNDS: usize = 6;

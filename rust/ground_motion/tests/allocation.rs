@@ -4,16 +4,25 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use six_wheel_core::batch::{self, Level, Log, Workers};
-use six_wheel_core::moving::{
+use six_wheel_ground_motion::spatial::{Attitude, Odometry3, Sample3, Settings3};
+use six_wheel_ground_motion::{
     Command, Commands, Drives, Driving, Footings, Lift, Movings, Prepared, ReadingRows, Told, Turns, forward_rows,
     inverse_rows, traction_rows,
 };
-use six_wheel_core::odometry::dimensions::NUMBERS;
-use six_wheel_core::odometry::spatial::{Attitude, Odometry3, Sample3, Settings3};
-use six_wheel_core::odometry::{Deviations, Odometry, Sample, Settings};
-use six_wheel_core::terrain::{Heights, Terrain};
-use six_wheel_core::{Error, Inputs, Keep, Measured, Method, RockerBogie, Rover, SteeringRange, Twist, Unseen};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_odometry::dimensions::NUMBERS;
+use six_wheel_odometry::{Deviations, Odometry, Sample, Settings};
+use six_wheel_terrain::suspension::RockerBogie;
+use six_wheel_terrain::terrain::{Heights, Terrain};
 
 thread_local! {
     static TAKEN: Cell<usize> = const { Cell::new(0) };

@@ -3,10 +3,17 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use six_wheel_core::batch::{self, Level, Log, Workers};
-use six_wheel_core::estimate::Measured;
-use six_wheel_core::geometry::Steps;
-use six_wheel_core::{Error, Inputs, Rover, Twist, Unseen, presets};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Measured;
+use six_wheel_kinematics::estimate::Unseen;
+use six_wheel_kinematics::geometry::Steps;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::presets;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
 
 const ROWS: usize = 100_000;
 

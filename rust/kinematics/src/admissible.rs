@@ -13,11 +13,11 @@ use nalgebra::Vector3;
 
 use self::faces::Faces;
 pub use self::keep::Keep;
-use crate::error::{Error, ErrorKind, finite, numbers, radians, short};
 use crate::geometry::Twist;
 use crate::rover_data::{Bank, Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheels::{Direction, Wheel};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers, radians, short};
 
 /// Side slip that passes as rounding, as a share of the fastest pivot's speed: 1 nm per metre driven.
 pub const SLIP_TOLERANCE: f64 = 1e-9;
@@ -99,7 +99,7 @@ impl RoverData {
     }
 
     /// Fails unless the twist and every wheel speed are finite; a bound of the fastest pivot's speed [m/s].
-    pub(crate) fn check_speeds(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<f64, Error> {
+    pub fn check_speeds(&self, twist: Twist, steering_rates: Option<&[f64]>) -> Result<f64, Error> {
         finite("twist", &<[f64; 3]>::from(twist))?;
         let fastest = self.fastest(twist, steering_rates);
         // Twice: the length of a velocity against its larger component.
@@ -121,7 +121,7 @@ impl RoverData {
 
     /// How fast the worst wheel slides sideways at these steering angles, those of [`RoverData::solve`] [m/s]: 0 if the
     /// rover can make the twist.
-    pub(crate) fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
+    pub fn scrub(&self, twist: Twist, steering: &[f64]) -> f64 {
         let vector = Vector3::from(twist);
         let fixed = self.banks.iter().map(|bank| bank.row.dot(&vector).abs());
         let slip = |(joint, i): (usize, usize)| {
@@ -133,7 +133,7 @@ impl RoverData {
     }
 
     /// Wheels that miss the way of their pivots roll only as far as they point along it [rad/s].
-    pub(crate) fn slow_down(&self, twist: Twist, steering: &[f64], speeds: &mut [f64]) {
+    pub fn slow_down(&self, twist: Twist, steering: &[f64], speeds: &mut [f64]) {
         for (joint, i) in self.at_an_end(steering) {
             let wheel = &self.wheels()[i];
             let direction = Direction::from(wheel.heading + steering[joint]);

@@ -7,11 +7,11 @@ use std::str::FromStr;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Error, ErrorKind, finite, numbers};
 use crate::geometry::Twist;
-use crate::jacobi::{Jacobi, triangle};
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot};
+use six_wheel_numerics::error::{Error, ErrorKind, finite, numbers};
+use six_wheel_numerics::jacobi::{Jacobi, triangle};
 
 /// Singular values below this share of the largest are zero.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -87,7 +87,7 @@ pub struct Fit {
 
 /// Both rows of one wheel with their right-hand sides.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reading {
+pub struct Reading {
     pub rolling: Vector3<f64>,
     pub side_slip: Vector3<f64>,
     pub rolled: f64,
@@ -95,7 +95,7 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    pub(crate) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         rolling: Vector3::new(0.0, 0.0, 0.0),
         side_slip: Vector3::new(0.0, 0.0, 0.0),
         rolled: 0.0,
@@ -103,7 +103,7 @@ impl Reading {
     };
 
     /// Length of the two residuals: how fast the contact slides under this twist [m/s].
-    pub(crate) fn residual(&self, twist: &Vector3<f64>) -> f64 {
+    pub fn residual(&self, twist: &Vector3<f64>) -> f64 {
         let along = self.rolling.dot(twist) - self.rolled;
         let across = self.side_slip.dot(twist) - self.slipped;
         along.hypot(across)
@@ -123,7 +123,7 @@ pub struct Measured<'a> {
 
 impl Measured<'_> {
     /// Whether every wheel has a reading.
-    pub(crate) fn is_complete(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         self.speeds.iter().all(|speed| !speed.is_nan())
     }
 }
@@ -193,7 +193,7 @@ impl RoverData {
     }
 
     /// The twist by any method, and the weights it gave the wheels.
-    pub(crate) fn estimate(
+    pub fn estimate(
         &self,
         readings: &[Reading],
         measured: Measured<'_>,
@@ -222,7 +222,7 @@ impl RoverData {
     }
 
     /// Puts the readings into the wheel equation.
-    pub(crate) fn read<'r>(&self, measured: Measured<'_>, readings: &'r mut [Reading]) -> &'r [Reading] {
+    pub fn read<'r>(&self, measured: Measured<'_>, readings: &'r mut [Reading]) -> &'r [Reading] {
         let mut joint = 0;
         let wheels = self.wheels().iter().zip(&self.mounts).zip(measured.speeds);
         for (((wheel, mount), speed), reading) in wheels.zip(readings.iter_mut()) {
@@ -252,12 +252,12 @@ impl RoverData {
 
     /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
     /// are then close to a multiple of the identity and lose no digits.
-    pub(crate) fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
+    pub fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
         let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
-    pub(crate) fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
+    pub fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {
             let (rolling, side_slip) = (self.shifted(&reading.rolling), self.shifted(&reading.side_slip));
@@ -267,7 +267,7 @@ impl RoverData {
     }
 
     /// What turns the right-hand side of the normal equations into their solution.
-    pub(crate) fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
+    pub fn solution(&self, normal: Matrix3<f64>, unseen: Unseen) -> Result<Matrix3<f64>, Error> {
         let least = PIVOT_TOLERANCE * normal.trace();
         let determined = normal.cholesky().filter(|factor| {
             let diagonal = factor.l_dirty().diagonal();
@@ -296,13 +296,13 @@ impl RoverData {
     }
 
     /// The twist whose unknowns about the centre of the pivots these are.
-    pub(crate) fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
+    pub fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
         Vector3::new(centred.x + omega * self.centre.y, centred.y - omega * self.centre.x, omega)
     }
 
     /// The inverse of the normal equations of the twist itself, from that about the centre of the pivots.
-    pub(crate) fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
+    pub fn unshifted_inverse(&self, solution: &Matrix3<f64>) -> Matrix3<f64> {
         let turn = Matrix3::new(
             1.0,
             0.0,
@@ -324,7 +324,7 @@ impl RoverData {
     }
 
     /// The solution of the normal equations, every wheel alike.
-    pub(crate) fn solution_for(
+    pub fn solution_for(
         &self,
         readings: &[Reading],
         measured: Measured<'_>,
@@ -405,7 +405,7 @@ impl RoverData {
     }
 
     /// Rank and smallest singular value of the stacked rows.
-    pub(crate) fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
+    pub fn singular_values(&self, readings: &[Reading], weights: &[f64]) -> (usize, f64) {
         let rows = readings.iter().zip(weights).flat_map(|(reading, weight)| {
             let root = weight.sqrt();
             [reading.rolling * root, reading.side_slip * root]

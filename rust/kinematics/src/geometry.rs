@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 
-use crate::batch::machine::sizes::longest;
-use crate::error::{Error, finite, number, numbers};
+use six_wheel_numerics::error::{Error, finite, number, numbers};
+use six_wheel_numerics::sizes::longest;
 
 /// Velocity of the body frame, in body axes [m/s, m/s, rad/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,7 +67,7 @@ impl From<Pose> for [f64; 3] {
 }
 
 /// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
-pub(crate) fn sinc(x: f64) -> f64 {
+pub fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
@@ -188,7 +188,7 @@ impl<'a> Steps<'a> {
     }
 
     /// Those of some of the steps.
-    pub(crate) fn of(self, steps: Range<usize>) -> Self {
+    pub fn of(self, steps: Range<usize>) -> Self {
         match self {
             Self::Constant(dt) => Self::Constant(dt),
             Self::Each(dts) => Self::Each(&dts[steps]),
@@ -227,7 +227,7 @@ impl<'a> Steps<'a> {
 
 /// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sum {
+pub struct Sum {
     pub sum: f64,
     pub lost: f64,
 }
@@ -256,7 +256,7 @@ pub(crate) const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 
 /// A pose on its way along a log.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Walk {
+pub struct Walk {
     pub x: Sum,
     pub y: Sum,
     /// With all its turns, as it is written.

@@ -2,10 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::error::{Error, finite, number, numbers, positive};
 use crate::rover::{MAX_WHEELS, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::{Pivot, Wheel};
+use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 
 /// Sides of a vehicle, left before right.
 const SIDES: [(&str, f64); 2] = [("left", 1.0), ("right", -1.0)];

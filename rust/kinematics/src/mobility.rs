@@ -6,12 +6,12 @@
 use nalgebra::Vector3;
 
 use crate::admissible::Keep;
-use crate::error::{Error, finite};
 use crate::geometry::Twist;
-use crate::jacobi::{Jacobi, triangle};
 use crate::rover::Rover;
 use crate::rover_data::{Inputs, MAX_WHEELS, Mount};
 use crate::wheels::Direction;
+use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::jacobi::{Jacobi, triangle};
 
 /// Side slip per metre driven up to which steering angles count as concurrent [m/m]: far below what an
 /// encoder resolves, far above rounding.

@@ -1,10 +1,10 @@
 //! Rovers whose planar geometry somebody measured and published, with the source of the numbers.
 
-use crate::error::Error;
 use crate::layouts::SkidCentres;
 use crate::rover::Rover;
 use crate::steering::SteeringRange;
 use crate::wheels::Wheel;
+use six_wheel_numerics::error::Error;
 
 /// A published rover.
 #[derive(Clone, Copy, Debug)]

@@ -5,15 +5,15 @@ use std::sync::OnceLock;
 
 use crate::admissible::Keep;
 use crate::admissible::faces::Faces;
-use crate::batch::Cone;
-use crate::batch::one_row::{forward, inverse};
-use crate::error::Error;
 use crate::estimate::gradients::Gradients;
 use crate::estimate::sensitivity::Quantity;
+use crate::formulas::cone::Cone;
 use crate::geometry::Twist;
+use crate::one_row::{forward, inverse};
 pub use crate::rover_data::{Bank, Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::units;
 use crate::wheels::Wheel;
+use six_wheel_numerics::error::Error;
 
 /// A wheeled vehicle: its wheels, and what follows from them once and for all.
 ///
@@ -30,7 +30,7 @@ pub struct Rover {
     min_radius: f64,
     spin_radius: f64,
     /// The admissible twists as registers judge them, where they do.
-    pub(crate) cone: Option<Cone>,
+    pub cone: Option<Cone>,
     /// Made when they are first asked for: many rovers are never asked to project.
     faces: OnceLock<Faces>,
     /// Likewise, for derivatives of the twist.

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::error::{Error, finite};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way};
 use crate::wheels::{Direction, Pivot, Rows, Wheel};
+use six_wheel_numerics::error::{Error, finite};
 
 /// Largest number of wheels of one rover.
 pub const MAX_WHEELS: usize = 64;
@@ -49,23 +49,23 @@ pub enum Mount {
 pub struct RoverData {
     wheels: Vec<Wheel>,
     steered: Vec<usize>,
-    pub(crate) mounts: Vec<Mount>,
-    pub(crate) banks: Vec<Bank>,
+    pub mounts: Vec<Mount>,
+    pub banks: Vec<Bank>,
     /// Mean of the pivots, about which the twist is estimated.
-    pub(crate) centre: Vector2<f64>,
+    pub centre: Vector2<f64>,
     /// Root mean square distance of the pivots from it.
-    pub(crate) size: f64,
+    pub size: f64,
     /// Mean over the wheels of the squared pivot velocity, as a quadratic form of the twist; positive definite.
-    pub(crate) metric: Matrix3<f64>,
+    pub metric: Matrix3<f64>,
     /// Solution of the normal equations of the forward kinematics, where it does not depend on the steering angles.
-    pub(crate) solution: Option<Matrix3<f64>>,
+    pub solution: Option<Matrix3<f64>>,
     /// Readings times this must be finite.
-    pub(crate) reading_bound: f64,
+    pub reading_bound: f64,
 }
 
 impl RoverData {
     /// Fails if a wheel is not well formed or two share a name. The solution is for who knows the estimate.
-    pub(crate) fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
+    pub fn new(wheels: Vec<Wheel>) -> Result<Self, Error> {
         if wheels.is_empty() || wheels.len() > MAX_WHEELS {
             let rule = format!("hold 1 to {MAX_WHEELS} wheels");
             return Err(Error::value("wheels", rule, wheels.len().to_string()));
@@ -115,7 +115,7 @@ impl RoverData {
     }
 
     /// The inverse kinematics of a twist that has been checked.
-    pub(crate) fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
+    pub fn solve(&self, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64], speeds: &mut [f64]) {
         let vector = Vector3::from(twist);
         let mut undecided = Undecided::default();
         let mut joint = 0;
@@ -173,7 +173,7 @@ pub struct Inputs<'a> {
 
 impl Inputs<'_> {
     /// Fails unless every value is finite.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<(), Error> {
         finite("previous", self.previous.unwrap_or_default())?;
         finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;
         finite("steering_rates", self.steering_rates.unwrap_or_default())

@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::error::{Error, positive, short};
+use six_wheel_numerics::error::{Error, positive, short};
 
 /// Overshoot of a steering angle that is rounding, not a request [rad].
-pub(crate) const ANGLE_TOLERANCE: f64 = 1e-9;
+pub const ANGLE_TOLERANCE: f64 = 1e-9;
 
 /// A wheel whose two ways differ by less than this is undecided: it goes with the other undecided wheels,
 /// so that angles on either side of a quarter turn do not split the rover [rad].
@@ -52,7 +52,7 @@ impl SteeringRange {
     }
 
     /// The angle, or the end of the range that is nearer.
-    pub(crate) fn clip(self, angle: f64) -> f64 {
+    pub fn clip(self, angle: f64) -> f64 {
         angle.clamp(self.lower, self.upper)
     }
 

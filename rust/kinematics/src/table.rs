@@ -3,11 +3,11 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::batch::machine::sizes;
-use crate::error::Error;
 use crate::estimate::Measured;
 use crate::geometry::Steps;
 use crate::rover_data::{Inputs, RoverData};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::sizes;
 
 /// Rows of numbers.
 #[derive(Clone, Copy)]
@@ -40,7 +40,7 @@ impl<'a> Table<'a> {
     }
 
     /// Rows of `width` numbers.
-    pub(crate) fn rows<'b>(self, rows: Range<usize>, width: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
+    pub fn rows<'b>(self, rows: Range<usize>, width: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
     where
         'a: 'b,
     {
@@ -48,7 +48,7 @@ impl<'a> Table<'a> {
     }
 
     /// The numbers from `first` to `end`, in the buffer if they have to be read.
-    pub(crate) fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
+    pub fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> &'b [f64]
     where
         'a: 'b,
     {
@@ -160,7 +160,7 @@ impl<'a> From<Steps<'a>> for Durations<'a> {
 
 impl<'a> Durations<'a> {
     /// The durations from step `first` to `end`.
-    pub(crate) fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> Steps<'b>
+    pub fn get<'b>(self, first: usize, end: usize, buffer: &'b mut Vec<f64>) -> Steps<'b>
     where
         'a: 'b,
     {
@@ -171,7 +171,7 @@ impl<'a> Durations<'a> {
     }
 
     /// [`Steps::check`]; the longest of them [s].
-    pub(crate) fn check(self, count: usize, block: usize) -> Result<f64, Error> {
+    pub fn check(self, count: usize, block: usize) -> Result<f64, Error> {
         let (table, length) = match self {
             Self::Each(table, length) if length == count => (table, length),
             Self::Each(_, length) => {
@@ -200,7 +200,7 @@ impl<'a> Durations<'a> {
 
 impl<'a> Inputs<'a> {
     /// The inputs of one row of a batch.
-    pub(in crate::batch) fn row(&self, rover: &RoverData, k: usize) -> Self {
+    pub fn row(&self, rover: &RoverData, k: usize) -> Self {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let at = |values: Option<&'a [f64]>, width| values.map(|values| row(values, width, k));
         Self {
@@ -212,7 +212,7 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
-    pub(in crate::batch) fn rows(&self, rover: &RoverData, rows: Range<usize>) -> Self {
+    pub fn rows(&self, rover: &RoverData, rows: Range<usize>) -> Self {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let of = |values: &'a [f64], width| &values[rows.start * width..rows.end * width];
         Self {
@@ -222,7 +222,7 @@ impl<'a> Log<'a> {
         }
     }
 
-    pub(in crate::batch) fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
+    pub fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {
             steering: row(self.steering, joints, k),
@@ -232,10 +232,10 @@ impl<'a> Log<'a> {
     }
 }
 
-pub(in crate::batch) fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
+pub(crate) fn row(values: &[f64], width: usize, k: usize) -> &[f64] {
     &values[k * width..(k + 1) * width]
 }
 
-pub(in crate::batch) fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
+pub(crate) fn row_mut(values: &mut [f64], width: usize, k: usize) -> &mut [f64] {
     &mut values[k * width..(k + 1) * width]
 }

@@ -4,11 +4,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::batch::Table;
-use crate::error::short;
 use crate::rover_data::RoverData;
 use crate::steering::SteeringRange;
+use crate::table::Table;
 use crate::wheels::Wheel;
+use six_wheel_numerics::error::short;
 
 /// Hub to ground of what drives [m]: the largest tyres of trucks have 2 m.
 const LARGEST_RADIUS: f64 = 2.0;
@@ -164,12 +164,12 @@ fn digits(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SkidCentres;
+    use crate::layouts::SkidCentres;
     use crate::presets;
     use crate::rover::Rover;
 
     #[test]
-    fn published_rovers_raise_no_question() -> Result<(), crate::Error> {
+    fn published_rovers_raise_no_question() -> Result<(), six_wheel_numerics::error::Error> {
         for preset in presets::PRESETS {
             let rover = presets::preset(preset.name, None)?;
             assert_eq!(dimensions(&rover), []);
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), crate::Error> {
+    fn degrees_and_centimetres_and_exchanged_lengths_do() -> Result<(), six_wheel_numerics::error::Error> {
         let about = |rover: &Rover| dimensions(rover).first().map(|question| question.about);
         let limit = SteeringRange::symmetric(40.0)?;
         assert_eq!(about(&Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?), Some("steering_limit"));
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), crate::Error> {
+    fn angles_are_asked_about_half_a_turn_beyond_their_range() -> Result<(), six_wheel_numerics::error::Error> {
         let limit = SteeringRange::symmetric(1.0)?;
         let rover = Rover::six_wheel([0.4, 0.5, 0.5, 0.45], 0.15, limit)?;
         for (angle, asked) in [(1.0 + PI, false), (1.0 + PI + 1e-9, true), (f64::NAN, false)] {

@@ -15,9 +15,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::error::{Error, HUGE, TINY, finite, number, positive};
 use crate::geometry::Twist;
 use crate::steering::{Choice, SteeringRange, Way, WheelCommand};
+use six_wheel_numerics::error::{Error, HUGE, TINY, finite, number, positive};
 
 /// Heading of a wheel beyond which its sum with a steering angle is no longer one to rounding [rad].
 const LARGEST_HEADING: f64 = 1e3;
@@ -26,7 +26,7 @@ const LARGEST_HEADING: f64 = 1e3;
 const FLAT_ROLLERS: f64 = 1e-6;
 
 /// Share of the summed speeds at a pivot below which their sum is nothing but rounding.
-pub(crate) const REST: f64 = 4.0 * f64::EPSILON;
+pub const REST: f64 = 4.0 * f64::EPSILON;
 
 /// One wheel of a rover, as data.
 #[derive(Clone, Debug, PartialEq)]
@@ -194,7 +194,7 @@ impl Wheel {
     }
 
     /// What rollers pass on along the wheel of a metre across it; nothing where there are none.
-    pub(crate) fn passed_on(&self) -> Option<f64> {
+    pub fn passed_on(&self) -> Option<f64> {
         self.roller_angle.map(|angle| angle.cos() / angle.sin())
     }
 
@@ -247,7 +247,7 @@ impl Wheel {
     }
 
     /// How a castor rolls once it has swung in behind its pivot.
-    pub(crate) fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
+    pub fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
         let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
         // The contact ends up behind the pivot, whichever way the heading counts.
         choice.command(if self.trail < 0.0 { Way::Backwards } else { Way::Forwards })

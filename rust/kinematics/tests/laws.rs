@@ -1,9 +1,16 @@
 //! Laws of the core without Python: what holds for every rover and every twist.
 
 use proptest::prelude::*;
-use six_wheel_core::batch::{self, Log, Workers};
-use six_wheel_core::estimate::Measured;
-use six_wheel_core::{Error, ErrorKind, Inputs, Keep, Rover, SteeringRange, Twist, Unseen};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Measured;
+use six_wheel_kinematics::estimate::Unseen;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::table::Log;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::threads::workers::Workers;
 
 fn rovers() -> impl Strategy<Value = Rover> {
     let dimensions = prop::array::uniform4(0.05..3.0_f64);

@@ -1,10 +1,17 @@
 //! The analytic derivatives of the estimated twist against differences of the estimate itself.
 
 use proptest::prelude::*;
-use six_wheel_core::batch::{self, Level, Log, Workers};
-use six_wheel_core::estimate::Measured;
-use six_wheel_core::estimate::sensitivity::Quantity;
-use six_wheel_core::{Error, Pivot, Rover, SteeringRange, Unseen, Wheel};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Measured;
+use six_wheel_kinematics::estimate::Unseen;
+use six_wheel_kinematics::estimate::sensitivity::Quantity;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::table::Log;
+use six_wheel_kinematics::wheels::{Pivot, Wheel};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Readings of one instant.
 #[derive(Clone, Debug)]
@@ -96,7 +103,7 @@ proptest! {
         let (mut residual, mut weights) = (vec![0.0; wheels.len()], vec![0.0; wheels.len()]);
         let fit = rover.fit(
             readings.measured(),
-            six_wheel_core::Method::LeastSquares,
+            six_wheel_kinematics::estimate::Method::LeastSquares,
             Unseen::Zero,
             &mut residual,
             &mut weights,
@@ -187,7 +194,7 @@ proptest! {
                     steering_rates: with_rates.then_some(&rates),
                 };
                 let (mut slips, mut says) = (vec![0.0; wheels.len()], vec![0.0; wheels.len()]);
-                let method = six_wheel_core::Method::LeastSquares;
+                let method = six_wheel_kinematics::estimate::Method::LeastSquares;
                 let fit = rover.fit(measured, method, Unseen::Zero, &mut slips, &mut says)?;
                 let loss = 1e-13 * (1.0 + fit.sigma_min.powi(-4)) * size(k).abs().max(1.0);
                 let checked = rover.sensitivity(measured, |linear| {

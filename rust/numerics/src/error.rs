@@ -53,7 +53,7 @@ impl Error {
 
     /// The same failure, found in rows that begin with this row of a batch.
     #[must_use]
-    pub(crate) fn below(mut self, first: usize) -> Self {
+    pub fn below(mut self, first: usize) -> Self {
         self.row = self.row.map(|row| first + row);
         self
     }
@@ -74,22 +74,22 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// A number as Python writes it.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value.is_nan() { "nan".into() } else { format!("{value:?}") }
 }
 
 /// Four digits of a number, as Python writes it: what a person reads.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
 /// An angle [rad] in both units.
-pub(crate) fn radians(angle: f64) -> String {
+pub fn radians(angle: f64) -> String {
     format!("{} rad ({:.1}°)", short(angle), angle.to_degrees())
 }
 
 /// A number, or a tuple of several, as Python writes it.
-pub(crate) fn numbers(values: &[f64]) -> String {
+pub fn numbers(values: &[f64]) -> String {
     if let [value] = values {
         return number(*value);
     }
@@ -98,10 +98,10 @@ pub(crate) fn numbers(values: &[f64]) -> String {
 }
 
 /// Numbers of a state, and lengths of a rover, from which on sums of their squares might not be finite.
-pub(crate) const HUGE: f64 = 1e60;
+pub const HUGE: f64 = 1e60;
 
 /// Limits and radii up to which what is divided by them might not be finite.
-pub(crate) const TINY: f64 = 1e-60;
+pub const TINY: f64 = 1e-60;
 
 /// Fails unless every value is finite.
 pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
@@ -113,7 +113,7 @@ pub fn finite(argument: &'static str, values: &[f64]) -> Result<(), Error> {
 }
 
 /// Fails unless the value is finite and positive.
-pub(crate) fn positive(argument: impl Into<Cow<'static, str>>, value: f64) -> Result<(), Error> {
+pub fn positive(argument: impl Into<Cow<'static, str>>, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {

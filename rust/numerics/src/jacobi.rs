@@ -17,7 +17,7 @@ const SWEEPS: usize = 30;
 
 /// `matrix = columns * turn.transpose()`, with orthogonal columns, longest first, and an orthogonal turn.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Jacobi<const R: usize, const C: usize> {
+pub struct Jacobi<const R: usize, const C: usize> {
     /// Left singular vectors times the singular values.
     pub columns: SMatrix<f64, R, C>,
     /// Right singular vectors.
@@ -27,7 +27,7 @@ pub(crate) struct Jacobi<const R: usize, const C: usize> {
 }
 
 impl<const R: usize, const C: usize> Jacobi<R, C> {
-    pub(crate) fn new(matrix: &SMatrix<f64, R, C>) -> Self {
+    pub fn new(matrix: &SMatrix<f64, R, C>) -> Self {
         let mut columns = *matrix;
         let mut turn = SMatrix::<f64, C, C>::identity();
         for _ in 0..SWEEPS {
@@ -53,12 +53,12 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
     }
 
     /// Number of singular values above a bound.
-    pub(crate) fn rank(&self, bound: f64) -> usize {
+    pub fn rank(&self, bound: f64) -> usize {
         self.values.iter().filter(|value| **value > bound).count()
     }
 
     /// Shortest least-squares solution, directions with a singular value up to a bound left at zero.
-    pub(crate) fn solve(&self, wanted: &SVector<f64, R>, bound: f64) -> SVector<f64, C> {
+    pub fn solve(&self, wanted: &SVector<f64, R>, bound: f64) -> SVector<f64, C> {
         let mut found = SVector::zeros();
         for k in 0..self.rank(bound) {
             let share = self.columns.column(k).dot(wanted) / (self.values[k] * self.values[k]);
@@ -68,7 +68,7 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
     }
 
     /// Pseudo-inverse, directions with a singular value up to a bound left at zero.
-    pub(crate) fn inverse(&self, bound: f64) -> SMatrix<f64, C, R> {
+    pub fn inverse(&self, bound: f64) -> SMatrix<f64, C, R> {
         let mut inverse = SMatrix::zeros();
         for k in 0..self.rank(bound) {
             let share = self.columns.column(k) / (self.values[k] * self.values[k]);
@@ -107,7 +107,7 @@ fn rotate<const R: usize, const C: usize>(matrix: &mut SMatrix<f64, R, C>, i: us
 }
 
 /// The triangular factor of stacked rows, folded row by row: same singular values, same right vectors.
-pub(crate) fn triangle(rows: impl Iterator<Item = Vector3<f64>>) -> Matrix3<f64> {
+pub fn triangle(rows: impl Iterator<Item = Vector3<f64>>) -> Matrix3<f64> {
     rows.fold(Matrix3::zeros(), |triangle, row| {
         let mut stack = Matrix4x3::zeros();
         stack.fixed_view_mut::<3, 3>(0, 0).copy_from(&triangle);

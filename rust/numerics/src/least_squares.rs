@@ -5,11 +5,11 @@ use nalgebra::{SMatrix, SVector};
 use crate::jacobi::Jacobi;
 
 /// Columns that turn out shorter than this, beside the longest one, depend on the others.
-pub(super) const DEPENDENT: f64 = 1e-10;
+pub const DEPENDENT: f64 = 1e-10;
 
 /// Rotates rows so that the first `C` of their columns become upper triangular, by Householder reflections; the
 /// columns after them go along. The first `count` rows are filled, and at least `used` of them.
-pub(super) fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R], count: usize, used: usize) {
+pub fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R], count: usize, used: usize) {
     for j in 0..used {
         let mut square = 0.0;
         for row in &rows[j..count] {
@@ -44,7 +44,7 @@ pub(super) fn triangular<const R: usize, const W: usize>(rows: &mut [[f64; W]; R
 
 /// Solves what [`triangular`] has made, for the `K` columns after the first `used`. NaN where the columns depend on
 /// each other.
-pub(super) fn back<const R: usize, const W: usize, const C: usize, const K: usize>(
+pub fn back<const R: usize, const W: usize, const C: usize, const K: usize>(
     rows: &[[f64; W]; R],
     used: usize,
 ) -> [[f64; K]; C] {
@@ -66,7 +66,7 @@ pub(super) fn back<const R: usize, const W: usize, const C: usize, const K: usiz
 
 /// The shortest least-squares solution of three unknowns, from the triangle of their columns and the right-hand
 /// side: directions that the rows say nothing of stay 0.
-pub(super) fn shortest(triangle: [[f64; 4]; 3]) -> [f64; 3] {
+pub fn shortest(triangle: [[f64; 4]; 3]) -> [f64; 3] {
     let matrix = SMatrix::<f64, 3, 3>::from_fn(|i, j| triangle[i][j]);
     let wanted = SVector::<f64, 3>::from_fn(|i, _| triangle[i][3]);
     let values = Jacobi::new(&matrix);

@@ -1,8 +1,8 @@
 //! What is asked of all numbers of a batch before anything else.
 
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::vector::Vector;
+use crate::simd::lanes::Lanes;
+use crate::simd::level::{Kernel, Level};
+use crate::simd::vector::Vector;
 
 /// Lanes of the widest register.
 const LANES: usize = 8;
@@ -11,7 +11,7 @@ const LANES: usize = 8;
 const ABREAST: usize = 4;
 
 /// Sum of the absolute values. NaN if one is NaN.
-pub(crate) fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
+pub fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
     level.run(SumOfSizes(values)).unwrap_or(f64::NAN)
 }
 
@@ -44,7 +44,7 @@ pub fn are_finite(values: &[f64]) -> bool {
 }
 
 /// The longest of some durations, 0 of none; nothing unless all are finite and positive.
-pub(crate) fn longest(dts: &[f64]) -> Option<f64> {
+pub fn longest(dts: &[f64]) -> Option<f64> {
     let [least, most] = Level::best().run_any(Extremes(dts))?;
     (least > 0.0).then_some(most)
 }

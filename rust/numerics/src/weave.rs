@@ -2,11 +2,11 @@
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
-use super::vector::Vector;
+use crate::simd::lanes::Lanes;
+use crate::simd::vector::Vector;
 
 /// Rows of a block. Its columns stay in the first-level cache for any rover of a usual size.
-pub(crate) const BLOCK: usize = 64;
+pub const BLOCK: usize = 64;
 
 /// Columns of the largest rover: steering and speeds of 64 wheels, and as many of three things beside.
 const MAX_COLUMNS: usize = 5 * 64;
@@ -17,7 +17,7 @@ const TILE: usize = 8;
 /// One number per row of a block.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Column(pub [f64; BLOCK]);
+pub struct Column(pub [f64; BLOCK]);
 
 impl Column {
     /// All zero.
@@ -41,7 +41,7 @@ const SOME: usize = 32;
 
 /// So many columns to work in, all zero. Most rovers need few, and zeroing those of the largest takes as long as
 /// some hundred rows.
-pub(crate) fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
+pub fn with_columns<T>(count: usize, work: impl FnOnce(&mut [Column]) -> T) -> T {
     if count == 0 {
         work(&mut [])
     } else if count <= FEW {
@@ -89,7 +89,7 @@ macro_rules! weave_groups {
 
 /// Takes rows apart. Rows that are missing become zero.
 #[inline(always)]
-pub(crate) fn unweave<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
+pub fn unweave<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) {
     let width = columns.len();
     let whole = rows.len() == width * BLOCK;
     match width {
@@ -103,7 +103,7 @@ pub(crate) fn unweave<S: Vector>(simd: S, rows: &[f64], columns: &mut [Column]) 
 
 /// Puts rows together, as many as there is room for.
 #[inline(always)]
-pub(crate) fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+pub fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let width = columns.len();
     let whole = rows.len() == width * BLOCK;
     match width {
@@ -116,7 +116,7 @@ pub(crate) fn weave<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
 
 /// Puts rows of any width together, as many as there is room for, by squares of eight columns.
 #[inline(always)]
-pub(crate) fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
+pub fn weave_tiles<S: Vector>(simd: S, columns: &[Column], rows: &mut [f64]) {
     let (width, lanes) = (columns.len(), S::F64_LANES);
     for (k, rows) in rows.chunks_mut((width * lanes).max(1)).enumerate() {
         if width < TILE || rows.len() < width * lanes {

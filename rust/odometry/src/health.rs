@@ -2,7 +2,7 @@
 
 use std::ops::{BitOr, BitOrAssign};
 
-use crate::error::Error;
+use six_wheel_numerics::error::Error;
 
 /// Flags of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Health {
     }
 
     /// The flag, if it applies.
-    pub(crate) fn when(self, applies: bool) -> Self {
+    pub fn when(self, applies: bool) -> Self {
         if applies { self } else { Self::GOOD }
     }
 }
@@ -72,7 +72,7 @@ impl BitOrAssign for Health {
 }
 
 /// Why a sample is refused.
-pub(crate) struct Refusal {
+pub struct Refusal {
     pub flag: Health,
     pub error: Error,
 }

@@ -1,22 +1,21 @@
-//! Dead reckoning that knows its error, in the plane and in space, and factors of it for graphs.
+//! Dead reckoning that knows its error, in the plane, and factors of it for graphs.
 
 pub(crate) mod arithmetic;
 pub mod health;
-pub(crate) mod motion;
+pub mod motion;
 mod planar;
 pub mod preintegrated;
 pub mod recording;
 pub(crate) mod registers;
 pub mod settings;
-pub mod spatial;
 pub(crate) mod spread;
-pub(crate) mod state;
-pub(crate) mod step;
+pub mod state;
+pub mod step;
 pub(crate) mod uncertainty;
 
 pub use health::Health;
 pub use planar::Odometry;
-pub(crate) use planar::Suspect;
+pub use planar::Suspect;
 pub use preintegrated::Preintegrated;
 pub use recording::{Recording, Sample, TrackRows};
 pub use settings::dimensions::{self, Deviations};
@@ -24,4 +23,3 @@ pub use settings::encoder::{self, Encoder};
 pub use settings::gyroscope::{self, Gyroscope};
 pub use settings::noise::{self, Noise};
 pub use settings::{Readings, Settings};
-pub use spatial::Odometry3;

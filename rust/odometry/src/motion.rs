@@ -3,14 +3,14 @@
 use nalgebra::{Matrix3, Vector3};
 
 /// How many standard deviations a wheel may disagree before it is said to slip.
-pub(crate) const SUSPICIOUS: f64 = 4.0;
+pub const SUSPICIOUS: f64 = 4.0;
 
 /// Share of a wheel's way below which a residual is rounding.
-pub(crate) const ROUNDING: f64 = 1e-9;
+pub const ROUNDING: f64 = 1e-9;
 
 /// What is known of one step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion<'a> {
+pub struct Motion<'a> {
     /// Steering angles at its start and end [rad].
     pub steering: [&'a [f64]; 2],
     /// What every wheel turned [rad].
@@ -27,7 +27,7 @@ pub(crate) struct Motion<'a> {
 
 /// How wheels and a gyroscope share a step: `displacement' = displacement + gain (turn - displacement.z)`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fusion {
+pub struct Fusion {
     /// By the turn of the gyroscope.
     pub gain: Vector3<f64>,
     /// By the displacement of the wheels.

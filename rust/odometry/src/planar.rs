@@ -14,22 +14,22 @@ mod tolerant;
 
 use self::advance::advance;
 use self::history::History;
-pub(crate) use self::suspect::Suspect;
-use crate::error::{Error, number, numbers};
-use crate::geometry::{Pose, Twist, Walk};
-use crate::odometry::health::Health;
-use crate::odometry::motion::Motion;
-use crate::odometry::registers::Plan;
-use crate::odometry::settings::{Readings, Settings};
-use crate::odometry::spread::Spread;
-use crate::odometry::state::{State, check_covariance, check_pose};
-use crate::odometry::step::{Workspace, shared_readings};
-use crate::odometry::uncertainty::Uncertainty;
-use crate::rover::{Inputs, Rover};
+pub use self::suspect::Suspect;
+use crate::health::Health;
+use crate::motion::Motion;
+use crate::registers::Plan;
+use crate::settings::{Readings, Settings};
+use crate::spread::Spread;
+use crate::state::{State, check_covariance, check_pose};
+use crate::step::{Workspace, shared_readings};
+use crate::uncertainty::Uncertainty;
+use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_numerics::error::{Error, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-pub(crate) struct Reference {
+pub struct Reference {
     /// Whether there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,
@@ -44,19 +44,19 @@ pub(crate) struct Reference {
 /// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]
 pub struct Odometry {
-    pub(crate) rover: Rover,
-    pub(crate) settings: Settings,
-    pub(crate) reference: Reference,
-    pub(crate) state: State,
-    pub(crate) residual: Vec<f64>,
-    pub(crate) health: Health,
-    pub(crate) work: Workspace,
+    pub rover: Rover,
+    pub settings: Settings,
+    pub reference: Reference,
+    pub state: State,
+    pub residual: Vec<f64>,
+    pub health: Health,
+    pub work: Workspace,
     /// How a usual step is made by registers, where it is.
-    pub(crate) plan: Option<Plan>,
-    pub(crate) turned: Vec<f64>,
-    pub(crate) angles: Vec<f64>,
-    pub(crate) history: History,
-    pub(crate) suspect: Suspect,
+    pub plan: Option<Plan>,
+    pub turned: Vec<f64>,
+    pub angles: Vec<f64>,
+    pub history: History,
+    pub suspect: Suspect,
 }
 
 impl Odometry {
@@ -216,7 +216,7 @@ impl Odometry {
     /// Open loop: the rover is taken to have held a commanded twist since the last stamp. The next sample is a
     /// first one.
     pub fn command(&mut self, twist: Twist, stamp: f64) -> Result<Health, Error> {
-        crate::error::finite("twist", &<[f64; 3]>::from(twist))?;
+        six_wheel_numerics::error::finite("twist", &<[f64; 3]>::from(twist))?;
         if !stamp.is_finite() {
             return Err(Error::value("stamp", "be finite", number(stamp)));
         }

@@ -17,10 +17,10 @@ use super::recording::{Recording, Sample};
 use super::settings::gyroscope::Gyroscope;
 pub use super::settings::quantities::{Column, DIMENSIONS};
 use super::settings::{Readings, Settings};
-use crate::error::{Error, ErrorKind, finite, number};
-use crate::geometry::Pose;
-use crate::rover::Rover;
 pub use replay::Replayed;
+use six_wheel_kinematics::geometry::Pose;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, ErrorKind, finite, number};
 use space::{Motion3, right_jacobian};
 
 /// Rows of a tangent in the plane among those in space.
@@ -189,7 +189,7 @@ impl Preintegrated {
                 let length = attitude.iter().map(|part| part * part).sum::<f64>().sqrt();
                 if (length - 1.0).abs() > UNIT {
                     let rule = "be a quaternion x, y, z, w of length 1";
-                    let value = crate::error::numbers(&attitude);
+                    let value = six_wheel_numerics::error::numbers(&attitude);
                     return Err(Error::value("attitude", rule, value));
                 }
                 Ok(Some(attitude.map(|part| part / length)))

@@ -31,7 +31,7 @@ pub struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    pub(crate) fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
+    pub fn row(&self, wheels: usize, joints: usize, k: usize) -> Sample<'a> {
         let at = |values: Option<&'a [f64]>| values.map(|values| values[k]).filter(|value| !value.is_nan());
         Sample {
             steering: &self.steering[k * joints..(k + 1) * joints],

@@ -12,20 +12,20 @@ mod plan;
 pub(crate) mod terms;
 mod wheels;
 
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::sin_cos;
-use crate::batch::machine::vector::Vector;
-use crate::batch::one_row::inverse::{Eight, GROUP, padded};
-use crate::error::HUGE;
-use crate::odometry::arithmetic::Instruction;
-use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
-use crate::odometry::spread::Spread;
-use crate::odometry::state::State;
-use crate::odometry::step::{bend, step_jacobian};
-use crate::odometry::uncertainty::{StepJacobian, StepNoise, Turned, agreed, gain, left, left_of, met};
+use crate::arithmetic::Instruction;
+use crate::motion::{ROUNDING, SUSPICIOUS};
+use crate::spread::Spread;
+use crate::state::State;
+use crate::step::{bend, step_jacobian};
+use crate::uncertainty::{StepJacobian, StepNoise, Turned, agreed, gain, left, left_of, met};
 pub(crate) use plan::Plan;
 use plan::Room;
+use six_wheel_kinematics::one_row::inverse::{Eight, GROUP, padded};
+use six_wheel_numerics::error::HUGE;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::sin_cos;
+use six_wheel_numerics::simd::vector::Vector;
 use terms::Terms;
 use wheels::{InLanes, Pick, Register, Squares, disagree, lean, listen};
 
@@ -41,7 +41,7 @@ impl Plan {
 
 /// What a step starts from, and what is known of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Given<'a> {
+pub struct Given<'a> {
     /// Readings of the wheels at its start and end.
     pub wheels: [&'a [f64]; 2],
     /// Readings of the steering joints at its start and end.
@@ -56,7 +56,7 @@ pub(crate) struct Given<'a> {
 
 /// Where the results of a step go.
 #[derive(Debug)]
-pub(crate) struct Targets<'a> {
+pub struct Targets<'a> {
     /// Steering angles at the end [rad].
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s].

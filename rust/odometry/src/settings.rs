@@ -10,9 +10,9 @@ use self::dimensions::Deviations;
 use self::encoder::Encoder;
 use self::gyroscope::Gyroscope;
 use self::noise::Noise;
-use crate::error::{Error, number};
-use crate::estimate::Method;
-use crate::rover::Rover;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, number};
 
 /// Slip that is flagged where noise is a guess, which is too wide to tell by [m/s].
 const GUESSED_SLIP: f64 = 0.05;
@@ -92,7 +92,7 @@ impl Default for Settings {
 
 /// How a step is worked out.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
+pub struct Rules {
     pub noise: Noise,
     pub method: Method,
     /// Whether disagreement of the wheels beyond the noise counts as more noise.
@@ -102,7 +102,7 @@ pub(crate) struct Rules {
 }
 
 impl Settings {
-    pub(crate) fn check(&self, rover: &Rover) -> Result<(), Error> {
+    pub fn check(&self, rover: &Rover) -> Result<(), Error> {
         self.check_for(rover.wheels().len(), rover.steered().len())?;
         if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
             let rule = "be another one for a rover without unsteered wheels";
@@ -112,7 +112,7 @@ impl Settings {
     }
 
     /// The same for so many wheels and steering joints, whatever they are mounted on.
-    pub(crate) fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
+    pub fn check_for(&self, wheels: usize, joints: usize) -> Result<(), Error> {
         self.noise.check()?;
         self.gyroscope.map_or(Ok(()), |known| known.check())?;
         self.dimensions.check_for(wheels)?;
@@ -203,11 +203,11 @@ impl Settings {
         self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
-    pub(crate) fn wheel_encoder(&self, wheel: usize) -> Encoder {
+    pub fn wheel_encoder(&self, wheel: usize) -> Encoder {
         pick(&self.wheel_encoders, wheel)
     }
 
-    pub(crate) fn steering_encoder(&self, joint: usize) -> Encoder {
+    pub fn steering_encoder(&self, joint: usize) -> Encoder {
         pick(&self.steering_encoders, joint)
     }
 }

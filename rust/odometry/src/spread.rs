@@ -8,11 +8,11 @@ use std::ops::{Add, Mul, Sub};
 use nalgebra::{Matrix3, Vector3};
 
 use super::arithmetic::Arithmetic;
-use crate::jacobi::Jacobi;
+use six_wheel_numerics::jacobi::Jacobi;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spread<T = f64> {
+pub struct Spread<T = f64> {
     xx: T,
     xy: T,
     xz: T,

@@ -3,12 +3,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::uncertainty::Uncertainty;
-use crate::error::{Error, HUGE, finite, numbers};
-use crate::geometry::{Pose, Twist, Walk};
+use six_wheel_kinematics::geometry::{Pose, Twist, Walk};
+use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
 /// What changes from sample to sample and is taken back when a late pose comes.
 #[derive(Clone, Debug)]
-pub(crate) struct State {
+pub struct State {
     pub walk: Walk,
     pub twist: Twist,
     pub velocity: Option<Twist>,
@@ -59,7 +59,7 @@ impl State {
 }
 
 /// A pose from outside is one that sums of squares can be made of.
-pub(crate) fn check_pose(pose: &[f64]) -> Result<(), Error> {
+pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
     finite("pose", pose)?;
     if pose.iter().all(|part| part.abs() < HUGE) {
         return Ok(());
@@ -69,7 +69,7 @@ pub(crate) fn check_pose(pose: &[f64]) -> Result<(), Error> {
 }
 
 /// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
-pub(crate) fn read_variance(value: f64) -> f64 {
+pub fn read_variance(value: f64) -> f64 {
     if value < HUGE { value } else { value * f64::INFINITY }
 }
 

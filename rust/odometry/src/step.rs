@@ -10,18 +10,18 @@ use super::settings::noise::Noise;
 use super::settings::{Readings, Rules, Settings};
 use super::spread::Spread;
 use super::uncertainty::{COLUMNS, StepNoise};
-use crate::error::{Error, HUGE, numbers};
-use crate::estimate::sensitivity::{Linearised, Quantity};
-use crate::estimate::{Measured, Method, Reading, Unseen};
-use crate::geometry::Twist;
-use crate::rover::Rover;
-use crate::rover_data::RoverData;
-pub(crate) use arc::chord;
+pub use arc::chord;
 pub(crate) use arc::{SMALL_TURN, bend, small_bend, step_jacobian};
+use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
+use six_wheel_kinematics::estimate::{Measured, Method, Reading, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::rover_data::RoverData;
+use six_wheel_numerics::error::{Error, HUGE, numbers};
 
 /// Memory of a step, so that none is asked for while driving.
 #[derive(Clone, Debug)]
-pub(crate) struct Workspace {
+pub struct Workspace {
     readings: Vec<Reading>,
     /// Inverse of the normal equations, where it is the same for all readings.
     inverse: Option<Matrix3<f64>>,

@@ -2,8 +2,12 @@
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
-use six_wheel_core::odometry::{Health, Noise, Odometry, Readings, Sample, Settings};
-use six_wheel_core::{Error, Inputs, Keep, Pose, Rover, SteeringRange, Twist};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::geometry::{Pose, Twist};
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::{Health, Noise, Odometry, Readings, Sample, Settings};
 
 fn rovers() -> impl Strategy<Value = Rover> {
     let dimensions = prop::array::uniform4(0.1..2.0_f64);

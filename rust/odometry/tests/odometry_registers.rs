@@ -2,8 +2,11 @@
 
 use nalgebra::Matrix3;
 use proptest::prelude::*;
-use six_wheel_core::odometry::{Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
-use six_wheel_core::{Error, Pose, Rover, SteeringRange};
+use six_wheel_kinematics::geometry::Pose;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::{Encoder, Gyroscope, Noise, Odometry, Recording, Sample, Settings, TrackRows};
 
 fn sample<'a>(steering: &'a [f64], wheels: &'a [f64], stamp: f64) -> Sample<'a> {
     Sample { steering, wheels, stamp, yaw: None, yaw_rate: None }

@@ -5,17 +5,28 @@
 
 use std::hint::black_box;
 
-use six_wheel_core::batch::{self, Fits, Level, Log, Workers};
-use six_wheel_core::controller::{Limits, Options};
-use six_wheel_core::estimate::Measured;
-use six_wheel_core::geometry::Steps;
-use six_wheel_core::ground::Settler;
-use six_wheel_core::odometry::{Sample, Settings};
-use six_wheel_core::suspension::PlanPose;
-use six_wheel_core::terrain::Heights;
-use six_wheel_core::{
-    Controller, Error, Inputs, Keep, Method, Odometry, RockerBogie, Rover, Terrain, Twist, Unseen, presets,
-};
+use six_wheel_control::controller::Controller;
+use six_wheel_control::controller::{Limits, Options};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Measured;
+use six_wheel_kinematics::estimate::{Method, Unseen};
+use six_wheel_kinematics::formulas::fit::Fits;
+use six_wheel_kinematics::geometry::Steps;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::presets;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_odometry::Odometry;
+use six_wheel_odometry::{Sample, Settings};
+use six_wheel_terrain::ground::Settler;
+use six_wheel_terrain::suspension::PlanPose;
+use six_wheel_terrain::suspension::RockerBogie;
+use six_wheel_terrain::terrain::Heights;
+use six_wheel_terrain::terrain::Terrain;
 
 /// Of every job: `benches/instructions.py` divides by it.
 const RUNS: usize = 64;

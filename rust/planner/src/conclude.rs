@@ -1,14 +1,14 @@
 //! Where a cycle's new mean leads, and what to command first.
 
-use super::facts::{Facts, Stuck};
 use super::mppi::Mppi;
-use crate::batch::Workers;
-use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS};
+use crate::motion::facts::{Facts, Stuck};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS};
+use six_wheel_numerics::threads::workers::Workers;
 
 impl Mppi {
     /// Stays where it is.
-    pub(super) fn stay(&mut self, stuck: Stuck) {
+    pub(crate) fn stay(&mut self, stuck: Stuck) {
         let steps = self.options.horizon;
         let outcome = &mut self.outcome;
         outcome.stuck = Some(stuck);
@@ -27,7 +27,7 @@ impl Mppi {
     }
 
     /// Where the new mean leads, and what to command first.
-    pub(super) fn conclude(&mut self, workers: Workers) {
+    pub(crate) fn conclude(&mut self, workers: Workers) {
         let free = self.facts.free;
         self.engine.nominal(&self.job, &self.mean, &self.settings, workers.level, &mut self.motions, &mut self.places);
         for (control, mean) in self.state.controls.iter_mut().zip(self.mean.chunks_exact(free)) {

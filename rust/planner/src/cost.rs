@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::costmap::Costmap;
-use super::drive::TRACK;
-use super::real::Real;
-use super::registers::BLOCK;
-use super::registers::Reg;
-use crate::batch::machine::vector::Vector;
+use crate::motion::drive::TRACK;
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use crate::numbers::registers::Reg;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Points of the path at most.
 const POINTS: usize = 4096;

@@ -1,6 +1,6 @@
 //! What it costs to be somewhere: a grid of costs, read between its cells.
 
-use crate::error::{Error, number, numbers};
+use six_wheel_numerics::error::{Error, number, numbers};
 
 /// Costs on a grid: those of cell `[row, column]` at `origin + (column, row) * spacing`.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,7 @@ impl Costmap {
         if !spacing.iter().all(|value| value.is_finite() && *value > 0.0) {
             return Err(Error::value("spacing", "be finite and positive", numbers(&spacing)));
         }
-        crate::error::finite("origin", &origin)?;
+        six_wheel_numerics::error::finite("origin", &origin)?;
         Ok(Self { values, rows, columns, spacing, origin, lethal, outside })
     }
 

@@ -1,7 +1,7 @@
 //! What a cycle is told, what it found, and what is remembered from one to the next.
 
 use super::costmap::Costmap;
-use super::facts::Stuck;
+use crate::motion::facts::Stuck;
 
 /// All that a planner remembers from one cycle to the next.
 #[derive(Clone, Debug, PartialEq)]

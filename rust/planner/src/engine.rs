@@ -4,18 +4,19 @@
 
 use super::cost::{Judge, Path, Weights};
 use super::costmap::Costmap;
-use super::drive::{Begin, TRACK};
-use super::facts::Facts;
-use super::model::Model;
-use super::noise::{self, Counter};
-use super::real::Real;
-use super::registers::BLOCK;
-use super::registers::Reg;
-use crate::batch::Workers;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::each;
-use crate::error::Error;
+use crate::motion::drive::{Begin, TRACK};
+use crate::motion::facts::Facts;
+use crate::motion::model::Model;
+use crate::numbers::noise;
+use crate::numbers::noise::Counter;
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use crate::numbers::registers::Reg;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::each;
 
 /// Parts the new mean is added up in, whoever does it.
 const STRIPES: usize = 4;

@@ -12,30 +12,21 @@ mod conclude;
 mod cost;
 mod costmap;
 mod cycle;
-#[allow(clippy::needless_range_loop)] // components of several motions side by side
-mod drive;
 mod engine;
-mod facts;
-#[allow(clippy::needless_range_loop)] // likewise
-mod forms;
-#[allow(clippy::needless_range_loop)] // likewise
-mod joints;
-mod model;
+mod motion;
 mod mppi;
-mod noise;
+mod numbers;
 mod options;
 mod prepare;
-mod real;
-mod registers;
 mod rollout;
-mod setting;
+mod rollout_cost;
 mod smooth;
-mod squares;
 
 pub use cost::Weights;
 pub use costmap::Costmap;
 pub use cycle::{Outcome, Situation, State};
-pub use facts::Stuck;
+pub use motion::facts::Stuck;
 pub use mppi::Mppi;
 pub use options::{Options, Precision};
 pub use rollout::{Present, rollout};
+pub use rollout_cost::{Costs, rollout_cost};

@@ -3,35 +3,35 @@
 use super::cost::Path;
 use super::cycle::{Outcome, Situation, State};
 use super::engine::{Engine, Job, Machine, Settings};
-use super::facts::Facts;
 use super::options::{Options, Precision, not_negative};
-use super::registers::BLOCK;
 use super::smooth::smooth;
-use crate::batch::Workers;
-use crate::controller::Limits;
-use crate::error::{Error, finite, number};
-use crate::rover::Rover;
+use crate::motion::facts::Facts;
+use crate::numbers::registers::BLOCK;
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::Workers;
 
 /// A sampling planner of one rover.
 pub struct Mppi {
-    pub(super) rover: Rover,
-    pub(super) facts: Facts,
-    pub(super) options: Options,
-    pub(super) settings: Settings,
-    pub(super) noise: [f64; 3],
-    pub(super) state: State,
-    pub(super) engine: Box<dyn Engine>,
-    pub(super) path: Path,
-    pub(super) corners: Vec<[f64; 2]>,
-    pub(super) job: Job,
-    pub(super) situation: ([f64; 3], Vec<f64>),
+    pub(crate) rover: Rover,
+    pub(crate) facts: Facts,
+    pub(crate) options: Options,
+    pub(crate) settings: Settings,
+    pub(crate) noise: [f64; 3],
+    pub(crate) state: State,
+    pub(crate) engine: Box<dyn Engine>,
+    pub(crate) path: Path,
+    pub(crate) corners: Vec<[f64; 2]>,
+    pub(crate) job: Job,
+    pub(crate) situation: ([f64; 3], Vec<f64>),
     /// Cycles that were begun.
-    pub(super) rolls: u64,
-    pub(super) costs: Vec<f64>,
-    pub(super) mean: Vec<f64>,
-    pub(super) motions: Vec<f64>,
-    pub(super) places: Vec<f64>,
-    pub(super) outcome: Outcome,
+    pub(crate) rolls: u64,
+    pub(crate) costs: Vec<f64>,
+    pub(crate) mean: Vec<f64>,
+    pub(crate) motions: Vec<f64>,
+    pub(crate) places: Vec<f64>,
+    pub(crate) outcome: Outcome,
 }
 
 impl Mppi {

@@ -1,7 +1,7 @@
 //! How a planner works.
 
 use super::cost::Weights;
-use crate::error::{Error, finite, number};
+use six_wheel_numerics::error::{Error, finite, number};
 
 /// Sizes beyond which a planner would not fit anywhere.
 const MOST: usize = 1 << 24;
@@ -71,7 +71,7 @@ fn positive(argument: &'static str, value: f64) -> Result<(), Error> {
     Err(Error::value(argument, "be finite and positive", number(value)))
 }
 
-pub(super) fn not_negative(argument: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn not_negative(argument: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
@@ -79,7 +79,7 @@ pub(super) fn not_negative(argument: &'static str, value: f64) -> Result<(), Err
 }
 
 impl Options {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         for (name, count) in [("horizon", self.horizon), ("samples", self.samples)] {
             if count == 0 || count > MOST {
                 return Err(Error::value(name, format!("be 1 to {MOST}"), count.to_string()));
@@ -111,7 +111,7 @@ impl Options {
     }
 
     /// Steps whose wishes are on their way already.
-    pub(super) fn fixed(&self) -> usize {
+    pub(crate) fn fixed(&self) -> usize {
         // What is on its way for a part of a step only can still be changed.
         ((self.delay / self.dt).round() as usize).min(self.horizon - 1)
     }

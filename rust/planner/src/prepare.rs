@@ -2,16 +2,16 @@
 
 use super::cycle::Situation;
 use super::engine::Job;
-use super::facts::Facts;
 use super::mppi::Mppi;
-use super::setting;
+use crate::motion::facts::Facts;
+use crate::motion::setting;
 
 /// More standard deviations than any noise has: its uniform numbers have 24 bits.
 const FARTHEST: f64 = 6.0;
 
 impl Mppi {
     /// Takes the path, if it is another one, and where the rover is along it.
-    pub(super) fn follow(&mut self, path: Option<&[[f64; 2]]>, pose: [f64; 3]) {
+    pub(crate) fn follow(&mut self, path: Option<&[[f64; 2]]>, pose: [f64; 3]) {
         let place = [pose[0], pose[1]];
         let Some(path) = path else {
             self.job.has_path = false;
@@ -44,7 +44,7 @@ impl Mppi {
     }
 
     /// The mean moved on by a step, and everything else rollouts start from.
-    pub(super) fn prepare(&mut self, situation: &Situation<'_>) {
+    pub(crate) fn prepare(&mut self, situation: &Situation<'_>) {
         let (facts, options, job) = (&self.facts, &self.options, &mut self.job);
         let limits = &facts.limits;
         let free = facts.free;

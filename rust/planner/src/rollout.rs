@@ -1,16 +1,16 @@
 //! Rollouts within a rover's limits, apart from a planner: where wishes lead.
 
-use super::drive::{Begin, TRACK};
 use super::engine::Alone;
-use super::facts::Facts;
-use super::model::Model;
-use super::registers::BLOCK;
-use super::setting;
-use crate::batch::Workers;
-use crate::batch::machine::workers::each;
-use crate::controller::Limits;
-use crate::error::{Error, finite, number};
-use crate::rover::Rover;
+use crate::motion::drive::{Begin, TRACK};
+use crate::motion::facts::Facts;
+use crate::motion::model::Model;
+use crate::motion::setting;
+use crate::numbers::registers::BLOCK;
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::each;
 
 /// How a rover moves where rollouts begin.
 #[derive(Clone, Copy, Debug, Default)]

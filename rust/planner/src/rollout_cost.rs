@@ -2,24 +2,24 @@
 
 use std::f64::consts::PI;
 
-use super::cone::dot;
-use super::integrate::Place;
-use super::inverse::{Part, Plan};
-use super::logs::{Logs, Watch, side_by_side};
-use super::steered::Steered;
-use super::tile::{LANES, PerStep, STEPS, WIDTH};
-use crate::batch::calls::poses::{Buffers, Journey};
-use crate::batch::formulas::usual::usual;
-use crate::batch::machine::lanes::{Lanes, Lockstep, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::angle;
-use crate::batch::machine::table::{Durations, Table};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::workers::Workers;
-use crate::error::{Error, finite};
-use crate::geometry::{Steps, Twist};
-use crate::rover::Rover;
-use crate::rover_data::{Inputs, MAX_WHEELS};
+use six_wheel_kinematics::batch::poses::{Buffers, Journey};
+use six_wheel_kinematics::formulas::cone::dot;
+use six_wheel_kinematics::formulas::inverse::{Part, Plan};
+use six_wheel_kinematics::formulas::steered::Steered;
+use six_wheel_kinematics::formulas::usual::usual;
+use six_wheel_kinematics::geometry::{Steps, Twist};
+use six_wheel_kinematics::pose_logs::integrate::Place;
+use six_wheel_kinematics::pose_logs::logs::{Logs, Watch, side_by_side};
+use six_wheel_kinematics::pose_logs::tile::{LANES, PerStep, STEPS, WIDTH};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::rover_data::{Inputs, MAX_WHEELS};
+use six_wheel_kinematics::table::{Durations, Table};
+use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::simd::lanes::{Lanes, Lockstep, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Sizes of controls up to which the kernel's squares and speeds are surely finite.
 const LARGEST_TOTAL: f64 = 1e100;
@@ -64,7 +64,7 @@ impl Costs<'_> {
     }
 }
 
-/// Poses of rollouts of `count` steps each, as [`crate::batch::integrate`], and the worst that each asks of the wheels.
+/// Poses of rollouts of `count` steps each, as [`six_wheel_kinematics::batch::integrate`], and the worst that each asks of the wheels.
 ///
 /// The controls need not be possible: a steered wheel goes as near as its range lets it, and the scrub says by
 /// how much that misses. Every step's angles are chosen from those of the step before, the first from

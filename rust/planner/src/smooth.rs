@@ -3,7 +3,7 @@
 /// Replaces every value by that of the quadratic through it and two neighbours on either side.
 ///
 /// Source: A. Savitzky & M. Golay, Analytical Chemistry 36(8), 1964.
-pub(super) fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
+pub(crate) fn smooth(mean: &mut [f64], free: usize, fixed: usize) {
     const TAPS: [f64; 5] = [-3.0 / 35.0, 12.0 / 35.0, 17.0 / 35.0, 12.0 / 35.0, -3.0 / 35.0];
     let steps = mean.len() / free;
     for k in 0..free {

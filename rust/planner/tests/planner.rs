@@ -5,10 +5,13 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use six_wheel_core::batch::{Level, Workers};
-use six_wheel_core::controller::Limits;
-use six_wheel_core::planner::{Costmap, Mppi, Options, Precision, Situation};
-use six_wheel_core::{Error, Rover, SteeringRange};
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_planner::{Costmap, Mppi, Options, Precision, Situation};
 
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
 

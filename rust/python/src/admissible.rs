@@ -4,8 +4,10 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::batch::{self, Workers};
-use six_wheel_core::{Keep, Twist};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::threads::workers::Workers;
 
 use crate::batch::any_workers;
 use crate::convert::{AnyArray, Output, Rows, compute, joined, memory, name, one_twist, raise, scalar_or_array};

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use pyo3::prelude::*;
-use six_wheel_core::batch::{Level, Workers};
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
 
 use crate::convert::{raise, refuse};
 

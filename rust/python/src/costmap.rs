@@ -2,7 +2,7 @@
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use six_wheel_core::planner::Costmap as Core;
+use six_wheel_planner::Costmap as Core;
 
 use crate::convert::{ArgumentTypeError, number, raise, refuse, shape_text};
 use crate::given;

@@ -4,8 +4,9 @@ use std::str::FromStr;
 
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
-use six_wheel_core::estimate::worst_wheel;
-use six_wheel_core::{Method, batch};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_kinematics::estimate::worst_wheel;
 
 use crate::batch::any_workers;
 use crate::convert::{Output, compute, joined, memory, raise, scalar_or_array};

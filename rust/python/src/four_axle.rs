@@ -7,8 +7,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::SteeringRange;
-use six_wheel_core::four_axle::{self as core, Brakes};
+use six_wheel_four_axle as core;
+use six_wheel_four_axle::Brakes;
+use six_wheel_kinematics::steering::SteeringRange;
 
 use crate::batch::any_workers;
 use crate::convert::{AnyArray, Output, Rows, compute, number, numbers, raise};

@@ -4,9 +4,13 @@ mod course;
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::batch::{self, Table, Workers};
-use six_wheel_core::geometry::{self as core, Steps};
-use six_wheel_core::planner::{self, Present};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::geometry as core;
+use six_wheel_kinematics::geometry::Steps;
+use six_wheel_kinematics::table::Table;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_planner;
+use six_wheel_planner::Present;
 
 use crate::batch::{any_workers, workers};
 use crate::controller::limits::Limits;

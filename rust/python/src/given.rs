@@ -6,7 +6,7 @@
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
-use six_wheel_core::presets::PRESETS;
+use six_wheel_kinematics::presets::PRESETS;
 
 use crate::controller::limits::Limits;
 use crate::convert::{ArgumentTypeError, is_of_another_kind, number, refuse, short_repr};

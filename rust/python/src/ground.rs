@@ -4,7 +4,8 @@ mod quick;
 mod stand;
 
 use pyo3::prelude::*;
-use six_wheel_core::ground::{self, Settler, Status};
+use six_wheel_terrain::ground;
+use six_wheel_terrain::ground::{Settler, Status};
 
 use crate::batch::any_workers;
 use crate::convert::{Rows, compute, memory, raise};

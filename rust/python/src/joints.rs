@@ -4,7 +4,7 @@
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyEllipsis, PyFloat, PyMapping, PyTuple};
-use six_wheel_core::Rover as Core;
+use six_wheel_kinematics::rover::Rover as Core;
 
 use crate::convert::{one_twist, refuse};
 use crate::given;

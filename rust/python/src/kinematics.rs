@@ -4,8 +4,12 @@ mod quick;
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::batch::{self, Beside, Log, Source, Table, Workers};
-use six_wheel_core::{Twist, Unseen, units};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::Unseen;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::table::{Beside, Log, Source, Table};
+use six_wheel_kinematics::units;
+use six_wheel_numerics::threads::workers::Workers;
 
 use crate::batch::any_workers;
 use crate::convert::{

@@ -4,8 +4,12 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::rover::MAX_WHEELS;
-use six_wheel_core::{Drive, Error, Rover as Core, SkidCentres, SteeringRange, presets};
+use six_wheel_kinematics::layouts::{Drive, SkidCentres};
+use six_wheel_kinematics::presets;
+use six_wheel_kinematics::rover::MAX_WHEELS;
+use six_wheel_kinematics::rover::Rover as Core;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
 
 use crate::convert::{Rows, Scalars, memory, number, raise, refuse};
 use crate::given;

@@ -2,7 +2,7 @@
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use six_wheel_core::Mobility as Core;
+use six_wheel_kinematics::mobility::Mobility as Core;
 
 use crate::convert::{Rows, raise};
 use crate::rover::Rover;

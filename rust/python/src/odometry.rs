@@ -13,8 +13,9 @@ use std::str::FromStr;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::odometry::{Odometry as Core, Readings, Recording, Sample, Settings, TrackRows};
-use six_wheel_core::{Error, Method};
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::{Odometry as Core, Readings, Recording, Sample, Settings, TrackRows};
 
 pub use quick::install;
 

@@ -6,7 +6,7 @@ mod plan;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
+use six_wheel_planner::{Mppi as Core, Options, Precision, Situation, State, Weights};
 
 use crate::batch::any_workers;
 use crate::controller::limits::Limits;

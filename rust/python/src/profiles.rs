@@ -9,7 +9,8 @@ use std::str::FromStr;
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::profiles::{self as core, Bounds, Moving, Synchronise};
+use six_wheel_control::profiles as core;
+use six_wheel_control::profiles::{Bounds, Moving, Synchronise};
 
 use crate::convert::{Scalars, memory, number, raise, refuse, scalar_or_array, shape_text};
 use crate::given;
@@ -86,7 +87,7 @@ impl Profile {
     fn build(
         py: Python<'_>,
         maker: &'static str,
-        core: Result<core::Profile, six_wheel_core::Error>,
+        core: Result<core::Profile, six_wheel_numerics::error::Error>,
         is_vector: bool,
         arguments: &[&Bound<'_, PyAny>],
         keywords: Bound<'_, PyDict>,
@@ -104,7 +105,7 @@ impl Profile {
         maker: &'static str,
         [start, end, duration]: [&Bound<'_, PyAny>; 3],
         ramp: Option<f64>,
-        shape: impl FnOnce(&[f64], &[f64], f64) -> Result<core::Profile, six_wheel_core::Error>,
+        shape: impl FnOnce(&[f64], &[f64], f64) -> Result<core::Profile, six_wheel_numerics::error::Error>,
     ) -> PyResult<Self> {
         let (start, end) = (Values::read("start", start)?, Values::read("end", end)?);
         let duration = number("duration", duration)?;

@@ -3,7 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
-use six_wheel_core::batch::{self, Costs, Workers};
+use six_wheel_kinematics::batch;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_planner::Costs;
 
 use crate::batch::workers;
 use crate::convert::{Output, Precision, Rows, compute, refuse};

@@ -5,8 +5,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping, PyTuple};
-use six_wheel_core::suspension::WHEELS;
-use six_wheel_core::{Rover as Core, SteeringRange, units};
+use six_wheel_kinematics::rover::Rover as Core;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::units;
+use six_wheel_terrain::suspension::WHEELS;
 
 use crate::convert::{ArgumentTypeError, ask, items, raise, ready, refuse, short_repr};
 use crate::joints::{Joint, Joints, STEERING, TRACTION, default_joints, read_joints, reverse};
@@ -68,7 +70,7 @@ fn driven(core: &Core) -> Vec<usize> {
 
 impl Rover {
     /// The rover of a core one, with joints under their default names.
-    pub fn named(py: Python<'_>, core: Result<Core, six_wheel_core::Error>) -> PyResult<Self> {
+    pub fn named(py: Python<'_>, core: Result<Core, six_wheel_numerics::error::Error>) -> PyResult<Self> {
         let core = core.map_err(|error| raise(error, &[]))?;
         ask(py, units::dimensions(&core))?;
         Self::build(py, core, Fittings::default())

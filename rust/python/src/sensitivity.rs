@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_core::batch;
-use six_wheel_core::estimate::sensitivity::Quantity;
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::sensitivity::Quantity;
 
 use crate::batch::any_workers;
 use crate::convert::{Output, compute, items, joined, raise, refuse};

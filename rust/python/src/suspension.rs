@@ -11,9 +11,10 @@ use std::sync::OnceLock;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::bounds::Plan;
-use six_wheel_core::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
-use six_wheel_core::{Error, RockerBogie as Core};
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::bounds::Plan;
+use six_wheel_terrain::suspension::RockerBogie as Core;
+use six_wheel_terrain::suspension::{Bogie, Differential, Dimensions, JointRange, Steered};
 
 use crate::convert::{ArgumentTypeError, number, numbers, raise, refuse};
 use crate::given;

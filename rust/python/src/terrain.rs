@@ -5,8 +5,8 @@ use std::sync::Arc;
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::Terrain as Core;
-use six_wheel_core::terrain::{Heights, Interpolation, Sample, normal};
+use six_wheel_terrain::terrain::Terrain as Core;
+use six_wheel_terrain::terrain::{Heights, Interpolation, Sample, normal};
 
 use crate::batch::any_workers;
 use crate::convert::{

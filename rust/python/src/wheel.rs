@@ -5,7 +5,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyString, PyTuple};
-use six_wheel_core::{Pivot, SteeringRange, Wheel as Core};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Pivot, Wheel as Core};
 
 use crate::convert::{number, raise, refuse};
 use crate::given;

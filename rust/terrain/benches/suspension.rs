@@ -3,9 +3,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use six_wheel_core::batch::Workers;
-use six_wheel_core::suspension::{FRAMES, WHEELS, frames, jacobians};
-use six_wheel_core::{Inputs, RockerBogie};
+use six_wheel_kinematics::rover::Inputs;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension::RockerBogie;
+use six_wheel_terrain::suspension::{FRAMES, WHEELS, frames, jacobians};
 
 const ROWS: usize = 10_000;
 

@@ -4,8 +4,8 @@
 
 use pulp::Simd;
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::angle;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::angle;
 
 /// Lower and upper end.
 pub(super) type Interval<S> = [Lanes<S>; 2];

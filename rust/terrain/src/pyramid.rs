@@ -5,12 +5,12 @@
 //! precision, rounded outwards, halves the memory. Any box is covered by four windows of its own size, or by some
 //! more where it is long.
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::{Vector, ZEROTH};
-use crate::error::{Error, ErrorKind};
 use crate::heights::Heights;
 use crate::interval::all;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, ErrorKind};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::{Vector, ZEROTH};
 
 /// Windows up to 32 cells wide.
 const LEVELS: u32 = 6;
@@ -233,9 +233,9 @@ fn rounded_down(height: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::Level;
-    use crate::batch::machine::level::Kernel;
     use crate::terrain::Heights;
+    use six_wheel_numerics::simd::level::Kernel;
+    use six_wheel_numerics::simd::level::Level;
 
     /// Extremes over one box, in every lane.
     struct Look<'a>(&'a Pyramid, [[f64; 2]; 2]);

@@ -10,18 +10,18 @@
 
 mod chain;
 mod dimensions;
-pub(crate) mod lanes;
+pub mod lanes;
 mod table;
 mod vehicles;
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
-use crate::batch::Workers;
-use crate::error::{Error, finite, number};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
-use crate::steering::SteeringRange;
-use crate::wheels::Wheel;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::Wheel;
+use six_wheel_numerics::error::{Error, finite, number};
+use six_wheel_numerics::threads::workers::Workers;
 
 pub use chain::{
     Chain, Joint, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Mount, Part, Placed, PlanPose, PointSlopes, State,

@@ -12,10 +12,10 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use self::spline::{catmull_rom, four};
-use crate::error::{Error, finite, number, numbers};
 pub use crate::heights::Heights;
 use crate::pyramid::Pyramid;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, finite, number, numbers};
 
 /// Spacings below this are no metres: an arc second of a map in degrees is 2.8e-4 [m].
 const SMALLEST_SPACING: f64 = 1e-3;

@@ -12,9 +12,9 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::geometry::Twist;
-use crate::rover::{Mount, Rover};
-use crate::wheels::REST;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_kinematics::wheels::REST;
 
 /// Rounding of a sum of squares.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;

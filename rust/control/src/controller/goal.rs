@@ -8,10 +8,10 @@ use super::arc::Arc;
 use super::envelope::{Cap, fastest};
 use super::limits::Limits;
 use super::reason;
-use crate::admissible::Keep;
-use crate::error::Error;
-use crate::geometry::{Pose, Twist};
-use crate::rover::Rover;
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::geometry::{Pose, Twist};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::Error;
 
 /// Rounds after which a command of finite steps has settled under the limits.
 const ROUNDS: usize = 32;
@@ -105,7 +105,7 @@ impl Goal {
         let meant = held.of(mode.of(wanted));
         let projected = match rover.project(meant, Keep::Curvature) {
             Ok(twist) => twist,
-            Err(error) if error.kind == crate::error::ErrorKind::Value => return None,
+            Err(error) if error.kind == six_wheel_numerics::error::ErrorKind::Value => return None,
             Err(_) => Twist::ZERO,
         };
         let mut reasons = if projected == wanted { 0 } else { reason::PROJECTED };

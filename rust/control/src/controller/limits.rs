@@ -1,6 +1,6 @@
 //! What the motion may not exceed: of the body, of the wheels, of the steering.
 
-use crate::error::{Error, HUGE, TINY, number};
+use six_wheel_numerics::error::{Error, HUGE, TINY, number};
 
 /// Number of limits.
 pub const COUNT: usize = 14;

@@ -32,10 +32,10 @@ use self::motion::Motion;
 pub use self::options::{Align, Options};
 pub use self::run::Steps;
 use self::way::Route;
-use crate::admissible::Keep;
-use crate::error::{Error, HUGE, finite, number, numbers};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS, Rover};
+use six_wheel_kinematics::admissible::Keep;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Rover};
+use six_wheel_numerics::error::{Error, HUGE, finite, number, numbers};
 
 /// How far past its range a measured steering angle may be [rad]: play and noise, not another wheel's angle.
 const MEASURED_SLACK: f64 = 0.05;

@@ -4,10 +4,10 @@ use std::str::FromStr;
 
 use super::goal::Mode;
 use super::limits::Limits;
-use crate::error::{Error, number, positive};
-use crate::rover::Rover;
-use crate::steering::SteeringRange;
-use crate::wheels::{Pivot, Wheel};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Pivot, Wheel};
+use six_wheel_numerics::error::{Error, number, positive};
 
 /// What becomes of the drive while the measured steering angles differ from the commanded ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

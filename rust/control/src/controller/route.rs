@@ -7,7 +7,7 @@ use super::motion::Motion;
 use super::reason;
 use super::way::Route;
 use super::{Controller, Into};
-use crate::geometry::Twist;
+use six_wheel_kinematics::geometry::Twist;
 
 /// Sine of the angle between directions that are one.
 const SAME: f64 = 1e-12;

@@ -1,8 +1,8 @@
 //! Many steps in one call: a log, a plan, a simulation.
 
 use super::Controller;
-use crate::error::{Error, finite, number};
-use crate::geometry::Twist;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::{Error, finite, number};
 
 /// Where the steps of a run are written, one after the other.
 pub struct Steps<'a> {

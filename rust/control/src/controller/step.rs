@@ -7,8 +7,8 @@ use super::options::Align;
 use super::reason;
 use super::way::Route;
 use super::{Controller, Into};
-use crate::error::Error;
-use crate::geometry::Twist;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::Error;
 
 /// Pieces of the arc ahead that are tried, each half as long.
 const PIECES: usize = 32;

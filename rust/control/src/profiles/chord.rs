@@ -10,11 +10,11 @@ use std::borrow::Cow;
 
 use nalgebra::{Complex, Vector3};
 
-use crate::error::radians;
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Mount, Rover};
-use crate::steering::ANGLE_TOLERANCE;
-use crate::wheels::{Pivot, REST};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Mount, Rover};
+use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
+use six_wheel_kinematics::wheels::{Pivot, REST};
+use six_wheel_numerics::error::radians;
 
 /// Speed of a pivot, as a share of its change along the chord, at which its wheel cannot follow the direction.
 const TOO_CLOSE: f64 = 1e-6;

@@ -9,9 +9,9 @@ use super::laws::IcrLimits;
 use super::led::{Wheels, check_trail};
 use super::phase::{Action, Motion, Phase};
 use super::plan::{Plan, Planner};
-use crate::error::{Error, finite, numbers};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_numerics::error::{Error, finite, numbers};
 
 /// Velocities whose squares are still numbers.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-100..=1e100;

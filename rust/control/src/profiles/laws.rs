@@ -3,9 +3,9 @@
 use nalgebra::{Complex, Vector2, Vector3};
 
 use super::chord::{Chord, Joint, is_driven};
-use crate::error::{Error, HUGE, TINY, number};
-use crate::geometry::Twist;
-use crate::rover::{Mount, Rover};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_numerics::error::{Error, HUGE, TINY, number};
 
 /// Limits whose cubes, of rates, are still numbers.
 const SIZES: std::ops::RangeInclusive<f64> = TINY..=HUGE;

@@ -6,12 +6,12 @@ use super::laws::pivot_swing;
 use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::{Profile, Shape, linear};
-use crate::error::{Error, finite, number};
-use crate::estimate::{Measured, Method, Unseen};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, MAX_WHEELS, Mount, Rover};
-use crate::steering::ANGLE_TOLERANCE;
-use crate::wheels::Direction;
+use six_wheel_kinematics::estimate::{Measured, Method, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, MAX_WHEELS, Mount, Rover};
+use six_wheel_kinematics::steering::ANGLE_TOLERANCE;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::error::{Error, finite, number};
 
 /// Where a transition writes what the wheels do: one value per steered wheel, speeds per wheel.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub struct Wheels<'a> {
 
 impl Wheels<'_> {
     /// Angles and speeds by the wheel equation, each angle the one next to what is there.
-    pub(crate) fn roll(&mut self, rover: &Rover, twist: Twist) {
+    pub fn roll(&mut self, rover: &Rover, twist: Twist) {
         let mut near = [0.0; MAX_WHEELS];
         let near = &mut near[..self.steering.len()];
         near.copy_from_slice(self.steering);
@@ -56,7 +56,7 @@ impl Wheels<'_> {
     }
 
     /// Steering angles by a profile, whose first axes they are.
-    pub(crate) fn follow(&mut self, profile: &Profile, time: f64) {
+    pub fn follow(&mut self, profile: &Profile, time: f64) {
         for (j, angle) in self.steering.iter_mut().enumerate() {
             let [value, rate, acceleration, _] = profile.at(j, time);
             *angle = value;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::error::{Error, number, numbers};
+use six_wheel_numerics::error::{Error, number, numbers};
 
 /// Where an axis is and how it moves there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@
 use super::Profile;
 use super::limits::{Bounds, Moving, Synchronise};
 use super::ruckig::solve;
-use crate::error::{Error, number};
+use six_wheel_numerics::error::{Error, number};
 
 /// The fastest course of every axis from `start` to `end` within `bounds`, or one that takes `duration` [s].
 ///
@@ -65,7 +65,7 @@ fn check_finite(names: [&'static str; 3], states: &[Moving]) -> Result<(), Error
     for state in states {
         let values = [state.value, state.velocity, state.acceleration];
         for (name, value) in names.into_iter().zip(values) {
-            crate::error::finite(name, &[value])?;
+            six_wheel_numerics::error::finite(name, &[value])?;
         }
     }
     Ok(())

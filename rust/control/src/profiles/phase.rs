@@ -3,7 +3,7 @@
 use super::Profile;
 use super::chord::Chord;
 use super::timing::Timing;
-use crate::geometry::Twist;
+use six_wheel_kinematics::geometry::Twist;
 
 /// What happens in a phase of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

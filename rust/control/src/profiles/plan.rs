@@ -9,9 +9,9 @@ use super::limits::{Bounds, Moving, Synchronise};
 use super::optimal::time_optimal;
 use super::phase::{Action, Motion, Phase};
 use super::timing::{Smoothness, Timing};
-use crate::error::{Error, ErrorKind, number, numbers};
-use crate::geometry::Twist;
-use crate::rover::{Inputs, Rover};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::{Inputs, Rover};
+use six_wheel_numerics::error::{Error, ErrorKind, number, numbers};
 
 /// Angles that differ by less are the same [rad].
 const SAME_ANGLE: f64 = 1e-12;

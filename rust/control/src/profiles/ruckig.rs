@@ -7,7 +7,7 @@ use rsruckig::profile::Profile as Found;
 
 use super::limits::{Bounds, Moving, Synchronise};
 use super::{Axis, Piece, Profile, coast};
-use crate::error::{Error, numbers};
+use six_wheel_numerics::error::{Error, numbers};
 
 /// Share by which a found profile may pass a limit or miss its end: rounding, and what Ruckig tolerates.
 const TOLERANCE: f64 = 1e-7;

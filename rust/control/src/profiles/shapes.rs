@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::{Axis, Derivatives, Piece, Profile};
-use crate::error::{Error, finite, number, positive};
+use six_wheel_numerics::error::{Error, finite, number, positive};
 
 /// A shape by its name, with its default ramps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

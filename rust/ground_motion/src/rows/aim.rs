@@ -1,10 +1,10 @@
 //! Which way steered wheels point, in lanes: what `moving::steer` does for one rover.
 
 use super::columns::{Way, angle_of, way};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
-use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::{Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_terrain::suspension::lanes::{Turned, Vectors, all, along, cross, dot, from_turned, less, scaled, sum};
 
 /// Turns of Newton's method.
 const TURNS: usize = 8;
@@ -27,7 +27,7 @@ const FLAT: f64 = 0.02;
 
 /// A wheel in its own axes: ahead, to the left and up at the steering angle of the footing.
 #[derive(Clone, Copy)]
-pub(super) struct Local<S: Vector> {
+pub(crate) struct Local<S: Vector> {
     /// Of the ground.
     pub normal: Vectors<S>,
     /// Velocity of its centre [m/s], and how its carrier turns [rad/s].
@@ -160,7 +160,7 @@ fn length<S: Vector>([x, y, z]: Vectors<S>) -> Lanes<S> {
 
 /// How far a joint turns, and its angle [rad].
 #[derive(Clone, Copy)]
-pub(super) struct Aimed<S: Vector> {
+pub(crate) struct Aimed<S: Vector> {
     pub turned: Turned<S>,
     pub angle: Lanes<S>,
     /// Whether half a turn from there wheels do not roll as well.
@@ -202,7 +202,7 @@ impl<S: Vector> Joint<S> {
 /// Turns every joint to where the touching points of its wheels go. Adds to the doubtful lanes those that do not get
 /// there quickly.
 #[inline(always)]
-pub(super) fn aimed<S: Vector>(
+pub(crate) fn aimed<S: Vector>(
     simd: S,
     steering: impl Fn(usize) -> Option<usize> + Copy,
     locals: &[Local<S>],

@@ -2,15 +2,15 @@
 
 use pulp::Simd;
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::angle;
-use crate::batch::machine::vector::Vector;
-use crate::steering::{ANGLE_TOLERANCE, SteeringRange};
-use crate::suspension::lanes::{Column, MOST, Turned, all};
+use six_wheel_kinematics::steering::{ANGLE_TOLERANCE, SteeringRange};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::lanes::{Column, MOST, Turned, all};
 
 /// Rows that are worked on together, from `first` on.
 #[derive(Clone, Copy)]
-pub(super) struct Span {
+pub(crate) struct Span {
     pub first: usize,
     pub count: usize,
 }
@@ -111,13 +111,13 @@ impl Span {
 
 /// Where a number is finite.
 #[inline(always)]
-pub(super) fn finite<S: Simd>(simd: S, number: Lanes<S>) -> Mask<S> {
+pub(crate) fn finite<S: Simd>(simd: S, number: Lanes<S>) -> Mask<S> {
     number.abs().at_most(all(simd, f64::MAX))
 }
 
 /// Where a mask is true.
 #[inline(always)]
-pub(super) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> Column {
+pub(crate) fn truths<S: Simd>(simd: S, mask: Mask<S>) -> Column {
     Column::of(mask.select(all(simd, 1.0), all(simd, 0.0)))
 }
 
@@ -127,7 +127,7 @@ const TINY: f64 = 1e-280;
 /// A length, and the direction of the vector that has it, forwards or backwards so that it is not left behind; no
 /// direction but `rest` where it is 0.
 #[derive(Clone, Copy)]
-pub(super) struct Way<S: Simd> {
+pub(crate) struct Way<S: Simd> {
     pub length: Lanes<S>,
     /// The sign bit where it goes backwards.
     pub sign: Lanes<S>,
@@ -138,7 +138,7 @@ pub(super) struct Way<S: Simd> {
 
 /// The way of a velocity ahead and aside. Adds to the doubtful lanes those whose squares are lost.
 #[inline(always)]
-pub(super) fn way<S: Vector>([ahead, aside]: [Lanes<S>; 2], rest: Turned<S>, doubt: &mut Mask<S>) -> Way<S> {
+pub(crate) fn way<S: Vector>([ahead, aside]: [Lanes<S>; 2], rest: Turned<S>, doubt: &mut Mask<S>) -> Way<S> {
     let (zero, one) = (all(ahead.simd(), 0.0), all(ahead.simd(), 1.0));
     let square = ahead.mul_add(ahead, aside * aside);
     let size = ahead.abs() + aside.abs();
@@ -160,13 +160,13 @@ pub(super) fn way<S: Vector>([ahead, aside]: [Lanes<S>; 2], rest: Turned<S>, dou
 
 /// The angle of a direction that is not behind.
 #[inline(always)]
-pub(super) fn angle_of<S: Simd>(simd: S, (sin, cos): Turned<S>) -> Lanes<S> {
+pub(crate) fn angle_of<S: Simd>(simd: S, (sin, cos): Turned<S>) -> Lanes<S> {
     angle(simd, cos.abs(), sin.abs()).flip(sin.sign())
 }
 
 /// A steering angle as it comes, and what a joint makes of it.
 #[derive(Clone, Copy)]
-pub(super) struct Within<S: Simd> {
+pub(crate) struct Within<S: Simd> {
     pub angle: Lanes<S>,
     /// The sign bit where it is half a turn from what it was.
     pub turned: Lanes<S>,
@@ -174,7 +174,7 @@ pub(super) struct Within<S: Simd> {
 
 /// The angle, or half a turn from it, inside a range; doubtful where it is at its very ends, or outside.
 #[inline(always)]
-pub(super) fn within<S: Simd>(simd: S, range: SteeringRange, angle: Lanes<S>, doubt: &mut Mask<S>) -> Within<S> {
+pub(crate) fn within<S: Simd>(simd: S, range: SteeringRange, angle: Lanes<S>, doubt: &mut Mask<S>) -> Within<S> {
     let half = all(simd, std::f64::consts::PI);
     let (lower, upper) = (all(simd, range.lower), all(simd, range.upper));
     let (least, most) = (all(simd, range.lower - ANGLE_TOLERANCE), all(simd, range.upper + ANGLE_TOLERANCE));

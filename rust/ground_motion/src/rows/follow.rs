@@ -2,18 +2,18 @@
 
 use super::footings::{Eights, Standing};
 use super::solve::{Equation, Equations, Square, UNKNOWNS};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
-use crate::moving::contact::COLUMNS;
-use crate::moving::motion::{FOLLOWING, PLAN};
-use crate::suspension::lanes::{Placing, Plan, Turned, Vectors, all, along, cross, dot, less};
-use crate::suspension::{MAX_FREE, MAX_WHEELS};
+use crate::contact::COLUMNS;
+use crate::motion::{FOLLOWING, PLAN};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::lanes::{Placing, Plan, Turned, Vectors, all, along, cross, dot, less};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Derivatives of a velocity by the rates, in lanes.
-pub(super) type Row<S> = [Lanes<S>; COLUMNS];
+pub(crate) type Row<S> = [Lanes<S>; COLUMNS];
 
 /// Room for rows that stand, and what the ground says of them.
-pub(super) struct Room<S: Vector> {
+pub(crate) struct Room<S: Vector> {
     pub eights: Eights,
     pub equations: Equations<S>,
     pub contacts: Contacts<S>,
@@ -35,7 +35,7 @@ impl<S: Vector> Room<S> {
 
 /// Where a wheel is touched.
 #[derive(Clone, Copy)]
-pub(super) struct Touch<S: Vector> {
+pub(crate) struct Touch<S: Vector> {
     pub tangent: Vectors<S>,
     pub point: Vectors<S>,
 }
@@ -64,7 +64,7 @@ impl<S: Vector> Touch<S> {
 
 /// What a wheel says of how its touching point moves along the normal, along the rim and to the left [m/s].
 #[derive(Clone, Copy)]
-pub(super) struct Contact<S: Vector> {
+pub(crate) struct Contact<S: Vector> {
     /// By the rates. Along the rim that is what its centre does, less its turning with its carrier.
     pub rows: [Row<S>; 3],
     /// What its own steering adds.
@@ -72,11 +72,11 @@ pub(super) struct Contact<S: Vector> {
 }
 
 /// Contacts of all wheels.
-pub(super) type Contacts<S> = [Contact<S>; MAX_WHEELS];
+pub(crate) type Contacts<S> = [Contact<S>; MAX_WHEELS];
 
 /// How the velocities of a point of a wheel's carrier along some directions answer to the rates.
 #[inline(always)]
-pub(super) fn answers<S: Vector, const N: usize>(
+pub(crate) fn answers<S: Vector, const N: usize>(
     placing: &Placing<'_, S>,
     wheel: usize,
     point: Vectors<S>,
@@ -101,7 +101,7 @@ pub(super) fn answers<S: Vector, const N: usize>(
 
 /// What the rate of a wheel's own steering adds along some directions.
 #[inline(always)]
-pub(super) fn swivel<S: Vector>(
+pub(crate) fn swivel<S: Vector>(
     simd: S,
     placing: &Placing<'_, S>,
     wheel: usize,
@@ -117,7 +117,7 @@ pub(super) fn swivel<S: Vector>(
 
 /// What some lanes know of a rate.
 #[derive(Clone, Copy)]
-pub(super) enum Known<S: Vector> {
+pub(crate) enum Known<S: Vector> {
     /// In no lane.
     Nowhere,
     /// In every lane.
@@ -136,7 +136,7 @@ impl<S: Vector> Known<S> {
 }
 
 /// Rates as a function of those in plan: `offset + spread . plan`.
-pub(super) struct Follow<S: Vector> {
+pub(crate) struct Follow<S: Vector> {
     /// Columns that are not zero but for those of the plan itself.
     pub unknown: [usize; UNKNOWNS],
     pub count: usize,

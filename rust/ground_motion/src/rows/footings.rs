@@ -1,15 +1,15 @@
 //! Where rovers stand, row after row, and a row per lane.
 
 use super::columns::Span;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, direction, sin_cos};
-use crate::batch::machine::vector::Vector;
-use crate::ground::{CONTACT, NUMBERS, Stand};
-use crate::moving::Footing;
-use crate::suspension::lanes::{LARGEST_TURN, MOST, Turned, Vectors, all, dot};
-use crate::suspension::{Chain, Joint, MAX_FREE, MAX_STATE, MAX_WHEELS};
-use crate::terrain::normal;
-use crate::wheels::Direction;
+use crate::Footing;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, direction, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::ground::{CONTACT, NUMBERS, Stand};
+use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, MOST, Turned, Vectors, all, dot};
+use six_wheel_terrain::suspension::{Chain, Joint, MAX_FREE, MAX_STATE, MAX_WHEELS};
+use six_wheel_terrain::terrain::normal;
 
 /// A wheel further than this from the ground hangs [m]: a thousand times what settling leaves.
 const HANGING: f64 = 1e-6;
@@ -67,7 +67,7 @@ type One = [[f64; MOST]; 2 + MAX_WHEELS];
 
 /// The numbers of as many rows as there are lanes at most.
 #[repr(align(64))]
-pub(super) struct Eights([One; MOST]);
+pub(crate) struct Eights([One; MOST]);
 
 impl Eights {
     pub fn new() -> Self {
@@ -274,7 +274,7 @@ fn stops(joint: &Joint) -> [f64; 2] {
 }
 
 /// Rows where they stand, in lanes.
-pub(super) struct Standing<S: Vector> {
+pub(crate) struct Standing<S: Vector> {
     /// Of roll and pitch.
     pub roll: Turned<S>,
     pub pitch: Turned<S>,
@@ -407,7 +407,7 @@ fn axes<S: Vector>((sr, cr): Turned<S>, (sp, cp): Turned<S>, (sy, cy): Turned<S>
 /// The direction in which a wheel rolls over a plane, and where it touches, from its axes and the plane's normal: the
 /// sine and cosine of its contact angle.
 #[inline(always)]
-pub(super) fn on_plane<S: Vector>(forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
+pub(crate) fn on_plane<S: Vector>(forward: Lanes<S>, up: Lanes<S>) -> Turned<S> {
     let inverse = forward.mul_add(forward, up * up).inverse_root();
     (-(forward * inverse), up * inverse)
 }

@@ -6,15 +6,16 @@ use super::footings::{Footings, Standing, on_plane};
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Normal;
-use crate::batch::Workers;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
-use crate::error::Error;
-use crate::moving::contact::{self, COLUMNS};
-use crate::moving::motion::{PLAN, Readings, weights};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, all, cross, dot, from_turned};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::contact;
+use crate::contact::COLUMNS;
+use crate::motion::{PLAN, Readings, weights};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, all, cross, dot, from_turned};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What was measured, row after row: see [`Readings`].
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,14 @@
 //! [`traction`](super::super::traction) for one row: the lanes of a register are the wheels.
 
 use super::columns::{angle_of, finite, way, within};
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
-use crate::moving::driving::{Drives, Driving, Turns};
-use crate::steering::SteeringRange;
-use crate::suspension::lanes::{Column, LARGEST_TURN, MOST, Plan, all};
-use crate::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
+use crate::driving::{Drives, Driving, Turns};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::lanes::{Column, LARGEST_TURN, MOST, Plan, all};
+use six_wheel_terrain::suspension::{Chain, Differential, MAX_FREE, MAX_WHEELS};
 
 /// Angles that turn limbs: the free ones, and the right-hand side of the differential.
 const ANGLES: usize = MAX_FREE + 1;
@@ -87,7 +87,7 @@ impl Instant {
 }
 
 /// One row; whether it was for lanes.
-pub(super) struct OneRow<'a, 'b> {
+pub(crate) struct OneRow<'a, 'b> {
     pub instant: &'a Instant,
     pub offset: f64,
     pub steepest: f64,

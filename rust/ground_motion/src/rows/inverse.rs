@@ -7,15 +7,15 @@ use super::footings::{Footings, Standing, on_plane};
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
 use super::solve::Equations;
-use crate::batch::Workers;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
-use crate::error::Error;
-use crate::moving::contact::COLUMNS;
-use crate::moving::motion::{Command, PLAN, View, Wanted, inverse};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::contact::COLUMNS;
+use crate::motion::{Command, PLAN, View, Wanted, inverse};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, Turned, all, from_turned};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// What the wheels have to do, row after row: see [`Commanded`](super::super::Commanded).
 #[derive(Debug)]

@@ -2,17 +2,17 @@
 
 use super::instant::Instant;
 use super::solve::Square;
-use crate::moving::contact::rest_offset;
-use crate::suspension::Chain;
-use crate::suspension::lanes::Plan;
+use crate::contact::rest_offset;
+use six_wheel_terrain::suspension::Chain;
+use six_wheel_terrain::suspension::lanes::Plan;
 
 /// The constants of a chain.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// None for chains that are not for lanes.
-    pub(super) plan: Option<Plan>,
-    pub(super) square: Option<Square>,
-    pub(super) instant: Option<Instant>,
+    pub(crate) plan: Option<Plan>,
+    pub(crate) square: Option<Square>,
+    pub(crate) instant: Option<Instant>,
     /// [`rest_offset`] [m].
     pub offset: f64,
 }

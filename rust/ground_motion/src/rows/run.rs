@@ -3,15 +3,15 @@
 use super::columns::{Span, truths};
 use super::prepared::Prepared;
 use super::solve::Square;
-use crate::batch::Level;
-use crate::batch::machine::lanes::Mask;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::vector::Vector;
-use crate::error::Error;
-use crate::suspension::lanes::{Placing, Plan};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Mask;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::lanes::{Placing, Plan};
 
 /// Rows that one thread takes.
-pub(super) trait Rows: Sized {
+pub(crate) trait Rows: Sized {
     /// Room beside the chain for some of them, made once for all.
     type Room<S: Vector>;
 
@@ -35,7 +35,7 @@ pub(super) trait Rows: Sized {
 }
 
 /// Rows, and what is known beforehand of the chain that they are about.
-pub(super) struct InLanes<'a, R> {
+pub(crate) struct InLanes<'a, R> {
     pub plan: &'a Plan,
     pub square: Option<&'a Square>,
     pub job: R,
@@ -67,7 +67,7 @@ impl<R: Rows> Kernel for InLanes<'_, R> {
 }
 
 /// Works through all of them. Fails at the first one that does.
-pub(super) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
+pub(crate) fn through(prepared: &Prepared, level: Level, mut job: impl Rows) -> Result<(), Error> {
     match &prepared.plan {
         Some(plan) if level != Level::Plain => {
             let square = prepared.square.as_ref();

@@ -1,11 +1,11 @@
 //! [`slip`] for many rows.
 
 use super::footings::Footings;
-use crate::batch::Workers;
-use crate::error::Error;
-use crate::moving::contact::COLUMNS;
-use crate::moving::slip::slip;
-use crate::suspension::Chain;
+use crate::contact::COLUMNS;
+use crate::slip::slip;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension::Chain;
 
 /// How the wheels slip, row after row: see [`Slip`](super::super::Slip).
 #[derive(Debug)]

@@ -2,14 +2,14 @@
 //! than unknowns.
 
 use super::footings::Standing;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
-use crate::moving::motion::FOLLOWING;
-use crate::suspension::MAX_WHEELS;
-use crate::suspension::lanes::{Plan, all};
+use crate::motion::FOLLOWING;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_terrain::suspension::MAX_WHEELS;
+use six_wheel_terrain::suspension::lanes::{Plan, all};
 
 /// Most unknowns: rates that follow the ground.
-pub(super) const UNKNOWNS: usize = FOLLOWING.len();
+pub(crate) const UNKNOWNS: usize = FOLLOWING.len();
 
 /// Most right-hand sides: one motion in plan each, and what is known.
 const RIGHTS: usize = 4;
@@ -18,7 +18,7 @@ const RIGHTS: usize = 4;
 const EQUATIONS: usize = MAX_WHEELS + UNKNOWNS;
 
 /// An equation: its unknowns, then its right-hand sides.
-pub(super) type Equation<S> = [Lanes<S>; UNKNOWNS + RIGHTS];
+pub(crate) type Equation<S> = [Lanes<S>; UNKNOWNS + RIGHTS];
 
 /// Square of the product of the pivots over that of the lengths of the columns above which columns are sure not to depend
 /// on each other: see [`Equations::solve`].
@@ -76,7 +76,7 @@ impl Square {
 }
 
 /// Equations in least squares, most of them of a few of the unknowns only.
-pub(super) struct Equations<S: Vector> {
+pub(crate) struct Equations<S: Vector> {
     rows: [Equation<S>; EQUATIONS],
     /// Bits of the unknowns that an equation may be of.
     bits: [u32; EQUATIONS],
@@ -277,7 +277,7 @@ const UPRIGHT: f64 = 1e-3;
 
 /// Normal equations of the motion in plan.
 #[derive(Clone, Copy)]
-pub(super) struct Normal<S: Vector> {
+pub(crate) struct Normal<S: Vector> {
     /// On and above the diagonal, row after row.
     cells: [Lanes<S>; 6],
     right: [Lanes<S>; 3],

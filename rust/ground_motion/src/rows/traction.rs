@@ -4,15 +4,15 @@ use super::columns::{Span, Way, angle_of, finite, way, within};
 use super::instant::OneRow;
 use super::prepared::Prepared;
 use super::run::{InLanes, Rows, through};
-use crate::batch::Workers;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
-use crate::error::Error;
-use crate::moving::driving::{Drives, Driving, Turns};
-use crate::moving::traction::{Closure, DAMPING, FOUND, Rates, STEPS, traction};
-use crate::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, all, from_turned};
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::driving::{Drives, Driving, Turns};
+use crate::traction::{Closure, DAMPING, FOUND, Rates, STEPS, traction};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension::lanes::{LARGEST_TURN, Placing, Turned, Vectors, all, from_turned};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// [`traction`] for every row. Fails at the first one at which a wheel would steer past its range.
 pub fn traction_rows(

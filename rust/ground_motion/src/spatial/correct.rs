@@ -7,10 +7,10 @@ use super::history::Correction;
 use super::sample::Read;
 use super::spread::whole;
 use super::state::{Fixed, Pose3, State, check_covariance};
-use crate::error::{Error, number};
-use crate::geometry::wrap_angle;
-use crate::odometry::preintegrated::space::Motion3;
-use crate::odometry::state::check_pose;
+use six_wheel_kinematics::geometry::wrap_angle;
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::state::check_pose;
 
 impl Fixed {
     /// Moves a pose towards one from outside. What was measured of the tilt, and what follows from the map, stays.

@@ -7,25 +7,25 @@ use nalgebra::Matrix6;
 
 use super::sample::Read;
 use super::state::State;
-use crate::odometry::preintegrated::space::Motion3;
-use crate::odometry::settings::Settings;
-use crate::suspension::MAX_WHEELS;
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::settings::Settings;
+use six_wheel_terrain::suspension::MAX_WHEELS;
 
 /// A sample with the state after it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub(super) read: Read,
-    pub(super) turned: [f64; MAX_WHEELS],
-    pub(super) dt: f64,
-    pub(super) state: State,
+pub(crate) struct Entry {
+    pub(crate) read: Read,
+    pub(crate) turned: [f64; MAX_WHEELS],
+    pub(crate) dt: f64,
+    pub(crate) state: State,
 }
 
 /// A pose from outside, brought to the stamp of an entry.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Correction {
-    pub(super) entry: u64,
-    pub(super) pose: Motion3,
-    pub(super) covariance: Matrix6<f64>,
+pub(crate) struct Correction {
+    pub(crate) entry: u64,
+    pub(crate) pose: Motion3,
+    pub(crate) covariance: Matrix6<f64>,
 }
 
 /// Samples for which there is room from the start.
@@ -33,13 +33,13 @@ const FEW: usize = 1024;
 
 /// The last samples, oldest first. Room for the first [`FEW`] is taken at the start, and grows as more have to be kept.
 #[derive(Clone, Debug)]
-pub(super) struct History {
-    pub(super) entries: VecDeque<Entry>,
+pub(crate) struct History {
+    pub(crate) entries: VecDeque<Entry>,
     /// Number of the oldest entry.
-    pub(super) first: u64,
-    pub(super) corrections: VecDeque<Correction>,
-    pub(super) most: usize,
-    pub(super) lag: f64,
+    pub(crate) first: u64,
+    pub(crate) corrections: VecDeque<Correction>,
+    pub(crate) most: usize,
+    pub(crate) lag: f64,
 }
 
 impl History {
@@ -63,15 +63,15 @@ impl History {
     }
 
     /// Number of the entry that comes next.
-    pub(super) fn next(&self) -> u64 {
+    pub(crate) fn next(&self) -> u64 {
         self.first + self.entries.len() as u64
     }
 
-    pub(super) fn place(&self, entry: u64) -> usize {
+    pub(crate) fn place(&self, entry: u64) -> usize {
         (entry - self.first) as usize
     }
 
-    pub(super) fn forget_oldest(&mut self) {
+    pub(crate) fn forget_oldest(&mut self) {
         self.entries.pop_front();
         self.first += 1;
         while self.corrections.front().is_some_and(|known| known.entry < self.first) {
@@ -95,7 +95,7 @@ impl History {
     }
 
     /// Remembers a correction; the oldest one makes room.
-    pub(super) fn remember(&mut self, correction: Correction) {
+    pub(crate) fn remember(&mut self, correction: Correction) {
         while self.corrections.len() >= self.most || self.corrections.try_reserve(1).is_err() {
             if self.corrections.pop_front().is_none() {
                 return;

@@ -4,10 +4,10 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::spread::{Columns, GYROSCOPE, JOINTS, RATES, STEERING, StepNoise, TILT, whole};
 use super::way::{Tilt, Told, Way};
-use crate::moving::MEMORY;
-use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
-use crate::odometry::settings::Readings as Kind;
-use crate::suspension::MAX_WHEELS;
+use crate::MEMORY;
+use six_wheel_odometry::motion::{ROUNDING, SUSPICIOUS};
+use six_wheel_odometry::settings::Readings as Kind;
+use six_wheel_terrain::suspension::MAX_WHEELS;
 
 /// How a displacement answers to something that the yaw, and with it the measured turn, answers to as well.
 struct Closing {
@@ -41,7 +41,7 @@ impl Closing {
 }
 
 /// Fills in what the displacement may be off by. Whether a contact slid further than that explains.
-pub(super) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
+pub(crate) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut StepNoise) -> bool {
     let noise = &way.settings.common.noise;
     let (chain, response) = (way.chain, &told.response);
     let count = chain.wheels().len();
@@ -130,7 +130,7 @@ pub(super) fn errors(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, into: &mut
 
 /// What a gyroscope, or the yaw of an attitude, changes of the displacement: wheels and gyroscope share the turn by their
 /// noise.
-pub(super) fn share(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, noise: &mut StepNoise) -> Option<Vector6<f64>> {
+pub(crate) fn share(way: &Way<'_>, told: &Told, tilt: Option<&Tilt>, noise: &mut StepNoise) -> Option<Vector6<f64>> {
     let known = tilt.and_then(|tilt| tilt.yaw.map(|yaw| tilt.turn(yaw).z));
     let turn = match (way.after.yaw_rate, known) {
         (Some(rate), _) => f64::midpoint(way.before.yaw_rate.unwrap_or(rate), rate) * way.dt,

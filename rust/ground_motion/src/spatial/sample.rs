@@ -2,8 +2,8 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::error::{Error, finite, numbers, radians};
-use crate::suspension::{MAX_FREE, MAX_WHEELS};
+use six_wheel_numerics::error::{Error, finite, numbers, radians};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Deviation of a quaternion's length from 1 that is taken for rounding of whoever wrote it.
 const UNIT: f64 = 1e-2;
@@ -67,7 +67,7 @@ impl Attitude {
 }
 
 /// Axes in the world about which roll and pitch turn a body, at this yaw and pitch.
-pub(super) fn tilting_axes(yaw: f64, pitch: f64) -> [Vector3<f64>; 2] {
+pub(crate) fn tilting_axes(yaw: f64, pitch: f64) -> [Vector3<f64>; 2] {
     let (sin, cos) = yaw.sin_cos();
     let ahead = Vector3::new(cos * pitch.cos(), sin * pitch.cos(), -pitch.sin());
     [ahead, Vector3::new(-sin, cos, 0.0)]
@@ -92,7 +92,7 @@ pub struct Sample3<'a> {
 
 /// A sample that has been taken in.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Read {
+pub(crate) struct Read {
     pub stamp: f64,
     /// As read.
     pub steering: [f64; MAX_WHEELS],

@@ -1,8 +1,8 @@
 //! All that does not change while odometry in space works.
 
-use crate::error::{Error, number};
-use crate::odometry::settings::Settings;
-use crate::suspension::Chain;
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_odometry::settings::Settings;
+use six_wheel_terrain::suspension::Chain;
 
 /// How odometry in space works.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ impl Default for Settings3 {
 }
 
 impl Settings3 {
-    pub(super) fn check(&self, chain: &Chain) -> Result<(), Error> {
+    pub(crate) fn check(&self, chain: &Chain) -> Result<(), Error> {
         self.common.check_for(chain.wheels().len(), chain.steering().len())?;
         let deviations = [("attitude_noise", self.attitude_noise), ("joint_noise", self.joint_noise)];
         for (argument, value) in deviations {
@@ -34,7 +34,7 @@ impl Settings3 {
     }
 
     /// By how much the way of a wheel's centre across the ground may be off over one step [m].
-    pub(super) fn doubt(&self, reach: f64) -> f64 {
+    pub(crate) fn doubt(&self, reach: f64) -> f64 {
         reach * (2.0 * (self.attitude_noise.powi(2) + self.joint_noise.powi(2))).sqrt()
     }
 }

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use crate::ground::{Settler, Stand, Status};
-use crate::moving::Footing;
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS, PlanPose};
-use crate::terrain::{Terrain, normal};
+use crate::Footing;
+use six_wheel_terrain::ground::{Settler, Stand, Status};
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::{Terrain, normal};
 
 /// Where the contacts of a step come from.
-pub(super) enum Site<'a> {
+pub(crate) enum Site<'a> {
     /// From the joints.
     Unmapped,
     /// From a settled pose.
@@ -17,7 +17,7 @@ pub(super) enum Site<'a> {
 
 /// A settled pose, as the motion on it takes it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     pub pose: PlanPose,
     pub stand: Stand,
     pub angles: [f64; MAX_WHEELS],
@@ -85,7 +85,7 @@ impl Place {
     pub fn slopes(&self, chain: &Chain) -> Option<[(f64, Vector3<f64>); 3]> {
         let steering = &self.steering[..self.steered];
         let placed = self.stand.place(chain, self.pose, steering)?;
-        let by = crate::ground::by_pose(chain, &placed, &self.stand)?;
+        let by = six_wheel_terrain::ground::by_pose(chain, &placed, &self.stand)?;
         Some(std::array::from_fn(|k| {
             let about = placed.roll_axis * by[1][k] + placed.pitch_axis * by[2][k];
             let upright = if k == 2 { Vector3::z() } else { Vector3::zeros() };

@@ -5,28 +5,28 @@
 
 use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
 
-use crate::jacobi::Jacobi;
-use crate::odometry::preintegrated::space::{Motion3, left_jacobian};
-use crate::suspension::{MAX_FREE, MAX_WHEELS};
+use six_wheel_numerics::jacobi::Jacobi;
+use six_wheel_odometry::preintegrated::space::{Motion3, left_jacobian};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 /// Columns of readings that two steps share: steering, wheels that report rates, free angles, tilt, the gyroscope.
-pub(super) const STEERING: usize = 0;
-pub(super) const RATES: usize = STEERING + MAX_WHEELS;
-pub(super) const JOINTS: usize = RATES + MAX_WHEELS;
-pub(super) const TILT: usize = JOINTS + MAX_FREE;
-pub(super) const GYROSCOPE: usize = TILT + 2;
-pub(super) const SHARED: usize = GYROSCOPE + 1;
+pub(crate) const STEERING: usize = 0;
+pub(crate) const RATES: usize = STEERING + MAX_WHEELS;
+pub(crate) const JOINTS: usize = RATES + MAX_WHEELS;
+pub(crate) const TILT: usize = JOINTS + MAX_FREE;
+pub(crate) const GYROSCOPE: usize = TILT + 2;
+pub(crate) const SHARED: usize = GYROSCOPE + 1;
 
 /// A pose's rounding, as a share of its variance: added to every diagonal, so that no direction's variance is
 /// negative.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Columns times their standard deviations.
-pub(super) type Columns = [Vector6<f64>; SHARED];
+pub(crate) type Columns = [Vector6<f64>; SHARED];
 
 /// What one displacement in axes of the body may be off by.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct StepNoise {
+pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
     pub own: Matrix6<f64>,
     /// Per shared reading: its error at the start of the step.
@@ -61,7 +61,7 @@ const fn zero() -> Matrix6<f64> {
 
 /// Error of a pose: x, y, z [m], and about the axes of the world [rad].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Errors {
+pub(crate) struct Errors {
     pub settled: Matrix6<f64>,
     pub carried: Columns,
 }
@@ -99,7 +99,7 @@ fn parts(error: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(error[0], error[1], error[2]), Vector3::new(error[3], error[4], error[5]))
 }
 
-pub(super) fn whole(way: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
+pub(crate) fn whole(way: &Vector3<f64>, about: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(way.x, way.y, way.z, about.x, about.y, about.z)
 }
 

@@ -10,14 +10,14 @@ use super::site::{Place, Site};
 use super::spread::{Errors, StepNoise, TILT, whole};
 use super::step::{displace, halfway, middle_angles};
 use super::way::Way;
-use crate::error::{Error, ErrorKind, HUGE, number, numbers};
-use crate::geometry::{Sum, Walk, wrap_angle};
-use crate::ground::Status;
-use crate::odometry::health::{Health, Refusal};
-use crate::odometry::preintegrated::space::Motion3;
-use crate::odometry::state::read_variance;
-use crate::suspension::{Chain, MAX_WHEELS, PlanPose};
-use crate::terrain::Terrain;
+use six_wheel_kinematics::geometry::{Sum, Walk, wrap_angle};
+use six_wheel_numerics::error::{Error, ErrorKind, HUGE, number, numbers};
+use six_wheel_odometry::health::{Health, Refusal};
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::state::read_variance;
+use six_wheel_terrain::ground::Status;
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
 
 /// A pose in space: `Rz(yaw) Ry(pitch) Rx(roll)` at x, y, z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,7 +66,7 @@ impl Pose3 {
 
 /// All that does not change while it works.
 #[derive(Clone, Debug)]
-pub(super) struct Fixed {
+pub(crate) struct Fixed {
     pub chain: Chain,
     pub ground: Option<Arc<Terrain>>,
     pub settings: Settings3,
@@ -77,7 +77,7 @@ pub(super) struct Fixed {
 
 /// What changes from sample to sample and is taken back when a late pose comes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct State {
+pub(crate) struct State {
     pub walk: Walk,
     pub z: Sum,
     pub roll: f64,
@@ -91,7 +91,7 @@ pub(super) struct State {
 }
 
 /// What there is to say about a step.
-pub(super) struct Taken {
+pub(crate) struct Taken {
     pub noise: StepNoise,
     /// How far every contact slid along its rim and to the left [m].
     pub slid: [[f64; 2]; MAX_WHEELS],
@@ -324,7 +324,7 @@ fn off_ground(state: &State, status: Status) -> Refusal {
 
 /// A covariance that is symmetric and has no negative variance; infinite ones, where they may be, say nothing of a
 /// direction.
-pub(super) fn check_covariance(covariance: [[f64; 6]; 6], may_be_infinite: bool) -> Result<Matrix6<f64>, Error> {
+pub(crate) fn check_covariance(covariance: [[f64; 6]; 6], may_be_infinite: bool) -> Result<Matrix6<f64>, Error> {
     let mut matrix = Matrix6::from(covariance);
     for k in 0..6 {
         matrix[(k, k)] = read_variance(matrix[(k, k)]);

@@ -9,11 +9,11 @@ use super::noise::{errors, share};
 use super::site::{Place, Site};
 use super::spread::StepNoise;
 use super::way::{Tilt, Told, Way};
-use crate::error::HUGE;
-use crate::error::{Error, ErrorKind, numbers};
-use crate::moving::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
-use crate::odometry::step::chord;
-use crate::suspension::{Chain, MAX_FREE, MAX_WHEELS};
+use crate::{COLUMNS, Climb, Contacts, Found, Readings, Row, Unmapped};
+use six_wheel_numerics::error::HUGE;
+use six_wheel_numerics::error::{Error, ErrorKind, numbers};
+use six_wheel_odometry::step::chord;
+use six_wheel_terrain::suspension::{Chain, MAX_FREE, MAX_WHEELS};
 
 /// Rounds in which turn, contacts and way are found together.
 const ROUNDS: usize = 12;
@@ -22,7 +22,7 @@ const ROUNDS: usize = 12;
 const FOUND: f64 = 1e-14;
 
 /// What came of it.
-pub(super) struct Step {
+pub(crate) struct Step {
     /// `log(start⁻¹ end)`
     pub tangent: Vector6<f64>,
     /// Change of the yaw, where the tilt at both ends was measured [rad].
@@ -37,7 +37,7 @@ pub(super) struct Step {
 }
 
 /// The displacement over one step.
-pub(super) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
+pub(crate) fn displace(way: &Way<'_>, site: &Site<'_>) -> Result<Step, Error> {
     let huge = || {
         let rule = "be small enough for a finite pose and covariance";
         let count = way.chain.wheels().len();
@@ -180,7 +180,7 @@ enum Underfoot<'a> {
 }
 
 /// Where half of a step leads from a settled start, in axes of its body.
-pub(super) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
+pub(crate) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
     let input = Input::of(way);
     let underfoot = input.stand(way.chain, &Site::Ground(start)).ok()?;
     let found = input.contacts(way, &underfoot, None);
@@ -189,7 +189,7 @@ pub(super) fn halfway(way: &Way<'_>, start: &Place) -> Option<Vector6<f64>> {
 }
 
 /// Steering angles in the middle of a step.
-pub(super) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
+pub(crate) fn middle_angles(way: &Way<'_>) -> [f64; MAX_WHEELS] {
     Input::of(way).angles
 }
 

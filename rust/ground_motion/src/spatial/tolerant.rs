@@ -2,8 +2,8 @@
 
 use super::Odometry3;
 use super::sample::{Recording3, Sample3, attitude};
-use crate::error::Error;
-use crate::odometry::health::{Health, Refusal};
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::health::{Health, Refusal};
 
 /// Where the results of a log go, one row per sample.
 #[derive(Debug)]

@@ -4,12 +4,12 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::sample::Read;
 use super::settings::Settings3;
-use crate::moving::{Contacts, Response};
-use crate::suspension::{Chain, MAX_WHEELS};
-use crate::wheels::Direction;
+use crate::{Contacts, Response};
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::suspension::{Chain, MAX_WHEELS};
 
 /// One step: what was read at its ends.
-pub(super) struct Way<'a> {
+pub(crate) struct Way<'a> {
     pub chain: &'a Chain,
     pub settings: &'a Settings3,
     pub radii: &'a [f64; MAX_WHEELS],
@@ -26,7 +26,7 @@ pub(super) struct Way<'a> {
 
 /// Tilt at both ends of a step.
 #[derive(Clone, Copy)]
-pub(super) struct Tilt {
+pub(crate) struct Tilt {
     pub ends: [UnitQuaternion<f64>; 2],
     /// What the attitudes say of the yaw [rad].
     pub yaw: Option<f64>,
@@ -42,7 +42,7 @@ impl Tilt {
         let yaw = first.yaw.zip(last.yaw);
         Some(Self {
             ends,
-            yaw: yaw.map(|(first, last)| crate::geometry::wrap_angle(last - first)),
+            yaw: yaw.map(|(first, last)| six_wheel_kinematics::geometry::wrap_angle(last - first)),
             up: (up[0] + up[1]) * 0.5,
         })
     }
@@ -66,7 +66,7 @@ impl Tilt {
 }
 
 /// What wheels, joints and tilt say of a step, before a gyroscope has its say.
-pub(super) struct Told {
+pub(crate) struct Told {
     pub twist: [f64; 6],
     pub turn: Option<Vector3<f64>>,
     pub yaw: f64,

@@ -11,8 +11,8 @@ use nalgebra::{Cholesky, Matrix3, Vector3};
 
 use super::keep::Keep;
 use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
 use crate::rover_data::RoverData;
+use six_wheel_numerics::jacobi::Jacobi;
 
 /// Share of a twist's size below which a component of its projection is rounding.
 pub(crate) const VANISHED: f64 = 1e-14;
@@ -31,7 +31,7 @@ pub(crate) const AGREED: f64 = 1e-9;
 
 /// A face, under the components of the twist that are kept.
 #[derive(Clone, Debug)]
-pub(crate) struct Face {
+pub struct Face {
     /// The nearest point is the sum of the directions, each times the product of its row with the wanted twist. The
     /// directions span the subspace, so that the point is in it to rounding of its own size.
     pub span: Vec<[[f64; 3]; 2]>,
@@ -70,7 +70,7 @@ impl Face {
 
 /// The faces that a projection has to look at, for each way of keeping something.
 #[derive(Clone, Debug)]
-pub(crate) struct Faces {
+pub struct Faces {
     kept: [Vec<Face>; 4],
     /// Lᵀ of the metric L Lᵀ: the largest component of its product with a twist is the size that rounding is a share of.
     pub size: [[f64; 3]; 3],
@@ -278,7 +278,7 @@ fn unit(k: usize) -> Vector3<f64> {
 
 impl Faces {
     /// The nearest point of the admissible set that keeps what is to be kept.
-    pub(super) fn nearest(&self, rover: &RoverData, wanted: Twist, keep: Keep) -> Option<Twist> {
+    pub(crate) fn nearest(&self, rover: &RoverData, wanted: Twist, keep: Keep) -> Option<Twist> {
         let target = Vector3::from(wanted);
         let size = self.size.iter().fold(0.0, |most: f64, row| most.max(Vector3::from(*row).dot(&target).abs()));
         let mut best: Option<(f64, Vector3<f64>)> = None;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::error::Error;
+use six_wheel_numerics::error::Error;
 
 /// Part of a twist that a projection preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,12 +6,12 @@ use super::faces::VANISHED;
 use super::faces::components;
 use super::{Keep, shrink};
 use crate::batch;
-use crate::error::Error;
 use crate::geometry::Twist;
-use crate::jacobi::Jacobi;
 use crate::rover::Rover;
 use crate::steering::SteeringRange;
 use crate::wheels::{Pivot, Wheel};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::jacobi::Jacobi;
 
 /// A linear condition: the row times the twist is the value.
 type Condition = (Vector3<f64>, f64);

@@ -1,11 +1,11 @@
 //! Maps between twists and poses, row by row.
 
-use crate::batch::formulas::maps::{Map, Mapped};
-use crate::batch::machine::level::Level;
-use crate::batch::machine::sizes::sum_of_sizes;
-use crate::batch::machine::workers::Workers;
-use crate::error::{Error, finite};
+use crate::formulas::maps::{Map, Mapped};
 use crate::geometry::Steps;
+use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::sizes::sum_of_sizes;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// A map of every row: of one row of numbers, or of two where it takes two, and how long it lasts [s].
 pub fn map(

@@ -20,23 +20,24 @@
 //! **One row** (`one_row/`) goes the same way, but its lanes are the wheels, so nothing has to be woven; its plans are
 //! made with the rover.
 
-mod calls;
-pub(crate) mod formulas;
-pub(crate) mod machine;
-pub(crate) mod one_row;
+mod blocks;
+mod maps;
+pub mod poses;
+mod rows;
+mod single;
+mod singly;
+mod twists;
 
-pub use calls::maps::{differentiate, map};
-pub use calls::poses::integrate;
-pub use calls::rows::{forward, inverse};
-pub use calls::single::{admissible_one, forward_one, inverse_one, project_one};
-pub use calls::singly::{fill, fit, sensitivity};
-pub use calls::twists::{admissible, project};
-pub(crate) use formulas::cone::Cone;
-pub use formulas::fit::Fits;
-pub use formulas::maps::Map;
-pub use formulas::rollout_cost::{Costs, rollout_cost};
-pub use machine::level::Level;
-pub use machine::places::Places;
-pub use machine::sizes::are_finite;
-pub use machine::table::{Beside, Durations, Log, Readings, Source, Table};
-pub use machine::workers::Workers;
+pub use crate::formulas::fit::Fits;
+pub use crate::formulas::maps::Map;
+pub use crate::table::{Beside, Durations, Log, Readings, Source, Table};
+pub use maps::{differentiate, map};
+pub use poses::integrate;
+pub use rows::{forward, inverse};
+pub use single::{admissible_one, forward_one, inverse_one, project_one};
+pub use singly::{fill, fit, sensitivity};
+pub use six_wheel_numerics::places::Places;
+pub use six_wheel_numerics::simd::level::Level;
+pub use six_wheel_numerics::sizes::are_finite;
+pub use six_wheel_numerics::threads::workers::Workers;
+pub use twists::{admissible, project};

@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use super::BLOCK_ROWS;
-use crate::batch::formulas::integrate::{LARGEST_TOTAL, follow, place};
-use crate::batch::formulas::logs::Logs;
-use crate::batch::machine::level::Level;
-use crate::batch::machine::sizes::sum_of_sizes;
-use crate::batch::machine::stream::is_large;
-use crate::batch::machine::table::{Durations, Table};
-use crate::batch::machine::workers::Workers;
-use crate::error::Error;
+use super::blocks::BLOCK_ROWS;
 use crate::geometry::{Bound, Steps, Twist, Walk};
+use crate::pose_logs::integrate::{LARGEST_TOTAL, follow, place};
+use crate::pose_logs::logs::Logs;
 use crate::rover::Rover;
+use crate::table::{Durations, Table};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::sizes::sum_of_sizes;
+use six_wheel_numerics::stream::is_large;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Logs up to this long are checked and read several at a time.
 const SHORT_LOG: usize = 1024;
@@ -22,7 +22,7 @@ const GROUP: usize = 8;
 
 /// Logs of `count` steps each, and what they begin with: one start for every log, or one for all.
 #[derive(Clone, Copy)]
-pub(crate) struct Journey<'a> {
+pub struct Journey<'a> {
     pub twists: Table<'a>,
     pub count: usize,
     pub steps: Durations<'a>,
@@ -39,7 +39,7 @@ pub(crate) struct Journey<'a> {
 
 /// Memory of one thread for what has to be read.
 #[derive(Default)]
-pub(crate) struct Buffers {
+pub struct Buffers {
     pub twists: Vec<f64>,
     pub steps: Vec<f64>,
 }

@@ -2,20 +2,21 @@
 
 use std::ops::Range;
 
-use super::{BLOCK_ROWS, single};
-use crate::batch::formulas::{forward as estimate, inverse as command};
-use crate::batch::machine::level::Level;
-use crate::batch::machine::stream::is_large;
-use crate::batch::machine::table::{Beside, Log, Readings, Table};
-use crate::batch::machine::workers::Workers;
-use crate::error::Error;
+use super::blocks::BLOCK_ROWS;
+use super::single;
 use crate::estimate::{Measured, Unseen};
+use crate::formulas::{forward as estimate, inverse as command};
 use crate::geometry::Twist;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
+use crate::table::{Beside, Log, Readings, Table};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::stream::is_large;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Rows from which a batch is worth setting up a kernel for.
-pub(super) const FEW: usize = 8;
+pub(crate) const FEW: usize = 8;
 
 /// The rows in blocks of this size.
 fn blocks(rows: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {

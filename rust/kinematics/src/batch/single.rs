@@ -1,14 +1,14 @@
 //! One row at a time, by the kernels whose lanes are the wheels, or by those of whole batches with the same row in every lane.
 
 use crate::admissible::Keep;
-use crate::batch::formulas::admissible::{JudgeOne, ProjectOne};
-use crate::batch::machine::level::Level;
-use crate::batch::one_row::inverse::level;
-use crate::error::Error;
 use crate::estimate::{Measured, Unseen};
+use crate::formulas::admissible::{JudgeOne, ProjectOne};
 use crate::geometry::Twist;
+use crate::one_row::inverse::level;
 use crate::rover::Rover;
 use crate::rover_data::Inputs;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
 
 /// [`Rover::inverse`], by the kernel for one row where there is one.
 pub fn inverse_one(
@@ -31,7 +31,7 @@ fn try_one(rover: &Rover, twist: Twist, inputs: Inputs<'_>, steering: &mut [f64]
 }
 
 /// Fails unless [`solve_row`] may be called: at the plain level without the kernel.
-pub(super) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Inputs<'_>) -> Result<(), Error> {
+pub(crate) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Inputs<'_>) -> Result<(), Error> {
     inputs.check()?;
     match inputs.steering_rates {
         None if level != Level::Plain && is_sure(rover, twist) => Ok(()),
@@ -40,7 +40,7 @@ pub(super) fn check_row(level: Level, rover: &Rover, twist: Twist, inputs: Input
 }
 
 /// A row that has been checked.
-pub(super) fn solve_row(
+pub(crate) fn solve_row(
     level: Level,
     rover: &Rover,
     twist: Twist,
@@ -65,7 +65,7 @@ pub fn forward_one(rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Res
 }
 
 /// A row of a log: at the plain level without the kernel.
-pub(super) fn read_row(level: Level, rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
+pub(crate) fn read_row(level: Level, rover: &Rover, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
     match level {
         Level::Plain => rover.forward(measured, unseen),
         _ => forward_one(rover, measured, unseen),

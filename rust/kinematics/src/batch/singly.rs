@@ -1,15 +1,15 @@
 //! Calls that go through the plain core row by row.
 
 use super::rows::FEW;
-use crate::batch::formulas::fit::{Fits, Plan};
-use crate::batch::formulas::forward;
-use crate::batch::formulas::sensitivity::{Ask, plain};
-use crate::batch::machine::table::Log;
-use crate::batch::machine::workers::Workers;
-use crate::error::Error;
 use crate::estimate::sensitivity::Quantity;
 use crate::estimate::{Method, Unseen};
+use crate::formulas::fit::{Fits, Plan};
+use crate::formulas::forward;
+use crate::formulas::sensitivity::{Ask, plain};
 use crate::rover::Rover;
+use crate::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// A value for every row, each on its own.
 pub fn fill<const N: usize>(

@@ -1,13 +1,13 @@
 //! Which twists are possible, and the nearest that are.
 
 use crate::admissible::Keep;
-use crate::batch::formulas::admissible::{Admissible, Project};
-use crate::batch::formulas::usual::LARGEST;
-use crate::batch::machine::sizes::sum_of_sizes;
-use crate::batch::machine::workers::Workers;
-use crate::error::Error;
+use crate::formulas::admissible::{Admissible, Project};
+use crate::formulas::usual::LARGEST;
 use crate::geometry::Twist;
 use crate::rover::Rover;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::sizes::sum_of_sizes;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Whether the rover can make each twist. Fails where one is not finite.
 pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {

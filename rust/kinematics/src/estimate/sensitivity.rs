@@ -13,10 +13,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Measured, Reading, Unseen};
-use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover_data::{MAX_WHEELS, Mount, RoverData};
 use crate::wheels::{Direction, Pivot, Wheel};
+use six_wheel_numerics::error::Error;
 
 /// Something of one wheel on which the twist depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,14 +111,14 @@ impl Change {
 /// The twist of one instant with all that its derivatives need.
 #[derive(Debug)]
 pub struct Linearised<'a> {
-    pub(crate) rover: &'a RoverData,
-    pub(crate) readings: &'a [Reading],
-    pub(crate) measured: Measured<'a>,
+    pub rover: &'a RoverData,
+    pub readings: &'a [Reading],
+    pub measured: Measured<'a>,
     /// Inverse of the normal equations about the centre of the pivots.
-    pub(crate) solution: Matrix3<f64>,
-    pub(crate) twist: Vector3<f64>,
+    pub solution: Matrix3<f64>,
+    pub twist: Vector3<f64>,
     /// Say of each wheel.
-    pub(crate) weights: Option<&'a [f64]>,
+    pub weights: Option<&'a [f64]>,
 }
 
 impl Linearised<'_> {
@@ -128,7 +128,7 @@ impl Linearised<'_> {
     }
 
     /// Which of the steered wheels one is.
-    pub(crate) fn joint(&self, wheel: usize) -> Option<usize> {
+    pub fn joint(&self, wheel: usize) -> Option<usize> {
         self.rover.steered().iter().position(|&k| k == wheel)
     }
 
@@ -148,7 +148,7 @@ impl Linearised<'_> {
     }
 
     /// `dAᵀ W r + Aᵀ W (db - dA t)` for a quantity of one wheel.
-    pub(crate) fn gradient(&self, i: usize, quantity: Quantity) -> Vector3<f64> {
+    pub fn gradient(&self, i: usize, quantity: Quantity) -> Vector3<f64> {
         let (wheel, reading) = (&self.rover.wheels()[i], &self.readings[i]);
         if wheel.pivot == Pivot::Castor {
             return Vector3::zeros();

@@ -4,13 +4,13 @@ use super::cone::Cone;
 use super::steered::load;
 use crate::admissible::Keep;
 use crate::admissible::faces::Faces;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
-use crate::error::Error;
 use crate::geometry::Twist;
 use crate::rover_data::RoverData;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave};
 
 /// Whether each twist is possible; those in doubt are asked of the plain core.
 pub(crate) struct Admissible<'a> {

@@ -8,10 +8,10 @@ use std::f64::consts::{PI, TAU};
 use pulp::Simd;
 
 use super::steered::{CLOSE, Steered};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::{ROUND, angle};
 use crate::steering::{ANGLE_TOLERANCE, UNDECIDED};
 use crate::wheels::Direction;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::{ROUND, angle};
 
 /// Share of the pivot's speed that has to be left along the wheel for the angle of a trail to be exact.
 const LEFT: f64 = 0.75;
@@ -21,7 +21,7 @@ const INSIDE: f64 = ANGLE_TOLERANCE / 2.0;
 
 /// What a wheel is asked.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked<S: Simd> {
+pub struct Asked<S: Simd> {
     pub twist: [Lanes<S>; 3],
     /// Present steering angle [rad].
     pub before: Lanes<S>,
@@ -31,7 +31,7 @@ pub(crate) struct Asked<S: Simd> {
 
 /// What it does.
 #[derive(Clone, Copy)]
-pub(crate) struct Chosen<S: Simd> {
+pub struct Chosen<S: Simd> {
     /// [rad]
     pub angle: Lanes<S>,
     /// [m/s]

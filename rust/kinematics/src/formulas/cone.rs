@@ -11,16 +11,16 @@ use pulp::Simd;
 use super::usual::{is_usual, pivots_apart, usual};
 use crate::admissible::faces::{AGREED, Face, Faces, VANISHED, components};
 use crate::admissible::{Keep, SLIP_TOLERANCE};
-use crate::batch::machine::lanes::{Lanes, Mask};
 use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Direction;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 
 /// Shares of the tolerance up to which a wheel surely does not slide, and from which on it surely does.
 const SURE: [f64; 2] = [0.5, 2.0];
 
 /// The admissible twists of a rover, as numbers.
 #[derive(Clone, Debug)]
-pub(crate) struct Cone {
+pub struct Cone {
     /// Rows whose products with the twist are the speeds at which unsteered wheels slide.
     banks: Vec<[f64; 3]>,
     /// One for each steered wheel with a range narrower than half a turn.
@@ -48,7 +48,7 @@ struct Wedge {
 
 /// What is sure of each lane; neither where the plain core has to decide.
 #[derive(Clone, Copy)]
-pub(crate) struct Verdict<S: Simd> {
+pub struct Verdict<S: Simd> {
     pub yes: Mask<S>,
     pub no: Mask<S>,
 }
@@ -279,7 +279,7 @@ fn point<S: Simd>(simd: S, face: &Face, wanted: [Lanes<S>; 3]) -> [Lanes<S>; 3] 
 
 /// A row times a twist, by the same operations as the plain core.
 #[inline(always)]
-pub(crate) fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
+pub fn dot<S: Simd>(simd: S, row: &[f64; 3], [vx, vy, omega]: [Lanes<S>; 3]) -> Lanes<S> {
     let [a, b, c] = [row[0], row[1], row[2]];
     vx * Lanes::splat(simd, a) + vy * Lanes::splat(simd, b) + omega * Lanes::splat(simd, c)
 }

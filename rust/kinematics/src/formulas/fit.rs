@@ -9,14 +9,14 @@ use super::cone::dot;
 use super::readings::{self, Kept, Rows, solve_block};
 use super::robust::{self, Block, EARLY, LATE};
 use super::steered::load;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::table::{Log, row_mut};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, weave, with_columns};
-use crate::error::Error;
 use crate::estimate::{Fit, Measured, Method, Reading, Unseen};
 use crate::rover_data::{MAX_WHEELS, RoverData};
+use crate::table::{Log, row_mut};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column, weave, with_columns};
 
 /// What the kernel needs to know of a rover and a method.
 pub(crate) struct Plan<'a> {
@@ -47,7 +47,7 @@ pub struct Fits<'a> {
 
 impl Fits<'_> {
     /// The result of one row, and room for what it says of its wheels.
-    pub(in crate::batch) fn one(
+    pub fn one(
         &mut self,
         k: usize,
         wheels: usize,

@@ -5,15 +5,15 @@ use std::ops::Range;
 pub(crate) use super::readings::Plan;
 use super::readings::{Kept, LARGEST_SPEED, solve, solve_block};
 use super::usual::all_within;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::polynomials::LARGEST_ANGLE;
-use crate::batch::machine::stream::{Output, fetch_ahead};
-use crate::batch::machine::table::Log;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, weave, with_columns};
-use crate::error::Error;
 use crate::estimate::Unseen;
+use crate::table::Log;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::{Output, fetch_ahead};
+use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
 
 impl Plan<'_> {
     /// Fails at the first row that cannot be read.

@@ -7,17 +7,17 @@ mod solve;
 mod tests;
 
 use self::plan::block;
-pub(crate) use self::plan::{Part, Plan};
+pub use self::plan::{Part, Plan};
 use self::solve::Solve;
 use super::steered::load;
 use super::usual::all_within;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::stream::fetch_ahead;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, with_columns};
-use crate::error::Error;
 use crate::rover_data::Inputs;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::fetch_ahead;
+use six_wheel_numerics::weave::{BLOCK, Column, unweave, with_columns};
 
 impl Plan<'_> {
     /// Fails at the first row that the rover cannot make; rows count from `first`.

@@ -1,10 +1,10 @@
 //! Maps of SE(2), register by register: from twists to poses and back, one pose after another.
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
-use crate::batch::machine::vector::Vector;
 use crate::geometry::{Pose, Steps, Twist};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Sizes whose products neither overflow nor lose digits, 0 among them. Beyond them, the plain core.
 const SIZES: [f64; 2] = [1e-100, 1e100];
@@ -27,7 +27,7 @@ pub enum Map {
 
 impl Map {
     /// One row by the plain core.
-    pub(in crate::batch) fn of(self, first: [f64; 3], second: [f64; 3], dt: f64) -> [f64; 3] {
+    pub fn of(self, first: [f64; 3], second: [f64; 3], dt: f64) -> [f64; 3] {
         match self {
             Self::Exp => Twist::from(first).exp(dt).into(),
             Self::Log => Pose::from(first).log(dt).into(),
@@ -38,7 +38,7 @@ impl Map {
 }
 
 /// A map of rows; maps of one row have no second ones.
-pub(in crate::batch) struct Mapped<'a> {
+pub(crate) struct Mapped<'a> {
     pub map: Map,
     pub first: &'a [[f64; 3]],
     pub second: &'a [[f64; 3]],
@@ -197,8 +197,10 @@ mod tests {
 
     use super::*;
     use crate::admissible::tests::Numbers;
-    use crate::batch::{self, Level, Workers};
-    use crate::error::Error;
+    use crate::batch;
+    use six_wheel_numerics::error::Error;
+    use six_wheel_numerics::simd::level::Level;
+    use six_wheel_numerics::threads::workers::Workers;
 
     const CORNERS: [f64; 12] = [0.0, -0.0, 5e-324, -1e-310, 1e-150, 1e-9, FRAC_PI_2, PI, -PI, 7.0, 1e12, -1e200];
 

@@ -2,17 +2,16 @@
 
 pub(crate) mod admissible;
 pub(crate) mod choice;
-pub(crate) mod cone;
-pub(crate) mod fit;
+pub mod cone;
+pub mod fit;
 pub(crate) mod forward;
-pub(crate) mod integrate;
-pub(crate) mod inverse;
-pub(crate) mod logs;
-pub(crate) mod maps;
-pub(crate) mod readings;
+pub mod inverse;
+pub mod maps;
+pub mod readings;
 pub(crate) mod robust;
-pub(crate) mod rollout_cost;
 pub(crate) mod sensitivity;
-pub(crate) mod steered;
-pub(crate) mod tile;
-pub(crate) mod usual;
+pub mod steered;
+pub mod usual;
+
+#[cfg(test)]
+mod tests;

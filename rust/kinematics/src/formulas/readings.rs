@@ -6,20 +6,20 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
-use crate::batch::machine::stream::fetch_ahead;
-use crate::batch::machine::table::Log;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave};
 use crate::rover_data::{Mount, RoverData};
+use crate::table::Log;
 use crate::wheels::Wheel;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::fetch_ahead;
+use six_wheel_numerics::weave::{BLOCK, Column, unweave};
 
 /// Speeds up to here surely make a finite twist [rad/s]. NaN, of a wheel without encoder, is not one.
-pub(in crate::batch) const LARGEST_SPEED: f64 = 1e100;
+pub(crate) const LARGEST_SPEED: f64 = 1e100;
 
 /// Bound of what the rover multiplies readings by.
-pub(crate) const LARGEST_ROVER: f64 = 1e100;
+pub const LARGEST_ROVER: f64 = 1e100;
 
 /// Pivot of the normal equations, as a share of their trace, that surely determines a direction.
 const DETERMINED: f64 = 1e-10;
@@ -27,7 +27,7 @@ const DETERMINED: f64 = 1e-10;
 /// A wheel's two rows for the unknowns about the centre of the pivots: along its heading and across it, of its pivot along
 /// the axes where it is steered, none of a castor.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     pub rows: [[f64; 3]; 2],
     radius: f64,
     /// Whether it has a say in the twist.
@@ -77,25 +77,25 @@ impl Rows {
 }
 
 /// The upper half of the sum of products of two rows with themselves.
-pub(super) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
+pub(crate) fn products(rows: [[f64; 3]; 2]) -> [f64; 6] {
     let places = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     places.map(|(i, k)| rows.iter().map(|row| row[i] * row[k]).sum())
 }
 
 /// What the kernel needs to know of a rover.
 pub(crate) struct Plan<'a> {
-    pub(super) rover: &'a RoverData,
-    pub(super) wheels: Vec<Rows>,
-    pub(super) joints: usize,
+    pub(crate) rover: &'a RoverData,
+    pub(crate) wheels: Vec<Rows>,
+    pub(crate) joints: usize,
     /// Of the normal equations, `00 01 02 11 12 22`: what does not depend on the angles.
     normal: [f64; 6],
     /// From the right-hand side to the unknowns, where all of them do not.
-    pub(super) solution: Option<[[f64; 3]; 3]>,
+    pub(crate) solution: Option<[[f64; 3]; 3]>,
 }
 
 /// Readings of a block; no rates where none are given, or they do not matter.
 #[derive(Clone, Copy)]
-pub(super) struct Heard<'a> {
+pub(crate) struct Heard<'a> {
     pub steering: &'a [Column],
     pub speeds: &'a [Column],
     pub rates: &'a [Column],
@@ -140,7 +140,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Columns of the rates, where they matter.
-    pub(super) fn rates(&self, log: Log<'_>) -> usize {
+    pub fn rates(&self, log: Log<'_>) -> usize {
         match (self.solution, log.steering_rates) {
             (None, Some(_)) => self.joints,
             _ => 0,
@@ -149,7 +149,7 @@ impl<'a> Plan<'a> {
 }
 
 /// What is kept of a block beside its twists.
-pub(super) struct Kept<'a> {
+pub(crate) struct Kept<'a> {
     /// What each wheel reads along its rows [m/s].
     pub seen: &'a mut [[Column; 2]],
     /// About the centre of the pivots, the last one a speed.
@@ -169,7 +169,7 @@ impl<'a> Kept<'a> {
 
 /// Solves a block. Marks the rows that are not surely of a usual size, or determined; whether there are none.
 #[inline(always)]
-pub(super) fn solve_block<S: Vector, const KEEP: bool>(
+pub(crate) fn solve_block<S: Vector, const KEEP: bool>(
     simd: S,
     plan: &Plan<'_>,
     heard: Heard<'_>,
@@ -292,7 +292,7 @@ fn solve_registers<S: Vector, const KEEP: bool, const CENTRED: bool>(
 impl Plan<'_> {
     /// Takes the readings of a block apart.
     #[inline(always)]
-    pub(super) fn hear<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> Heard<'c> {
+    pub fn hear<'c, S: Vector>(&self, simd: S, log: Log<'_>, columns: &'c mut [Column]) -> Heard<'c> {
         let (steering, rest) = columns.split_at_mut(self.joints);
         let (speeds, rates) = rest.split_at_mut(self.wheels.len());
         unweave(simd, log.steering, steering);
@@ -305,7 +305,7 @@ impl Plan<'_> {
 
     /// The normal equations of a register of angles.
     #[inline(always)]
-    pub(super) fn normal<S: Vector>(&self, simd: S, steering: &[Column], k: usize) -> [Lanes<S>; 6] {
+    pub fn normal<S: Vector>(&self, simd: S, steering: &[Column], k: usize) -> [Lanes<S>; 6] {
         let splat = |number| Lanes::splat(simd, number);
         let mut normal = [splat(0.0); 6];
         for (sum, constant) in normal.iter_mut().zip(self.normal) {
@@ -330,7 +330,7 @@ impl Plan<'_> {
 
     /// [`Rover::unshifted`] in every lane.
     #[inline(always)]
-    pub(super) fn unshifted<S: Vector>(&self, simd: S, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    pub fn unshifted<S: Vector>(&self, simd: S, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let omega = z * Lanes::splat(simd, 1.0 / self.rover.size);
         let (cx, cy) = (self.rover.centre.x, self.rover.centre.y);
         let (cx, cy) = (Lanes::splat(simd, cx), Lanes::splat(simd, cy));
@@ -363,7 +363,7 @@ fn add_moments<S: Vector>(normal: &mut [Lanes<S>; 6], [x, y]: [Lanes<S>; 2]) {
 
 /// The solution of normal equations `00 01 02 11 12 22`, and where they surely have one.
 #[inline(always)]
-pub(super) fn solve<S: Vector>(
+pub(crate) fn solve<S: Vector>(
     simd: S,
     [a, b, c, d, e, f]: [Lanes<S>; 6],
     [x, y, z]: [Lanes<S>; 3],

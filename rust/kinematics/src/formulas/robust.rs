@@ -1,4 +1,4 @@
-//! Robust fits of whole registers of readings: the rounds of [`crate::Rover::fit`], until all rows of a block have settled.
+//! Robust fits of whole registers of readings: the rounds of [`crate::rover::Rover::fit`], until all rows of a block have settled.
 //!
 //! A steered wheel without scrub and trail measures its pivot's whole velocity, so what a wheel adds to the normal
 //! equations is a constant of the rover times its weight; the rounds need no angle.
@@ -7,18 +7,18 @@ mod block;
 mod rounds;
 
 use self::block::LANES;
-pub(super) use self::block::{Block, MOST, Plan};
+pub(crate) use self::block::{Block, MOST, Plan};
 use self::rounds::Rounds;
 use super::readings::Kept;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column};
 use crate::estimate::{NOISE, ROUNDS};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Rounds after which the rows that have not settled yet try a leap, and are put together anew: some take ten times as many
 /// as most. After the first ones, those of many blocks go on together.
-pub(super) const EARLY: [usize; 2] = [6, 8];
-pub(super) const LATE: [usize; 4] = [12, 16, 28, 30];
+pub(crate) const EARLY: [usize; 2] = [6, 8];
+pub(crate) const LATE: [usize; 4] = [12, 16, 28, 30];
 const _: () = assert!(EARLY[0] + EARLY[1] + LATE[0] + LATE[1] + LATE[2] + LATE[3] == ROUNDS);
 
 /// Sums of squares of rim speeds whose squares neither overflow nor lose digits [m²/s²].

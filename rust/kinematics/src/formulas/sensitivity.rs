@@ -4,16 +4,16 @@
 
 use super::readings::{self, Kept, solve, solve_block};
 use super::usual::all_within;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::sin_cos;
-use crate::batch::machine::table::{Log, row_mut};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, weave, weave_tiles};
-use crate::error::Error;
 use crate::estimate::gradients::{GIVEN, Gradients, PRODUCTS, Sum};
 use crate::estimate::sensitivity::Quantity;
 use crate::rover_data::{Mount, RoverData};
+use crate::table::{Log, row_mut};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::sin_cos;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column, weave, weave_tiles};
 
 /// Registers in lockstep.
 const QUAD: usize = 4;

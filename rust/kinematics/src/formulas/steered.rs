@@ -4,36 +4,36 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use pulp::Simd;
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::angle;
-use crate::batch::machine::weave::{BLOCK, Column};
 use crate::rover_data::Mount;
 use crate::steering::{SteeringRange, UNDECIDED};
 use crate::wheels::{Direction, REST, Wheel};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::angle;
+use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Comparisons that rounding may turn are not sure within this [rad].
-pub(super) const CLOSE: f64 = 1e-9;
+pub(crate) const CLOSE: f64 = 1e-9;
 
 /// Angles this near to an end of the reach need a second thought where the other end may be as near [rad].
-pub(in crate::batch) const NEAR_AN_END: f64 = 1e-8;
+pub(crate) const NEAR_AN_END: f64 = 1e-8;
 
 /// Angles beyond an end by no more than this slide by less than half the tolerance of the check: they are at the end [rad].
-pub(in crate::batch) const AT_AN_END: f64 = 5e-10;
+pub(crate) const AT_AN_END: f64 = 5e-10;
 
 /// Up to here a wheel with more than half a turn of range goes forwards without asking the others [rad].
-pub(in crate::batch) const DECIDED: f64 = 84.0 * PI / 180.0;
+pub(crate) const DECIDED: f64 = 84.0 * PI / 180.0;
 
 /// A range that goes further to both sides surely holds the nearer way of any motion [rad].
 const WIDE: f64 = FRAC_PI_2 + 1e-6;
 
 /// How a wheel finds its way: it has only one, the nearer one of two is surely meant, or it may have to ask the others.
-pub(in crate::batch) const ONLY: u8 = 0;
-pub(super) const NEARER: u8 = 1;
-pub(super) const EITHER: u8 = 2;
+pub(crate) const ONLY: u8 = 0;
+pub(crate) const NEARER: u8 = 1;
+pub(crate) const EITHER: u8 = 2;
 
 /// The angles that need no thought.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
+pub struct Reach {
     /// Two half planes `across * y < along * x` of the pivot's velocity.
     upper: [f64; 2],
     lower: [f64; 2],
@@ -93,7 +93,7 @@ impl Reach {
 
 /// A steered wheel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Steered {
+pub struct Steered {
     pub x: f64,
     pub y: f64,
     /// `None` where it is straight ahead.

@@ -3,9 +3,9 @@
 use pulp::Simd;
 
 use super::steered::absolute;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
 use crate::wheels::Wheel;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Sizes of twists whose squares neither overflow nor lose digits. Beyond them, the plain core.
 pub(crate) const SMALLEST: f64 = 1e-100;
@@ -16,7 +16,7 @@ pub(crate) const SIZES: std::ops::RangeInclusive<f64> = 1e-20..=1e20;
 
 /// Whether a twist is surely finite, and its squares are too.
 #[inline(always)]
-pub(crate) fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
+pub fn usual<S: Simd>(simd: S, twist: [Lanes<S>; 3]) -> Mask<S> {
     let [vx, vy, omega] = absolute(twist);
     let size = vx + vy + omega;
     let fits = size.at_most(Lanes::splat(simd, LARGEST));

@@ -1,15 +1,15 @@
 //! The readings of one instant: the lanes of a register are the wheels.
 
-use crate::batch::formulas::readings::{LARGEST_ROVER, LARGEST_SPEED};
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos};
-use crate::batch::machine::vector::Vector;
-use crate::batch::one_row::inverse::{Eight, GROUP, level, order, padded};
 use crate::estimate::Measured;
+use crate::formulas::readings::{LARGEST_ROVER, LARGEST_SPEED};
 use crate::geometry::Twist;
+use crate::one_row::inverse::{Eight, GROUP, level, order, padded};
 use crate::rover_data::{Mount, RoverData};
 use crate::wheels::Wheel;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// What the kernel needs to know of a rover.
 #[derive(Clone, Debug)]

@@ -14,34 +14,34 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use pulp::Simd;
 
 use crate::admissible::SLIP_TOLERANCE;
-use crate::batch::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
-use crate::batch::formulas::usual::{LARGEST, SMALLEST, is_usual, pivots_apart};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::polynomials::{ROUND, angle};
-use crate::batch::machine::vector::Vector;
+use crate::formulas::steered::{AT_AN_END, DECIDED, NEAR_AN_END, ONLY, Reach};
+use crate::formulas::usual::{LARGEST, SMALLEST, is_usual, pivots_apart};
 use crate::geometry::Twist;
 use crate::rover_data::{Inputs, MAX_WHEELS, Mount, RoverData};
 use crate::steering::SteeringRange;
 use crate::wheels::{REST, Wheel};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::{ROUND, angle};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Wheels in a group: a whole number of registers on every level.
-pub(crate) const GROUP: usize = 8;
+pub const GROUP: usize = 8;
 
 /// Groups of the largest rover.
 const GROUPS: usize = MAX_WHEELS / GROUP;
 
 /// One number per wheel of a group.
-pub(crate) type Eight = [f64; GROUP];
+pub type Eight = [f64; GROUP];
 
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
-pub(crate) fn level() -> Option<Level> {
+pub fn level() -> Option<Level> {
     [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here())
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.
-pub(crate) fn order(rover: &RoverData) -> Vec<usize> {
+pub fn order(rover: &RoverData) -> Vec<usize> {
     let others = (0..rover.wheels().len()).filter(|i| !rover.steered().contains(i));
     rover.steered().iter().copied().chain(others).collect()
 }
@@ -254,7 +254,7 @@ impl Row<'_> {
 
 /// A register of numbers, zero beyond their end.
 #[inline(always)]
-pub(crate) fn padded<S: Simd>(simd: S, numbers: &[f64]) -> Lanes<S> {
+pub fn padded<S: Simd>(simd: S, numbers: &[f64]) -> Lanes<S> {
     if let [register, ..] = S::as_simd_f64s(numbers).0 {
         return Lanes::load(simd, std::slice::from_ref(register), 0);
     }

@@ -1,4 +1,4 @@
 //! One row at a time: the lanes of a register are the wheels.
 
 pub(crate) mod forward;
-pub(crate) mod inverse;
+pub mod inverse;

@@ -2,12 +2,12 @@
 
 use super::logs::Logs;
 use super::tile::LANES;
-use crate::batch::machine::lanes::{Lanes, Lockstep};
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::polynomials::{direction, sinc_of_square};
-use crate::batch::machine::stream::{Output, fetch_ahead};
-use crate::batch::machine::vector::Vector;
 use crate::geometry::{Steps, Sum, Walk};
+use six_wheel_numerics::simd::lanes::{Lanes, Lockstep};
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::polynomials::{direction, sinc_of_square};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::{Output, fetch_ahead};
 
 /// Registers of steps in lockstep: their sums are short chains that wait for each other.
 const ABREAST: usize = 4;
@@ -60,7 +60,7 @@ pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], past: 
     level.run(Place { logs, poses, past });
 }
 
-pub(super) struct Place<'a> {
+pub struct Place<'a> {
     pub logs: Logs<'a>,
     pub poses: &'a mut [[f64; 3]],
     pub past: bool,

@@ -1,12 +1,12 @@
 //! Steps of many short logs, one log in every lane.
 
 use super::tile::{LANES, PerStep, STEPS, WIDTH, columns, durations};
-use crate::batch::machine::vector::Vector;
 use crate::geometry::Steps;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Logs of `count` steps each that have been checked, with one start for every log or one for all.
 #[derive(Clone, Copy)]
-pub(crate) struct Logs<'a> {
+pub struct Logs<'a> {
     pub twists: &'a [[f64; 3]],
     pub count: usize,
     pub steps: Steps<'a>,
@@ -14,14 +14,14 @@ pub(crate) struct Logs<'a> {
 }
 
 /// Something that follows the steps of a group of logs, tile by tile.
-pub(crate) trait Watch<S: Vector> {
+pub trait Watch<S: Vector> {
     /// Twists of the next steps, number by number, and how long they are held.
     fn tile(&mut self, simd: S, twists: &[S::f64s; WIDTH], dts: &PerStep<S>);
 }
 
 /// As many logs as there are lanes, from log `first` on, or fewer: what is missing stands still.
 #[inline(always)]
-pub(crate) fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, watch: &mut impl Watch<S>) {
+pub fn side_by_side<S: Vector>(simd: S, logs: Logs<'_>, first: usize, watch: &mut impl Watch<S>) {
     let Logs { count, steps, .. } = logs;
     let mut logs = logs.twists[first * count..].chunks_exact(count.max(1));
     let logs: [&[[f64; 3]]; LANES] = std::array::from_fn(|_| logs.next().unwrap_or_default());

@@ -1,20 +1,20 @@
 //! Eight steps in every lane: how registers see logs side by side.
 
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::vector::Vector;
 use crate::geometry::Steps;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Steps of a tile in one lane.
-pub(crate) const STEPS: usize = 8;
+pub const STEPS: usize = 8;
 
 /// Numbers of these steps, twists or poses.
-pub(crate) const WIDTH: usize = 3 * STEPS;
+pub const WIDTH: usize = 3 * STEPS;
 
 /// Lanes at most.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// One register per step.
-pub(crate) type PerStep<S> = [Lanes<S>; STEPS];
+pub type PerStep<S> = [Lanes<S>; STEPS];
 
 /// One row of numbers per lane into one register per number.
 #[inline(always)]

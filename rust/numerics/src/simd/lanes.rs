@@ -10,18 +10,18 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 use pulp::Simd;
 
 use super::vector::Vector;
-pub(crate) use lockstep::{Lockstep, Numbers};
+pub use lockstep::{Lockstep, Numbers};
 
 /// As many numbers as the registers of the level hold.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes<S: Simd> {
+pub struct Lanes<S: Simd> {
     simd: S,
     values: S::f64s,
 }
 
 /// One truth value per lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Mask<S: Simd> {
+pub struct Mask<S: Simd> {
     simd: S,
     values: S::m64s,
 }

@@ -49,7 +49,7 @@ impl Level {
     }
 
     /// Numbers in a register.
-    pub(crate) fn lanes(self) -> usize {
+    pub fn lanes(self) -> usize {
         match self {
             Self::Plain => 1,
             Self::Neon => 2,
@@ -65,7 +65,7 @@ impl Level {
     }
 
     /// Runs a kernel with these instructions, if the machine has them. [`Self::Plain`] has no kernels.
-    pub(crate) fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+    pub fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => V4::try_new().map(|simd| simd.vectorize(Run { kernel, simd })),
@@ -81,7 +81,7 @@ impl Level {
 impl Level {
     /// The same for kernels that know no other way: without instructions of its own, [`Self::Plain`] takes one number
     /// at a time.
-    pub(crate) fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
+    pub fn run_any<K: Kernel>(self, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         if self == Self::Avx512
             && let Some(simd) = V4::try_new()
@@ -105,7 +105,7 @@ impl Level {
 }
 
 /// What is compiled once for every level.
-pub(crate) trait Kernel {
+pub trait Kernel {
     type Output;
 
     /// Has to be `#[inline(always)]`, with everything it calls that works on registers.

@@ -1,13 +1,6 @@
-//! How an array becomes registers and back; knows no rover.
+//! Registers of numbers on every level of instructions, and functions of them.
 
-pub(crate) mod crew;
-pub(crate) mod lanes;
-pub(crate) mod level;
-pub(crate) mod places;
-pub(crate) mod polynomials;
-pub(crate) mod sizes;
-pub(crate) mod stream;
-pub(crate) mod table;
-pub(crate) mod vector;
-pub(crate) mod weave;
-pub(crate) mod workers;
+pub mod lanes;
+pub mod level;
+pub mod polynomials;
+pub mod vector;

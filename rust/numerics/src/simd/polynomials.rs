@@ -48,10 +48,10 @@ const COS: [f64; 6] = [
 const QUARTER: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 
 /// Adding this brings the nearest whole number into the lowest bits.
-pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+pub const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 
 /// Largest angle of [`sin_cos`] [rad]: its quarter turns are whole numbers of far less than 52 bits.
-pub(crate) const LARGEST_ANGLE: f64 = 1e9;
+pub const LARGEST_ANGLE: f64 = 1e9;
 
 /// A polynomial by two interleaved Horner chains: half the latency of one.
 #[inline(always)]
@@ -74,7 +74,7 @@ fn polynomial<S: Simd, V: Numbers<S>, const N: usize>(simd: S, coefficients: [f6
 
 /// The angle of a vector in the first quadrant, `x >= 0` and `y >= 0`. NaN for the zero vector.
 #[inline(always)]
-pub(crate) fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
+pub fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
     let [large, small] = x.sorted(y);
     // Counted from 0, an eighth or a quarter turn, whichever is nearest: one division for all three.
     let eighth = (large * V::all(simd, TAN_EIGHTH)).less(small);
@@ -91,7 +91,7 @@ pub(crate) fn angle<S: Simd, V: Numbers<S>>(simd: S, x: V, y: V) -> V {
 
 /// Sine and cosine of angles up to [`LARGEST_ANGLE`] to either side.
 #[inline(always)]
-pub(crate) fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
+pub fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
     let round = V::all(simd, ROUND);
     let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
     let quarters = round - shifted;
@@ -108,7 +108,7 @@ pub(crate) fn sin_cos<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
 /// Sine and cosine of angles up to a hundred turns, absolutely as exact as [`sin_cos`], but not in the last
 /// digits of a sine near zero: what a direction needs.
 #[inline(always)]
-pub(crate) fn direction<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
+pub fn direction<S: Simd, V: Numbers<S>>(simd: S, angle: V) -> (V, V) {
     let round = V::all(simd, ROUND);
     let shifted = angle.fused(V::all(simd, std::f64::consts::FRAC_2_PI), round);
     let quarters = round - shifted;
@@ -142,17 +142,17 @@ fn cos_of_rest<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
 
 /// `sin(x) / x` for `x` up to pi/4, given the square of `x`.
 #[inline(always)]
-pub(crate) fn sinc_of_square<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
+pub fn sinc_of_square<S: Simd, V: Numbers<S>>(simd: S, z: V) -> V {
     z.fused(polynomial(simd, SIN, z), V::all(simd, 1.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::Level;
-    use crate::batch::machine::lanes::Lanes;
-    use crate::batch::machine::level::Kernel;
-    use crate::batch::machine::vector::Vector;
+    use crate::simd::lanes::Lanes;
+    use crate::simd::level::Kernel;
+    use crate::simd::level::Level;
+    use crate::simd::vector::Vector;
 
     /// Applies a function of two numbers to every pair.
     struct Apply<'a> {

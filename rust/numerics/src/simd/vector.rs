@@ -14,7 +14,7 @@ mod scalar;
 use pulp::Simd;
 
 /// A level with its shuffles.
-pub(crate) trait Vector: Simd {
+pub trait Vector: Simd {
     /// `a0 a1 .., b0 b1 ..` to `a0 b0 a1 b1 ..`.
     fn zip(self, registers: [Self::f64s; 2]) -> [Self::f64s; 2];
 
@@ -211,7 +211,7 @@ fn exponent_of(number: f64) -> f64 {
 }
 
 /// Whole numbers below 2^52 added to this are in its last bits.
-pub(crate) const ZEROTH: f64 = 4_503_599_627_370_496.0; // 2^52
+pub const ZEROTH: f64 = 4_503_599_627_370_496.0; // 2^52
 
 #[inline(always)]
 fn least_pair(a: f64, b: f64) -> f64 {

@@ -3,9 +3,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::crew::together;
-use super::level::Level;
-use super::weave::BLOCK;
 use crate::error::Error;
+use crate::simd::level::Level;
+use crate::weave::BLOCK;
 
 /// Rows under which no thread waits for another: waking one takes as long as some hundred to some thousand rows.
 const WORTH_A_THREAD: usize = 20_000;
@@ -34,7 +34,7 @@ impl Workers {
     pub const PLAIN: Self = Self { level: Level::Plain, threads: 1, fresh: false };
 
     /// The same without instructions that the machine does not have.
-    pub(crate) fn here(self) -> Self {
+    pub fn here(self) -> Self {
         if self.level.is_here() {
             return self;
         }
@@ -46,7 +46,7 @@ impl Workers {
     }
 
     /// Rows that one thread takes at a time, out of so many.
-    pub(crate) fn share(self, rows: usize) -> usize {
+    pub fn share(self, rows: usize) -> usize {
         if rows < WORTH_A_THREAD {
             return rows.max(1);
         }
@@ -58,7 +58,7 @@ impl Workers {
     }
 
     /// Logs that one thread takes at a time, out of so many of so many rows each.
-    pub(crate) fn share_of_logs(self, logs: usize, count: usize) -> usize {
+    pub fn share_of_logs(self, logs: usize, count: usize) -> usize {
         if logs * count < WORTH_A_THREAD {
             return logs.max(1);
         }
@@ -98,7 +98,7 @@ impl Workers {
     }
 
     /// Does every job with as many threads as there are to be.
-    pub(crate) fn each<J: Send>(
+    pub fn each<J: Send>(
         self,
         jobs: impl Iterator<Item = J> + Send,
         work: impl Fn(J) -> Result<(), Error> + Sync,
@@ -113,7 +113,7 @@ impl Workers {
 const MOST_HELPERS: usize = 63;
 
 /// Does every job, here and in as many other threads as there are jobs for, up to [`MOST_HELPERS`].
-pub(crate) fn each<J: Send>(
+pub fn each<J: Send>(
     jobs: impl Iterator<Item = J> + Send,
     work: impl Fn(J) -> Result<(), Error> + Sync,
 ) -> Result<(), Error> {

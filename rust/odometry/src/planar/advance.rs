@@ -1,14 +1,14 @@
 //! One step of the state: its displacement found, checked and followed.
 
-use crate::error::{Error, HUGE, numbers};
-use crate::geometry::{Twist, wrap_angle};
-use crate::odometry::arithmetic::Apart;
-use crate::odometry::motion::Motion;
-use crate::odometry::settings::Rules;
-use crate::odometry::state::State;
-use crate::odometry::step::{Workspace, bend, step_jacobian};
-use crate::odometry::uncertainty::StepNoise;
-use crate::rover::Rover;
+use crate::arithmetic::Apart;
+use crate::motion::Motion;
+use crate::settings::Rules;
+use crate::state::State;
+use crate::step::{Workspace, bend, step_jacobian};
+use crate::uncertainty::StepNoise;
+use six_wheel_kinematics::geometry::{Twist, wrap_angle};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::{Error, HUGE, numbers};
 
 /// One step of the state. On failure it has not changed.
 pub(crate) fn advance(

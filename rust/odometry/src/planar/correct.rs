@@ -5,11 +5,11 @@ use nalgebra::Matrix3;
 use super::Odometry;
 use super::advance::{follow, meet_yaw};
 use super::history::Correction;
-use crate::error::{Error, number};
-use crate::geometry::{Pose, wrap_angle};
-use crate::odometry::motion::Motion;
-use crate::odometry::settings::Readings;
-use crate::odometry::state::{State, check_covariance, check_pose};
+use crate::motion::Motion;
+use crate::settings::Readings;
+use crate::state::{State, check_covariance, check_pose};
+use six_wheel_kinematics::geometry::{Pose, wrap_angle};
+use six_wheel_numerics::error::{Error, number};
 
 impl State {
     /// Moves the pose towards one from outside.

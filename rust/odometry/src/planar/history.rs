@@ -3,30 +3,30 @@
 
 use nalgebra::Matrix3;
 
-use crate::error::{Error, ErrorKind};
-use crate::geometry::Pose;
-use crate::odometry::recording::Sample;
-use crate::odometry::settings::Settings;
-use crate::odometry::state::State;
+use crate::recording::Sample;
+use crate::settings::Settings;
+use crate::state::State;
+use six_wheel_kinematics::geometry::Pose;
+use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// A sample with the state after it.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) stamp: f64,
-    pub(super) dt: f64,
-    pub(super) angles: Vec<f64>,
-    pub(super) turned: Vec<f64>,
-    pub(super) yaw: Option<f64>,
-    pub(super) gyro_turn: Option<f64>,
-    pub(super) state: State,
+pub(crate) struct Entry {
+    pub(crate) stamp: f64,
+    pub(crate) dt: f64,
+    pub(crate) angles: Vec<f64>,
+    pub(crate) turned: Vec<f64>,
+    pub(crate) yaw: Option<f64>,
+    pub(crate) gyro_turn: Option<f64>,
+    pub(crate) state: State,
 }
 
 /// A pose from outside, brought to the stamp of an entry.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Correction {
-    pub(super) entry: u64,
-    pub(super) pose: Pose,
-    pub(super) covariance: Matrix3<f64>,
+pub(crate) struct Correction {
+    pub(crate) entry: u64,
+    pub(crate) pose: Pose,
+    pub(crate) covariance: Matrix3<f64>,
 }
 
 /// Bytes that a piece of memory takes beside what is asked for, at most.
@@ -37,19 +37,19 @@ const FEW: usize = 1024;
 
 /// A ring of samples. Its memory for the first [`FEW`] is taken at the start, and grows as more have to be kept.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
+pub struct History {
     /// Entry `k` at place `k % entries.len()`, those from `first` to `next`.
-    pub(super) entries: Vec<Entry>,
-    pub(super) corrections: Vec<Correction>,
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) corrections: Vec<Correction>,
     /// Number of the oldest entry and of the next one.
-    pub(super) first: u64,
-    pub(super) next: u64,
+    pub(crate) first: u64,
+    pub(crate) next: u64,
     /// Where the oldest correction is, once there is no room for more.
-    pub(super) oldest_correction: usize,
+    pub(crate) oldest_correction: usize,
     /// Samples to keep at most.
-    pub(super) most: usize,
-    pub(super) lag: f64,
-    pub(super) last_dt: f64,
+    pub(crate) most: usize,
+    pub(crate) lag: f64,
+    pub(crate) last_dt: f64,
     /// Stamp of the last command, if no sample came since.
     pub commanded: Option<f64>,
 }
@@ -93,7 +93,7 @@ impl History {
         self.last_dt
     }
 
-    pub(super) fn place(&self, entry: u64) -> usize {
+    pub(crate) fn place(&self, entry: u64) -> usize {
         (entry % self.entries.len() as u64) as usize
     }
 
@@ -199,7 +199,7 @@ impl History {
     }
 
     /// Remembers a correction; the oldest one makes room.
-    pub(super) fn remember(&mut self, correction: Correction) {
+    pub(crate) fn remember(&mut self, correction: Correction) {
         let is_full = self.corrections.len() >= self.most;
         if !is_full && self.corrections.try_reserve(1).is_ok() {
             self.corrections.push(correction);

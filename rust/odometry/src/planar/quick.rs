@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use super::Odometry;
-use crate::odometry::arithmetic::Apart;
-use crate::odometry::health::Health;
-use crate::odometry::recording::{Recording, Sample, TrackRows};
-use crate::odometry::registers::log::{Block, Follow, Room, Rows};
-use crate::odometry::registers::{Given, Targets};
-use crate::odometry::settings::gyroscope;
-use crate::odometry::uncertainty::Turned;
+use crate::arithmetic::Apart;
+use crate::health::Health;
+use crate::recording::{Recording, Sample, TrackRows};
+use crate::registers::log::{Block, Follow, Room, Rows};
+use crate::registers::{Given, Targets};
+use crate::settings::gyroscope;
+use crate::uncertainty::Turned;
 
 /// Rows of a log that are worth a register.
 const FEW: usize = 4;
@@ -18,7 +18,7 @@ impl Odometry {
     /// A usual sample by registers. Whether a wheel slips, and what a gyroscope turned; nothing, and nothing has changed,
     /// where the sample is none, the rover stands, or it may have to be refused.
     #[inline]
-    pub(crate) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
+    pub fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let reference = &self.reference;
         self.plan.as_ref()?;
         let dt = sample.stamp - reference.stamp;
@@ -74,7 +74,7 @@ impl Odometry {
     }
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
-    pub(crate) fn room(&self) -> Option<Room> {
+    pub fn room(&self) -> Option<Room> {
         let plan = self.plan.as_ref().filter(|_| self.settings.lag == 0.0)?;
         Room::new(plan)
     }

@@ -1,8 +1,8 @@
 //! Memory of the rows of a log that were left out.
 
-use crate::odometry::health::Health;
-use crate::odometry::recording::Sample;
-use crate::odometry::settings::Readings;
+use crate::health::Health;
+use crate::recording::Sample;
+use crate::settings::Readings;
 
 /// What is remembered of rows that were left out, until a row is taken in again.
 ///
@@ -14,14 +14,14 @@ use crate::odometry::settings::Readings;
 /// - Both are cleared by every row taken in ([`Self::clear`]); `marked` says that there is anything to clear, so that a
 ///   good row after a good row pays one comparison.
 #[derive(Clone, Debug)]
-pub(crate) struct Suspect {
-    pub(crate) flag: Health,
+pub struct Suspect {
+    pub flag: Health,
     /// [s]
-    pub(crate) stamp: f64,
+    pub stamp: f64,
     /// As the encoders count.
-    pub(crate) wheels: Vec<f64>,
+    pub wheels: Vec<f64>,
     /// As the encoders count.
-    pub(crate) steering: Vec<f64>,
+    pub steering: Vec<f64>,
     /// As the encoders count, one per wheel.
     owed: Vec<f64>,
     marked: bool,
@@ -54,12 +54,12 @@ impl Suspect {
     }
 
     /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
-    pub(crate) fn precedes(&self, flag: Health, stamp: f64) -> bool {
+    pub fn precedes(&self, flag: Health, stamp: f64) -> bool {
         (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
     }
 
     /// Notes a row that is left out: what it read, and the increments that did happen.
-    pub(crate) fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
+    pub fn leave_out(&mut self, flag: Health, sample: &Sample<'_>, readings: Readings) {
         if flag == Health::BACKWARDS || flag == Health::JUMP {
             self.marked = true;
             self.flag = flag;

@@ -2,14 +2,15 @@
 
 use super::Odometry;
 use super::advance::{advance, meet_yaw};
-use crate::error::{Error, number, numbers};
-use crate::geometry::Twist;
-use crate::odometry::health::{Health, Refusal};
-use crate::odometry::motion::Motion;
-use crate::odometry::recording::Sample;
-use crate::odometry::settings::Readings;
-use crate::odometry::settings::gyroscope::{self, LIKELY, STANDING};
-use crate::odometry::uncertainty::Bias;
+use crate::health::{Health, Refusal};
+use crate::motion::Motion;
+use crate::recording::Sample;
+use crate::settings::Readings;
+use crate::settings::gyroscope;
+use crate::settings::gyroscope::{LIKELY, STANDING};
+use crate::uncertainty::Bias;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_numerics::error::{Error, number, numbers};
 
 impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
@@ -18,7 +19,7 @@ impl Odometry {
     }
 
     #[inline]
-    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
             Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
@@ -100,7 +101,7 @@ impl Odometry {
     }
 
     fn check_numbers(&self, sample: &Sample<'_>) -> Result<(), Error> {
-        crate::error::finite("steering", sample.steering)?;
+        six_wheel_numerics::error::finite("steering", sample.steering)?;
         for (wheel, reading) in self.rover.wheels().iter().zip(sample.wheels) {
             if !(reading.is_finite() || reading.is_nan() && !wheel.driven) {
                 return Err(Error::value("wheel_angles", "be finite", numbers(sample.wheels)));
@@ -130,7 +131,7 @@ impl Odometry {
     }
 
     /// What wheels and joints turned since the reference. Whether a counter started over.
-    pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+    pub fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let mut wrapped = false;
         let pairs = self.reference.wheels.iter().zip(sample.wheels);
         for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
@@ -189,7 +190,7 @@ impl Odometry {
     /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
     /// its bias.
     #[inline]
-    pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
+    pub fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
             return false;
         };

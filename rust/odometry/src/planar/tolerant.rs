@@ -4,10 +4,10 @@
 //! counter that goes on from another value for good is followed from the second such row on.
 
 use super::Odometry;
-use crate::error::{Error, ErrorKind};
-use crate::odometry::health::{Health, Refusal};
-use crate::odometry::recording::{Recording, Sample, TrackRows};
-use crate::odometry::registers::log::Block;
+use crate::health::{Health, Refusal};
+use crate::recording::{Recording, Sample, TrackRows};
+use crate::registers::log::Block;
+use six_wheel_numerics::error::{Error, ErrorKind};
 
 /// Rows that are taken in one by one before registers of rows are tried again.
 const SINGLY: usize = 8;

@@ -8,13 +8,13 @@ use nalgebra::{Matrix3, Matrix6, Matrix6x3, Quaternion, UnitQuaternion, Vector3,
 
 use super::space::{Motion3, left_jacobian, right_jacobian};
 use super::{PLANE, Preintegrated, Tangent};
-use crate::error::Error;
-use crate::odometry::health::Health;
-use crate::odometry::motion::Motion;
-use crate::odometry::planar::Odometry;
-use crate::odometry::settings::Readings;
-use crate::odometry::settings::quantities::{Column, DIMENSIONS};
-use crate::rover::Rover;
+use crate::health::Health;
+use crate::motion::Motion;
+use crate::planar::Odometry;
+use crate::settings::Readings;
+use crate::settings::quantities::{Column, DIMENSIONS};
+use six_wheel_kinematics::rover::Rover;
+use six_wheel_numerics::error::Error;
 
 /// A motion with its covariance and derivatives, in axes of its end.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 
-use crate::error::{Error, finite, number};
+use six_wheel_numerics::error::{Error, finite, number};
 
 /// How far a rotation matrix may be off for the rounding of whoever wrote it.
 const ORTHOGONAL: f64 = 1e-6;
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_plane_is_that_of_the_plane() {
-        let twist = crate::geometry::Twist::from([0.4, -0.3, 1.2]);
+        let twist = six_wheel_kinematics::geometry::Twist::from([0.4, -0.3, 1.2]);
         let (plane, space) = (twist.exp(1.0), Motion3::exp(&Vector6::new(0.4, -0.3, 0.0, 0.0, 0.0, 1.2)));
         let there = Motion3::planar(plane.into());
         assert!((there.translation - space.translation).amax() < 1e-15);

@@ -1,7 +1,7 @@
 use super::*;
-use crate::estimate::sensitivity::Quantity;
-use crate::odometry::Noise;
-use crate::wheels::{Pivot, Wheel};
+use crate::Noise;
+use six_wheel_kinematics::estimate::sensitivity::Quantity;
+use six_wheel_kinematics::wheels::{Pivot, Wheel};
 
 fn noise() -> Noise {
     Noise { speed: 0.02, steering: 0.01, slip: 0.01, side_slip: 0.02, ..Noise::READINGS }
@@ -18,7 +18,7 @@ fn rules(gyroscope: Option<Gyroscope>) -> Rules {
 
 /// Any wheels: steered with scrub and trail, fixed, a passive one.
 fn rover(change: impl Fn(usize, &mut Wheel)) -> Rover {
-    let steered = Pivot::Steered(crate::steering::SteeringRange::default());
+    let steered = Pivot::Steered(six_wheel_kinematics::steering::SteeringRange::default());
     let places = [
         ("front", 0.5, 0.1, steered, 0.02, 0.03),
         ("rear", -0.4, -0.2, steered, 0.0, 0.0),

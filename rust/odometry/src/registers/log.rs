@@ -17,20 +17,20 @@ pub(crate) use room::Room;
 
 use super::plan::Plan;
 use super::wheels::{Everywhere, InLanes, Pick, Register, Squares, disagree, lean, listen};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::sin_cos;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::BLOCK;
-use crate::batch::one_row::inverse::GROUP;
-use crate::error::HUGE;
-use crate::odometry::arithmetic::Instruction;
-use crate::odometry::motion::{ROUNDING, SUSPICIOUS};
-use crate::odometry::settings::Settings;
-use crate::odometry::spread::Spread;
-use crate::odometry::state::State;
-use crate::odometry::step::{SMALL_TURN, small_bend, step_jacobian};
-use crate::odometry::uncertainty::{Bias, StepJacobian, StepNoise, Turned, agreed, gain, leant, left, left_of, met};
+use crate::arithmetic::Instruction;
+use crate::motion::{ROUNDING, SUSPICIOUS};
+use crate::settings::Settings;
+use crate::spread::Spread;
+use crate::state::State;
+use crate::step::{SMALL_TURN, small_bend, step_jacobian};
+use crate::uncertainty::{Bias, StepJacobian, StepNoise, Turned, agreed, gain, leant, left, left_of, met};
+use six_wheel_kinematics::one_row::inverse::GROUP;
+use six_wheel_numerics::error::HUGE;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::polynomials::sin_cos;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::BLOCK;
 
 /// Parts of a sum over wheels: the lanes of the registers of one sample.
 const PARTS: usize = if cfg!(target_arch = "aarch64") { 2 } else { 4 };

@@ -2,15 +2,15 @@
 
 use nalgebra::Vector3;
 
-use crate::batch::formulas::readings::LARGEST_ROVER;
-use crate::batch::machine::level::Level;
-use crate::batch::machine::polynomials::LARGEST_ANGLE;
-use crate::batch::one_row::inverse::{Eight, GROUP, level, order};
-use crate::estimate::Method;
-use crate::odometry::settings::encoder::Encoder;
-use crate::odometry::settings::{Readings, Settings};
-use crate::rover::{Mount, Rover};
-use crate::wheels::Pivot;
+use crate::settings::encoder::Encoder;
+use crate::settings::{Readings, Settings};
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_kinematics::formulas::readings::LARGEST_ROVER;
+use six_wheel_kinematics::one_row::inverse::{Eight, GROUP, level, order};
+use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_kinematics::wheels::Pivot;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::simd::polynomials::LARGEST_ANGLE;
 
 /// Three numbers per wheel.
 pub(crate) type Triple = [Eight; 3];
@@ -23,7 +23,7 @@ pub(crate) type Triple = [Eight; 3];
 /// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
 /// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub struct Plan {
     pub(crate) level: Level,
     pub(crate) groups: Vec<Group>,
     /// One per group.

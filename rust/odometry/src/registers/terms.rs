@@ -1,7 +1,7 @@
 //! The settings as numbers of one step, or of a register of steps.
 
-use crate::odometry::arithmetic::Arithmetic;
-use crate::odometry::settings::Settings;
+use crate::arithmetic::Arithmetic;
+use crate::settings::Settings;
 
 /// Way of a wheel and turn of a joint over one step beyond which it is left to the plain core [m, rad]; half the turn is as
 /// far as the chord is the polynomial. A wheel may turn by as many radians as metres.
@@ -12,7 +12,7 @@ pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 
 /// What the settings say of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<T> {
+pub struct Terms<T> {
     /// Duration [s].
     pub dt: T,
     /// Variance of what a wheel rolled, but for slip [m²].

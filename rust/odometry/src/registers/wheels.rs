@@ -2,12 +2,12 @@
 
 use super::plan::{Group, Room, Triple};
 use super::terms::{LARGEST_STEP, SURELY, Terms};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
-use crate::batch::machine::vector::Vector;
-use crate::batch::one_row::inverse::Eight;
-use crate::odometry::arithmetic::Arithmetic;
-use crate::odometry::motion::SUSPICIOUS;
+use crate::arithmetic::Arithmetic;
+use crate::motion::SUSPICIOUS;
+use six_wheel_kinematics::one_row::inverse::Eight;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, sin_cos, sinc_of_square};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Arithmetic with registers of successive steps.
 #[derive(Clone, Copy)]

@@ -10,9 +10,9 @@
 use nalgebra::Vector3;
 
 use super::quantities::{Column, DIMENSIONS};
-use crate::error::{Error, HUGE, number};
-use crate::estimate::sensitivity::Linearised;
-use crate::odometry::motion::Fusion;
+use crate::motion::Fusion;
+use six_wheel_kinematics::estimate::sensitivity::Linearised;
+use six_wheel_numerics::error::{Error, HUGE, number};
 
 /// Numbers of one wheel that may be off, in their order: [`DIMENSIONS`], and as shares of what they read the turns of the
 /// wheel and its steering angle.
@@ -60,7 +60,7 @@ impl Deviations {
     }
 
     /// Fails unless they are of a rover with so many wheels.
-    pub(crate) fn check_for(&self, wheels: usize) -> Result<(), Error> {
+    pub fn check_for(&self, wheels: usize) -> Result<(), Error> {
         if self.is_empty() || self.wheels == wheels {
             return Ok(());
         }

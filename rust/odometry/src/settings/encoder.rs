@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::error::{Error, number};
+use six_wheel_numerics::error::{Error, number};
 
 /// An encoder as it is: how much it counts, through which gear, and where its counter starts over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl Encoder {
     }
 
     /// Counts between two readings, the shorter way round, and whether that passed the end of the counter.
-    pub(crate) fn difference(&self, before: f64, after: f64) -> (f64, bool) {
+    pub fn difference(&self, before: f64, after: f64) -> (f64, bool) {
         let difference = after - before;
         match self.modulus {
             None => (difference, false),
@@ -62,7 +62,7 @@ impl Encoder {
     }
 
     /// Angle of a steering joint at its first reading [rad]: a counter that starts over has no turns to tell.
-    pub(crate) fn first_angle(&self, counts: f64) -> f64 {
+    pub fn first_angle(&self, counts: f64) -> f64 {
         let angle = counts * self.angle_per_count() + self.offset;
         match self.modulus {
             None => angle,

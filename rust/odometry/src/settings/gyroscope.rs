@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::error::{Error, number};
-use crate::odometry::uncertainty::Bias;
+use crate::uncertainty::Bias;
+use six_wheel_numerics::error::{Error, number};
 
 /// Rim speed below which a wheel stands [m/s]: an encoder that ticks at all is above it.
 pub(crate) const STANDING: f64 = 1e-3;

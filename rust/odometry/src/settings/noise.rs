@@ -1,6 +1,6 @@
 //! How far readings and wheels may err: standard deviations, and how they grow.
 
-use crate::error::{Error, number};
+use six_wheel_numerics::error::{Error, number};
 
 /// Standard deviations of readings and slip. Errors of different wheels and of different readings are
 /// independent.
@@ -70,7 +70,7 @@ impl Noise {
     }
 
     /// How many independent errors of readings a step holds for one: their variances are multiplied by this.
-    pub(crate) fn sharing(&self, dt: f64) -> f64 {
+    pub fn sharing(&self, dt: f64) -> f64 {
         self.period.map_or(1.0, |period| period / dt)
     }
 }

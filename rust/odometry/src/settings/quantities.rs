@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::estimate::sensitivity::{Linearised, Quantity};
-use crate::odometry::motion::Fusion;
+use crate::motion::Fusion;
+use six_wheel_kinematics::estimate::sensitivity::{Linearised, Quantity};
 
 /// Something the motion answers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,14 +1,14 @@
 //! The arc of a step: its chord, how it bends, and how the pose at its end answers.
 
-use crate::geometry::sinc;
-use crate::odometry::arithmetic::{Apart, Arithmetic};
-use crate::odometry::uncertainty::StepJacobian;
+use crate::arithmetic::{Apart, Arithmetic};
+use crate::uncertainty::StepJacobian;
+use six_wheel_kinematics::geometry::sinc;
 
 /// Half turn of a steered wheel during a step below which its series is exact to rounding [rad].
 pub(crate) const SMALL_TURN: f64 = 0.25;
 
 /// Chord of an arc that turns by `angle`, as a share of its length.
-pub(crate) fn chord(angle: f64) -> f64 {
+pub fn chord(angle: f64) -> f64 {
     let half = angle / 2.0;
     if half.abs() > SMALL_TURN {
         return sinc(half);
@@ -79,7 +79,7 @@ pub(crate) fn step_jacobian<F: Arithmetic>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Pose, Twist};
+    use six_wheel_kinematics::geometry::{Pose, Twist};
 
     #[test]
     fn a_step_answers_as_its_differences_do() {

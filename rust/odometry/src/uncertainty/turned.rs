@@ -1,12 +1,12 @@
 //! What a gyroscope says of a step, in numbers or registers of steps: how it shares the displacement with the wheels, and how
 //! the error of its bias goes along. The plain core's are `Workspace::fuse` and `Uncertainty::lean_on_bias`.
 
-use crate::odometry::arithmetic::Arithmetic;
-use crate::odometry::spread::Spread;
+use crate::arithmetic::Arithmetic;
+use crate::spread::Spread;
 
 /// What a gyroscope says of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turned<T> {
+pub struct Turned<T> {
     /// 1, or 0 where it says nothing: then its gain is 0, which changes nothing.
     pub says: T,
     /// What it turned, its bias taken off [rad].

@@ -5,11 +5,11 @@
 //! joints cannot follow, the motion's direction goes towards the wish as far as the slowest joint does. Where no
 //! continuous turn of the joints leads there (to spin on the spot, say), the rover stops, turns its wheels, and goes on.
 
-use super::forms::{Reg, down_to_one, largest, splat, value};
 use super::model::Model;
-use super::real::Real;
-use super::registers::BLOCK;
-use crate::batch::machine::vector::Vector;
+use crate::numbers::forms::{Reg, down_to_one, largest, splat, value};
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Speed of the pivots below which a motion is none [m/s].
 pub(crate) const REST: f64 = 1e-6;
@@ -61,7 +61,7 @@ impl<S: Vector, R: Real, const M: usize> Clone for State<S, R, M> {
 }
 impl<S: Vector, R: Real, const M: usize> Copy for State<S, R, M> {}
 
-pub(super) struct State<S: Vector, R: Real, const M: usize> {
+pub(crate) struct State<S: Vector, R: Real, const M: usize> {
     pub motion: [Reg<S, R>; M],
     pub setting: [Reg<S, R>; M],
     /// Time the joints still need [s]; negative where they are set for no motion yet.

@@ -7,12 +7,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::squares::{Form, ROUNDING, dot, needed, product, square};
-use crate::controller::Limits;
-use crate::error::{Error, short};
-use crate::rover::{Mount, Rover};
-use crate::steering::SteeringRange;
-use crate::wheels::{Direction, Pivot};
+use crate::numbers::squares::{Form, ROUNDING, dot, needed, product, square};
+use six_wheel_control::controller::Limits;
+use six_wheel_kinematics::rover::{Mount, Rover};
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_kinematics::wheels::{Direction, Pivot};
+use six_wheel_numerics::error::{Error, short};
 
 /// Ends of ranges this near to a quarter turn are none [rad].
 const WHOLE: f64 = 1e-9;

@@ -1,19 +1,19 @@
 //! What ranges and joints make of a motion that is wanted.
 
 use super::drive::{Begin, State};
-use super::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
 use super::model::{Model, Wheel};
-use super::real::Real;
-use super::registers::BLOCK;
-use super::registers::Truths;
-use crate::batch::machine::vector::Vector;
+use crate::numbers::forms::{ABREAST, Reg, cross, down_to_one, inner, largest, lowered, share, times, value};
+use crate::numbers::real::Real;
+use crate::numbers::registers::BLOCK;
+use crate::numbers::registers::Truths;
+use six_wheel_numerics::simd::vector::Vector;
 
 type Truth<S, R> = Truths<S, R, ABREAST>;
 
 impl<R: Real, const M: usize> Model<R, M> {
     /// The nearest motion within the ranges.
     #[inline(always)]
-    pub(super) fn possible<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
+    pub(crate) fn possible<S: Vector>(&self, simd: S, mut z: [Reg<S, R>; M]) -> [Reg<S, R>; M] {
         let zero = Reg::<S, R>::all(simd, 0.0);
         for (ends, shares, per_length) in &self.gaps {
             // Counted from the first end on, and up to the second one.
@@ -63,7 +63,7 @@ impl<R: Real, const M: usize> Model<R, M> {
     /// What the joints let it be.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the state of a step, in registers
-    pub(super) fn steered<S: Vector>(
+    pub(crate) fn steered<S: Vector>(
         &self,
         simd: S,
         begin: &Begin,

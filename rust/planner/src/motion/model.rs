@@ -1,10 +1,10 @@
 //! A rover for rollouts of one kind of number: its facts as registers take them.
 
 use super::facts::{Facts, Gap, Joint};
-use super::real::Real;
-use super::squares::{Form, dot};
+use crate::numbers::real::Real;
+use crate::numbers::squares::{Form, dot};
 
-pub(super) struct Wheel<R, const M: usize> {
+pub(crate) struct Wheel<R, const M: usize> {
     pub along: [R; M],
     pub across: [R; M],
 }
@@ -16,7 +16,7 @@ impl<R: Real, const M: usize> Wheel<R, M> {
 }
 
 /// What is within a range, and how far the motion inside is from its ends.
-pub(super) struct Range<R, const M: usize> {
+pub(crate) struct Range<R, const M: usize> {
     pub wheel: Wheel<R, M>,
     pub sin: R,
     pub cos: R,
@@ -25,10 +25,10 @@ pub(super) struct Range<R, const M: usize> {
 }
 
 /// A gap as its ends, their shares and one over their lengths: see [`Gap`].
-pub(super) type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
+pub(crate) type Ends<R> = ([[R; 2]; 2], [[R; 2]; 2], [R; 2]);
 
 /// The way out of what is impossible where no wheel is fixed.
-pub(super) struct Toward<R, const M: usize> {
+pub(crate) struct Toward<R, const M: usize> {
     pub inside: [R; M],
     pub ranges: Vec<Range<R, M>>,
 }
@@ -37,24 +37,24 @@ pub(super) struct Toward<R, const M: usize> {
 pub(crate) struct Model<R, const M: usize> {
     joints: Vec<Wheel<R, M>>,
     /// Those that turn in their own way: a wheel and its mirror image ask for the same time.
-    pub(super) turning: Vec<Wheel<R, M>>,
-    pub(super) facts: Vec<Joint>,
+    pub(crate) turning: Vec<Wheel<R, M>>,
+    pub(crate) facts: Vec<Joint>,
     /// One over the tangent of a joint's largest turn in a step; nothing where joints turn at once.
-    pub(super) per_turn: Option<R>,
-    pub(super) gaps: Vec<Ends<R>>,
-    pub(super) toward: Option<Toward<R, M>>,
-    pub(super) metric: [R; 6],
-    pub(super) lengths: [R; M],
-    pub(super) scaling: Vec<[R; 6]>,
-    pub(super) lateral: Option<R>,
-    pub(super) speeding: Vec<[R; 6]>,
+    pub(crate) per_turn: Option<R>,
+    pub(crate) gaps: Vec<Ends<R>>,
+    pub(crate) toward: Option<Toward<R, M>>,
+    pub(crate) metric: [R; 6],
+    pub(crate) lengths: [R; M],
+    pub(crate) scaling: Vec<[R; 6]>,
+    pub(crate) lateral: Option<R>,
+    pub(crate) speeding: Vec<[R; 6]>,
     /// Where slowing down is limited otherwise.
-    pub(super) slowing: Option<Vec<[R; 6]>>,
-    pub(super) slips: Vec<[R; 6]>,
-    pub(super) sideways: R,
-    pub(super) rate: f64,
-    pub(super) acceleration: f64,
-    pub(super) dt: f64,
+    pub(crate) slowing: Option<Vec<[R; 6]>>,
+    pub(crate) slips: Vec<[R; 6]>,
+    pub(crate) sideways: R,
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) dt: f64,
 }
 
 fn form<R: Real>(form: &[f64], factor: f64) -> [R; 6] {

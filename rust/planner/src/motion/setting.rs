@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::drive::{Begin, REST};
 use super::facts::Facts;
-use super::squares::{dot, square};
+use crate::numbers::squares::{dot, square};
 
 /// Angles by which joints may miss a motion and still be set for it [rad].
 const ALIGNED: f64 = 0.02;

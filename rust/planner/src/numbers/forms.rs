@@ -4,15 +4,15 @@
 
 use super::real::Real;
 use super::registers::Regs;
-use crate::batch::machine::vector::Vector;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Registers that are driven in lockstep: a step is a long chain of results that wait for each other.
-pub(super) const ABREAST: usize = 2;
+pub(crate) const ABREAST: usize = 2;
 
-pub(super) type Reg<S, R> = Regs<S, R, ABREAST>;
+pub(crate) type Reg<S, R> = Regs<S, R, ABREAST>;
 
 #[inline(always)]
-pub(super) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = z[0] * Reg::splat(simd, row[0]);
     for k in 1..M {
         sum = z[k].mul_add(Reg::splat(simd, row[k]), sum);
@@ -22,7 +22,7 @@ pub(super) fn times<S: Vector, R: Real, const M: usize>(simd: S, row: &[R; M], z
 
 /// The same motion in every lane.
 #[inline(always)]
-pub(super) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
+pub(crate) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 3]) -> [Reg<S, R>; M] {
     let mut parts = [Reg::all(simd, 0.0); M];
     for (part, value) in parts.iter_mut().zip(motion) {
         *part = Reg::all(simd, *value);
@@ -32,19 +32,19 @@ pub(super) fn splat<S: Vector, R: Real, const M: usize>(simd: S, motion: &[f64; 
 
 /// Area between an end of a gap and a motion.
 #[inline(always)]
-pub(super) fn cross<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
+pub(crate) fn cross<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], end: [R; 2]) -> Reg<S, R> {
     z[1] * Reg::splat(simd, end[0]) - z[0] * Reg::splat(simd, end[1])
 }
 
 /// Share of an end in the motion nearest to it.
 #[inline(always)]
-pub(super) fn share<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
+pub(crate) fn share<S: Vector, R: Real, const M: usize>(simd: S, z: &[Reg<S, R>; M], row: [R; 2]) -> Reg<S, R> {
     z[1].mul_add(Reg::splat(simd, row[1]), z[0] * Reg::splat(simd, row[0]))
 }
 
 /// The value of a form.
 #[inline(always)]
-pub(super) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut k = 0;
     let mut sum = Reg::all(simd, 0.0);
     for i in 0..M {
@@ -61,7 +61,7 @@ pub(super) fn value<S: Vector, R: Real, const M: usize>(simd: S, form: &[R; 6], 
 
 /// The largest of some forms.
 #[inline(always)]
-pub(super) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 6]], z: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut worst = Reg::all(simd, 0.0);
     for form in forms {
         worst = worst.max(value(simd, form, z));
@@ -71,7 +71,7 @@ pub(super) fn largest<S: Vector, R: Real, const M: usize>(simd: S, forms: &[[R; 
 
 /// The metric's product with a motion: its product with another one is half the mixed form.
 #[inline(always)]
-pub(super) fn lowered<S: Vector, R: Real, const M: usize>(
+pub(crate) fn lowered<S: Vector, R: Real, const M: usize>(
     simd: S,
     form: &[R; 6],
     z: &[Reg<S, R>; M],
@@ -101,14 +101,14 @@ const CLOSE: f64 = 1e-12;
 
 /// What brings something down to 1 whose square this is; 1 where it is no more.
 #[inline(always)]
-pub(super) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
+pub(crate) fn down_to_one<S: Vector, R: Real>(simd: S, square: Reg<S, R>) -> Reg<S, R> {
     let one = Reg::all(simd, 1.0);
     let [share, _] = square.max(one).roots();
     square.below(Reg::all(simd, 1.0 + CLOSE)).select(one, share)
 }
 
 #[inline(always)]
-pub(super) fn inner<S: Vector, R: Real, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
+pub(crate) fn inner<S: Vector, R: Real, const M: usize>(a: &[Reg<S, R>; M], b: &[Reg<S, R>; M]) -> Reg<S, R> {
     let mut sum = a[0] * b[0];
     for k in 1..M {
         sum = a[k].mul_add(b[k], sum);

@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use crate::batch::machine::vector::Vector;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// A number of a planner's cycle.
 pub(crate) trait Real: Copy + Default + PartialOrd + Send + Sync + 'static {

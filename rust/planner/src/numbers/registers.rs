@@ -5,7 +5,7 @@ use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
 use pulp::Simd;
 
 use super::real::Real;
-use crate::batch::machine::vector::Vector;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Rollouts of a block: as many as fill two of the widest registers.
 pub(crate) const BLOCK: usize = 32;
@@ -277,7 +277,7 @@ impl<S: Simd, R: Real, const N: usize> Not for Truths<S, R, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::machine::level::{Kernel, Level};
+    use six_wheel_numerics::simd::level::{Kernel, Level};
 
     struct Roots<'a, R>(&'a [R], &'a mut [[R; 2]]);
 

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 /// Share of a form below which it is rounding.
-pub(super) const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 /// Forms whose pairs are not looked at any more.
 const MANY: usize = 16;
 
@@ -11,7 +11,7 @@ const MANY: usize = 16;
 pub(crate) type Form = Vec<f64>;
 
 /// The product of two rows as a form.
-pub(super) fn product(rows: &[&[f64]], factor: f64) -> Form {
+pub(crate) fn product(rows: &[&[f64]], factor: f64) -> Form {
     let n = rows[0].len();
     let mut form = Vec::new();
     for i in 0..n {
@@ -38,7 +38,7 @@ fn matrix(form: &[f64], n: usize) -> DMatrix<f64> {
 }
 
 /// The value of a form.
-pub(super) fn square(form: &[f64], motion: &[f64]) -> f64 {
+pub(crate) fn square(form: &[f64], motion: &[f64]) -> f64 {
     let n = motion.len();
     let mut k = 0;
     let mut sum = 0.0;
@@ -52,7 +52,7 @@ pub(super) fn square(form: &[f64], motion: &[f64]) -> f64 {
 }
 
 /// Without those that are nowhere larger than another one, or than the mean of two: the larger of these is as large.
-pub(super) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
+pub(crate) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     let mut kept: Vec<Form> = Vec::new();
     let covers = |large: &Form, small: &Form| {
         let difference = matrix(large, n) - matrix(small, n);
@@ -83,6 +83,6 @@ pub(super) fn needed(forms: Vec<Form>, n: usize) -> Vec<Form> {
     kept
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::Limits as Core;
+use six_wheel_control::controller::Limits as Core;
 
 use crate::convert::{number, raise};
 use crate::wheel::reduce;
@@ -224,7 +224,7 @@ impl Limits {
     ///     If the speed is not finite.
     fn stopping_distance(&self, speed: &Bound<'_, PyAny>) -> PyResult<f64> {
         let speed = number("speed", speed)?;
-        six_wheel_core::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
+        six_wheel_numerics::error::finite("speed", &[speed]).map_err(|error| raise(error, &[]))?;
         Ok(self.0.stopping_distance(speed))
     }
 

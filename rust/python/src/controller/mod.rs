@@ -10,8 +10,8 @@ use std::str::FromStr;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::Twist;
-use six_wheel_core::controller::{Align, Controller as Core, Mode, Options};
+use six_wheel_control::controller::{Align, Controller as Core, Mode, Options};
+use six_wheel_kinematics::geometry::Twist;
 
 use crate::controller::limits::Limits;
 use crate::controller::output::ControllerOutput;
@@ -93,7 +93,7 @@ impl Controller {
         steering: Option<&Bound<'_, PyAny>>,
         twist: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let chosen = || -> Result<Options, six_wheel_core::Error> {
+        let chosen = || -> Result<Options, six_wheel_numerics::error::Error> {
             Ok(Options {
                 timeout: timeout.unwrap_or(f64::INFINITY),
                 period,

@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
-use six_wheel_core::controller::{Controller, reason};
+use six_wheel_control::controller::{Controller, reason};
 
 use crate::rover::Rover;
 

@@ -1,7 +1,7 @@
 //! The quick way of `Controller.command` and `Controller.step`.
 
 use pyo3::prelude::*;
-use six_wheel_core::Twist;
+use six_wheel_kinematics::geometry::Twist;
 
 use super::Controller;
 use super::output::ControllerOutput;

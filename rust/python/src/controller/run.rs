@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::controller::Steps;
+use six_wheel_control::controller::Steps;
 
 use super::Controller;
 use crate::convert::{Output, Rows, Scalars, compute, memory, raise};

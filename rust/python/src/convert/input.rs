@@ -5,8 +5,9 @@ use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
-use six_wheel_core::batch::{Table, are_finite};
-use six_wheel_core::error::finite;
+use six_wheel_kinematics::table::Table;
+use six_wheel_numerics::error::finite;
+use six_wheel_numerics::sizes::are_finite;
 
 use super::array::{read_array, three_numbers};
 use super::broadcast::Broadcast;

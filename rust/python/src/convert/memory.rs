@@ -11,7 +11,7 @@ use numpy::{PyArrayDescrMethods, PyArrayDyn, PyUntypedArray, PyUntypedArrayMetho
 use pyo3::exceptions::PyMemoryError;
 use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
-use six_wheel_core::batch::Places;
+use six_wheel_numerics::places::Places;
 
 use super::{Array, pool, ready, refuse, shape_text};
 

@@ -20,8 +20,8 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyTuple};
-use six_wheel_core::units::Question;
-use six_wheel_core::{Error, ErrorKind};
+use six_wheel_kinematics::units::Question;
+use six_wheel_numerics::error::{Error, ErrorKind};
 
 pub use array::{read_array, singles};
 pub use broadcast::{Broadcast, Named, given, joint, named, together};

@@ -3,7 +3,7 @@
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::geometry::Steps;
+use six_wheel_kinematics::geometry::Steps;
 
 use super::array::read_array;
 use super::broadcast::Broadcast;

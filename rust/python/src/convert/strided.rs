@@ -5,7 +5,7 @@
 
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use six_wheel_core::batch::Source;
+use six_wheel_kinematics::table::Source;
 
 use super::memory;
 

@@ -13,7 +13,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyBool;
-use six_wheel_core::rover::MAX_WHEELS;
+use six_wheel_kinematics::rover::MAX_WHEELS;
 
 use super::arguments::{Object, sequence};
 use crate::convert::is_ready;

@@ -2,8 +2,9 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::four_axle::{Axles, Brakes, Pair, State};
-use six_wheel_core::{Error, FourAxle as Core};
+use six_wheel_four_axle::FourAxle as Core;
+use six_wheel_four_axle::{Axles, Brakes, Pair, State};
+use six_wheel_numerics::error::Error;
 
 use super::FourAxle;
 use super::values::{array, pace, raised, read_state, read_step, value, vector, write_plan, write_state, write_step};

@@ -2,8 +2,9 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::Error;
-use six_wheel_core::four_axle::{self as core, Axles, Brake, Brakes, Drives, Pace, State};
+use six_wheel_four_axle as core;
+use six_wheel_four_axle::{Axles, Brake, Brakes, Drives, Pace, State};
+use six_wheel_numerics::error::Error;
 
 use crate::convert::{ArgumentTypeError, Array, items, memory, number, numbers, raise, refuse};
 

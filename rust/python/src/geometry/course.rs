@@ -1,8 +1,8 @@
 //! Logs of twists, read.
 
 use pyo3::prelude::*;
-use six_wheel_core::Error;
-use six_wheel_core::batch::Durations;
+use six_wheel_kinematics::table::Durations;
+use six_wheel_numerics::error::Error;
 
 use crate::convert::{Blocks, Broadcast, Output, Precision, Rows, Scalars, joined, joint, raise, refuse, shape_text};
 

@@ -1,7 +1,8 @@
 //! The quick way of `Suspension.settle`: one pose.
 
 use pyo3::prelude::*;
-use six_wheel_core::ground::{self, Settler, Status};
+use six_wheel_terrain::ground;
+use six_wheel_terrain::ground::{Settler, Status};
 
 use super::Stand;
 use crate::fast::{self, Method, Object, Quick, three};

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_core::Terrain;
-use six_wheel_core::ground::{self, Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
-use six_wheel_core::suspension::{Placed, PlanPose};
-use six_wheel_core::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_terrain::ground;
+use six_wheel_terrain::ground::{Contact, DIMENSIONS, by_dimension, by_pose, rim_point};
+use six_wheel_terrain::suspension::{Placed, PlanPose};
+use six_wheel_terrain::terrain::Terrain;
 
 use crate::convert::{Array, Output, memory, scalar_or_array};
 use crate::suspension::{RockerBogie, Suspension};
@@ -233,7 +234,7 @@ impl Stand {
     fn normals<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.array(py, &[self.wheels(), 3], |_, stand, row| {
             for (target, contact) in row.chunks_exact_mut(3).zip(&stand.wheels) {
-                let normal = six_wheel_core::terrain::normal(contact.gradient);
+                let normal = six_wheel_terrain::terrain::normal(contact.gradient);
                 target.copy_from_slice(normal.as_slice());
             }
         })

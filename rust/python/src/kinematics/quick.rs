@@ -1,7 +1,10 @@
 //! The quick way of `Rover.inverse` and `Rover.forward`: one twist, or the readings of one instant.
 
 use pyo3::prelude::*;
-use six_wheel_core::{Inputs, Measured, Twist, Unseen, batch};
+use six_wheel_kinematics::batch;
+use six_wheel_kinematics::estimate::{Measured, Unseen};
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::Inputs;
 
 use crate::fast::{self, Method, Numbers, Object, Quick, Row, fresh, pair, three};
 use crate::rover::Rover;

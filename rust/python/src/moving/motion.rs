@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::moving::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
+use six_wheel_ground_motion::{Command, Commands, Movings, ReadingRows, View, forward_rows, inverse_rows};
 
 use super::done;
 use super::results::{GroundCommand, GroundMotion, Moved, Told};

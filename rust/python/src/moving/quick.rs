@@ -1,11 +1,11 @@
 //! The quick ways of `Suspension.traction`, `Suspension.inverse` and `Suspension.forward`: one instant of a control loop.
 
 use pyo3::prelude::*;
-use six_wheel_core::moving::{
+use six_wheel_ground_motion::{
     Command, Commands, Drives, Driving, Footings, Lift, Movings, ReadingRows, Turns, View, forward_rows, inverse_rows,
     traction_rows,
 };
-use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 use super::results::{CommandRow, GroundCommand, GroundMotion, MotionRow};
 use super::traction::{One, Traction};

@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyIterator, PyTuple};
-use six_wheel_core::suspension::{MAX_FREE, MAX_WHEELS};
+use six_wheel_terrain::suspension::{MAX_FREE, MAX_WHEELS};
 
 use super::array;
 use crate::convert::memory;

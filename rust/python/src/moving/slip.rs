@@ -1,7 +1,7 @@
 //! `Suspension.slip` and `body_slip`.
 
 use pyo3::prelude::*;
-use six_wheel_core::moving::{SlipTest, Slips, slip_rows};
+use six_wheel_ground_motion::{SlipTest, Slips, slip_rows};
 
 use super::done;
 use super::stand::Stands;

@@ -1,8 +1,8 @@
 //! Reading where a rover stands.
 
 use pyo3::prelude::*;
-use six_wheel_core::Chain;
-use six_wheel_core::moving::{Footings, Told};
+use six_wheel_ground_motion::{Footings, Told};
+use six_wheel_terrain::suspension::Chain;
 
 use crate::convert::{Rows, Scalars, refuse, shape_text};
 use crate::given::other_kind;

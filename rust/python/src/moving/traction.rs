@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::moving::{Drives, Driving, Lift, Turns, traction_rows};
-use six_wheel_core::suspension::MAX_WHEELS;
+use six_wheel_ground_motion::{Drives, Driving, Lift, Turns, traction_rows};
+use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::{array, done};
 use crate::batch::any_workers;

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::odometry::Gyroscope as Core;
+use six_wheel_odometry::Gyroscope as Core;
 
 use crate::convert::{number, raise};
 use crate::wheel::reduce;

@@ -3,8 +3,8 @@
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
-use six_wheel_core::odometry::dimensions::NUMBERS;
-use six_wheel_core::odometry::{Deviations, Encoder as CoreEncoder};
+use six_wheel_odometry::dimensions::NUMBERS;
+use six_wheel_odometry::{Deviations, Encoder as CoreEncoder};
 
 use super::values::Encoder;
 use crate::convert::{Rows, Scalars, items, number, raise, refuse};

@@ -7,9 +7,10 @@ use std::str::FromStr;
 use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
-use six_wheel_core::odometry::{Preintegrated as Core, Recording, Settings};
-use six_wheel_core::{Error, Method};
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, Replayed, Residual, Rules, Tangent};
+use six_wheel_odometry::{Preintegrated as Core, Recording, Settings};
 
 use super::gyroscope::Gyroscope;
 use super::input::{encoders, optional, steering_left_out};

@@ -1,7 +1,7 @@
 //! The quick way of `Odometry.update`: one sample in tuples, lists or arrays.
 
 use pyo3::prelude::*;
-use six_wheel_core::odometry::Sample;
+use six_wheel_odometry::Sample;
 
 use super::Odometry;
 use crate::fast::{self, Method, Numbers, Object, Quick, float};

@@ -6,9 +6,9 @@ pub mod state;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::Error;
-use six_wheel_core::odometry::Settings;
-use six_wheel_core::odometry::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
+use six_wheel_ground_motion::spatial::{Odometry3 as Core, Recording3, Sample3, Settings3, TrackRows3};
+use six_wheel_numerics::error::Error;
+use six_wheel_odometry::Settings;
 
 use super::input::{Columns, build_track, encoders, optional, row};
 use super::readings_named;

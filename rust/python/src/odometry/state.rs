@@ -5,9 +5,9 @@ use std::ops::Deref;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_core::Method;
-use six_wheel_core::estimate::worst_wheel;
-use six_wheel_core::odometry::Odometry;
+use six_wheel_kinematics::estimate::Method;
+use six_wheel_kinematics::estimate::worst_wheel;
+use six_wheel_odometry::Odometry;
 
 use crate::fast::Renewed;
 use crate::given;

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
+use six_wheel_odometry::{Encoder as CoreEncoder, Noise as CoreNoise};
 
 use crate::convert::{number, raise};
 use crate::wheel::reduce;

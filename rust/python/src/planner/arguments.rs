@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::planner::{Precision, Weights};
+use six_wheel_planner::{Precision, Weights};
 
 use crate::convert::{ArgumentTypeError, Rows, memory, number, refuse};
 use crate::costmap::Costmap;

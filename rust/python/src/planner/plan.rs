@@ -2,7 +2,7 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use six_wheel_core::planner::{Outcome, State, Stuck};
+use six_wheel_planner::{Outcome, State, Stuck};
 
 use crate::convert::{Array, Output};
 

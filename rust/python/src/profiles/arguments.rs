@@ -4,8 +4,10 @@ use std::str::FromStr;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::profiles::Wheels;
-use six_wheel_core::{Error, Rover as CoreRover, Twist};
+use six_wheel_control::profiles::Wheels;
+use six_wheel_kinematics::geometry::Twist;
+use six_wheel_kinematics::rover::Rover as CoreRover;
+use six_wheel_numerics::error::Error;
 
 use super::made::class;
 use crate::convert::{Rows, Scalars, compute, memory, number, numbers, raise, refuse, scalar_or_array};

@@ -2,7 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use six_wheel_core::profiles::{self as core, IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
+use six_wheel_control::profiles as core;
+use six_wheel_control::profiles::{IcrLimits, ModuleLimits, Modules, Shape, Synchronise};
 
 use super::arguments::{Keywords, one_of, pasteable, plain, row, states, twist};
 use super::made::{Made, class, known_by_its_call};

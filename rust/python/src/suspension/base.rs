@@ -3,9 +3,11 @@
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use six_wheel_core::moving::Prepared;
-use six_wheel_core::suspension::TripleBogie;
-use six_wheel_core::{Chain, Error, SteeringRange};
+use six_wheel_ground_motion::Prepared;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::suspension::Chain;
+use six_wheel_terrain::suspension::TripleBogie;
 
 use super::joint_range;
 use crate::convert::{Rows, number, numbers, raise, refuse, shape_text};

@@ -4,8 +4,9 @@ use std::borrow::Cow;
 
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use six_wheel_core::Error;
-use six_wheel_core::bounds::{self as core, Belly, Ground, Knowledge, Margins, Plan, Within};
+use six_wheel_numerics::error::Error;
+use six_wheel_terrain::bounds as core;
+use six_wheel_terrain::bounds::{Belly, Ground, Knowledge, Margins, Plan, Within};
 
 use super::RockerBogie;
 use crate::batch::any_workers;

@@ -2,9 +2,11 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::batch::Workers;
-use six_wheel_core::suspension::{self as core, FRAMES, WHEELS};
-use six_wheel_core::{Error, RockerBogie as Core};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::suspension as core;
+use six_wheel_terrain::suspension::RockerBogie as Core;
+use six_wheel_terrain::suspension::{FRAMES, WHEELS};
 
 use super::RockerBogie;
 use crate::batch::any_workers;

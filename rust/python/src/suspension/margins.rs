@@ -1,8 +1,8 @@
 //! `six_wheel.MarginSlopes`: derivatives of what settled poses mean.
 
 use pyo3::prelude::*;
-use six_wheel_core::batch::Workers;
-use six_wheel_core::bounds;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_terrain::bounds;
 
 use crate::convert::{Output, compute, raise};
 use crate::ground::Stand;

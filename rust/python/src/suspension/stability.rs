@@ -1,10 +1,10 @@
 //! `Suspension.stability` and `RockerBogie.feasible`.
 
 use pyo3::prelude::*;
-use six_wheel_core::bounds::{
+use six_wheel_terrain::bounds::{
     Allowed, Belly, Judge, Verdict, joint_margins, loads, margins_by_dimension, margins_by_pose, tilt, tip_over_angle,
 };
-use six_wheel_core::ground::Settler;
+use six_wheel_terrain::ground::Settler;
 
 use super::margins::{MarginSlopes, slopes};
 use super::{RockerBogie, Suspension};

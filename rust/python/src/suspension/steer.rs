@@ -1,8 +1,8 @@
 //! `RockerBogie.planar`, `RockerBogie.icr_offset` and `RockerBogie.steer`.
 
 use pyo3::prelude::*;
-use six_wheel_core::Inputs;
-use six_wheel_core::suspension::WHEELS;
+use six_wheel_kinematics::rover::Inputs;
+use six_wheel_terrain::suspension::WHEELS;
 
 use super::RockerBogie;
 use super::chain::Joints;

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use crate::error::{Error, numbers};
 use crate::suspension::Dimensions;
 use crate::suspension::Placed;
 use crate::terrain::Terrain;
+use six_wheel_numerics::error::{Error, numbers};
 
 /// Where the ground is nearest to a rectangle.
 #[derive(Clone, Copy, Debug)]

@@ -5,11 +5,12 @@ use super::boxes::Within;
 use super::kernel::{Ground, Margins, bounds};
 use super::plan::{COUNT, Knowledge, Plan};
 use super::stability::{tilt, wheel_drop};
-use crate::batch::machine::workers::each;
-use crate::batch::{Level, Workers};
-use crate::error::{Error, number};
 use crate::ground::{Settler, Stand, Status, settle_part, worth_lanes};
 use crate::suspension::{Dimensions, MAX_WHEELS};
+use six_wheel_numerics::error::{Error, number};
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
+use six_wheel_numerics::threads::workers::each;
 
 /// What is allowed: largest sizes of angles [rad], least clearance and largest drop of a wheel [m].
 #[derive(Clone, Copy, Debug, PartialEq)]

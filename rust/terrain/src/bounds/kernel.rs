@@ -5,13 +5,14 @@ use pulp::{Scalar, Simd};
 use super::boxes::Patch;
 use super::plan::{COUNT, Knowledge, Plan, TILT};
 use super::stand::Under;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
-use crate::batch::machine::vector::Vector;
-use crate::batch::{Level, Workers};
 use crate::interval::{Interval, all};
 use crate::pyramid::{Boxes, Pyramid, nothing};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::simd::polynomials::{LARGEST_ANGLE, ROUND, sin_cos};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Lanes of the widest level.
 const MOST: usize = 8;

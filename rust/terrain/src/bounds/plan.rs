@@ -3,8 +3,8 @@
 use super::belly::Belly;
 use super::boxes::{self, Patch, Within};
 use super::side::Side;
-use crate::error::{Error, number};
 use crate::suspension::{Bogie, Differential, Dimensions};
+use six_wheel_numerics::error::{Error, number};
 
 /// What the bounds of a pose are worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

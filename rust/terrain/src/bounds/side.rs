@@ -15,8 +15,8 @@
 //! Likewise e_D while D is between B and s. So over a box of heights all extremes are at corners while the angles
 //! stay in the [`Solvable`] ranges; outside nothing is claimed.
 
-use crate::error::{Error, number};
 use crate::suspension::{Bogie, Dimensions};
+use six_wheel_numerics::error::{Error, number};
 
 /// A bar with two supports and an axis: a bogie with its wheels, or a rocker with its wheel and its bogie.
 #[derive(Clone, Copy, Debug)]

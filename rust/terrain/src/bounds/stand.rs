@@ -6,9 +6,9 @@ use pulp::Simd;
 
 use super::plan::{COUNT, Knowledge, Plan, Room};
 use super::side::{Lever, Side};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::sin_cos;
 use crate::interval::{Interval, Turned, all, asin, both, complement, even, inside, minus, sum, times, widest};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::sin_cos;
 
 /// Rounds of the contraction of tan(g); the fourth gained less than 1e-3 of the width.
 const ROUNDS: usize = 3;

@@ -5,17 +5,17 @@
 //! so near that the way from there could have closed it. Whatever is not as plain as that (unknown ground, the end
 //! of the map, a joint past its stop, a wall as high as a wheel, no end of rounds) is for [`Settler`] alone.
 
-use super::circles::{FAR, cells, floor};
 use super::look::{Extent, Here, Look, MARGIN, MOST, UPPER, spread};
 use super::plan::{Placing, Plan, Rows, solve};
-use super::search::TIE;
 use super::settler::{Settler, Status};
 use super::stand::{Contact, Stand};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::vector::Vector;
+use crate::ground::rims::circles::{FAR, cells, floor};
+use crate::ground::rims::search::TIE;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, State};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Poses that are worked on together: their numbers stay in the second-level cache.
 const CHUNK: usize = 512;
@@ -90,11 +90,11 @@ struct Chunk {
 }
 
 /// A row for the plain way, and where its gaps are closed if nothing else touches there.
-pub(super) type Left = (usize, Option<State>);
+pub(crate) type Left = (usize, Option<State>);
 
 /// Settles poses of finite numbers, with or without steering angles; rows that are left have nothing written. None if the
 /// chain or the level are not for lanes.
-pub(super) fn settle(
+pub(crate) fn settle(
     settler: &Settler<'_>,
     poses: &[[f64; 3]],
     steering: &dyn Fn(usize) -> [f64; MAX_WHEELS],

@@ -65,7 +65,7 @@ struct Growth<'a, 'b> {
 
 impl<'a> Settler<'a> {
     /// Where the chain stands with no joint at a stop, by the ground growing under it; or why it was not found.
-    pub(super) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
+    pub(crate) fn grown(&self, pose: PlanPose, steering: &[f64]) -> Result<Attempt<'a>, Status> {
         let Sample::Known { height, .. } = self.ground.sample(pose.x, pose.y, Interpolation::Bilinear) else {
             return Err(Status::NotConverged);
         };

@@ -1,22 +1,22 @@
 //! A look at the rims of poses in lanes: gaps, what else is near, and the system of Newton's step.
 
-use super::circles::{FAR, Point, Rims, cells, floor};
 use super::plan::{Placing, Plan, Rows, Turned, Vectors};
-use super::search::{Found, Stretch, search};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
+use crate::ground::rims::circles::{FAR, Point, Rims, cells, floor};
+use crate::ground::rims::search::{Found, Stretch, search};
 use crate::suspension::{MAX_STATE, MAX_WHEELS};
 use crate::terrain::Terrain;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Lanes of the widest level.
-pub(super) const MOST: usize = 8;
+pub(crate) const MOST: usize = 8;
 
 /// [`Look::clear`] where the upper halves were left out and may matter.
-pub(super) const UPPER: f64 = -1.0;
+pub(crate) const UPPER: f64 = -1.0;
 
 /// How far above the gap anything else along the rim is of interest [m].
-pub(super) const MARGIN: f64 = 1e-4;
+pub(crate) const MARGIN: f64 = 1e-4;
 
 /// Between points of [`SAMPLES`] [rad].
 const BETWEEN: f64 = 0.22;
@@ -36,14 +36,14 @@ const SAMPLES: [[f64; 2]; 11] = {
 
 /// The numbers of the lanes.
 #[inline(always)]
-pub(super) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
+pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; MOST] {
     let mut values = [0.0; MOST];
     lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
     values
 }
 
 /// Where poses are in the axes of the grid [m], in lanes, and what is known of them.
-pub(super) struct Here<S: Vector> {
+pub(crate) struct Here<S: Vector> {
     pub origin: [Lanes<S>; 2],
     pub yaw: Turned<S>,
     pub state: [Lanes<S>; MAX_STATE],
@@ -53,7 +53,7 @@ pub(super) struct Here<S: Vector> {
 }
 
 /// How much of the rims to look at.
-pub(super) enum Extent<S: Vector> {
+pub(crate) enum Extent<S: Vector> {
     /// All of the lower halves that may touch.
     Whole,
     /// The same, and the upper halves.
@@ -65,7 +65,7 @@ pub(super) enum Extent<S: Vector> {
 }
 
 /// What a look at the rims has found.
-pub(super) struct Look<S: Vector> {
+pub(crate) struct Look<S: Vector> {
     pub rows: Rows<S>,
     pub found: [Found<S>; MAX_WHEELS],
     pub worst: Lanes<S>,
@@ -281,9 +281,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::batch::machine::level::{Kernel, Level};
-    use crate::error::Error;
     use crate::terrain::Heights;
+    use six_wheel_numerics::error::Error;
+    use six_wheel_numerics::simd::level::{Kernel, Level};
 
     /// A circle over a grid, its axes times its radius, and the angle of its last contact.
     #[derive(Clone, Copy)]

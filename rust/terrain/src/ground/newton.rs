@@ -1,8 +1,8 @@
 //! Closing the gaps of the wheels that touch: Newton's method with step control.
 
-use super::rim::Part;
 use super::settler::Settler;
 use super::touch::Touches;
+use crate::ground::rims::rim::Part;
 use crate::suspension::{MAX_FREE, MAX_STATE, MAX_WHEELS, PlanPose, State};
 use crate::terrain::{Interpolation, Sample};
 
@@ -10,7 +10,7 @@ use crate::terrain::{Interpolation, Sample};
 const LARGEST_TURN: f64 = 0.3;
 
 /// Angles beyond this are no way to stand [rad].
-pub(super) const LARGEST_ANGLE: f64 = 1.35;
+pub(crate) const LARGEST_ANGLE: f64 = 1.35;
 
 /// Steps of one attempt.
 const STEPS: usize = 40;
@@ -20,7 +20,7 @@ const STALLS: usize = 5;
 
 /// What touches and what may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hold {
+pub struct Hold {
     /// Angles of the joints that are held.
     pub joints: [Option<f64>; MAX_FREE],
     /// Bits of the wheels that are left in the air.
@@ -100,7 +100,7 @@ pub(crate) fn loose(count: usize, hold: &Hold) -> impl Iterator<Item = usize> {
 }
 
 /// A chain that stands, or the best that an attempt came to.
-pub(crate) struct Attempt<'a> {
+pub struct Attempt<'a> {
     pub state: State,
     pub touches: Touches<'a>,
     pub closed: bool,
@@ -122,7 +122,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The wheels at a state. None where the differential does not reach.
-    pub(crate) fn touches(
+    pub fn touches(
         &self,
         pose: PlanPose,
         state: &State,
@@ -149,7 +149,7 @@ impl<'a> Settler<'a> {
     }
 
     /// Closes the gaps from a start. None where the differential does not reach.
-    pub(crate) fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
+    pub fn close(&self, pose: PlanPose, steering: &[f64], start: State, hold: &Hold) -> Option<Attempt<'a>> {
         let (mut part, mut stalls) = (Part::Lower, 0);
         let mut state = start;
         for (angle, held) in state[3..].iter_mut().zip(hold.joints) {

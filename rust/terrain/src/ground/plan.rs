@@ -4,13 +4,13 @@
 //! their parents and which have as many wheels as numbers that the ground decides. Everything is in the axes of
 //! the grid [m], so that its orientation is part of the yaw.
 
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
 use crate::suspension::{Chain, Differential, MAX_FREE, MAX_PARTS, MAX_STATE, MAX_WHEELS, Turning};
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// A vector in every lane.
-pub(super) type Vectors<S> = [Lanes<S>; 3];
+pub(crate) type Vectors<S> = [Lanes<S>; 3];
 
 /// What turns a part.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ struct Mover {
 
 /// What lanes need to know of a chain.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     parts: Vec<Part>,
     wheels: Vec<Wheel>,
     /// Of every wheel.
@@ -121,7 +121,7 @@ impl Plan {
 }
 
 #[inline(always)]
-pub(super) fn dot<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
+pub(crate) fn dot<S: Vector>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
@@ -163,14 +163,14 @@ impl<S: Vector> Frame<S> {
 
 /// A wheel in lanes: its centre from the origin of the body [m], forward and upward axis.
 #[derive(Clone, Copy)]
-pub(super) struct WheelAt<S: Vector> {
+pub(crate) struct WheelAt<S: Vector> {
     pub centre: Vectors<S>,
     pub forward: Vectors<S>,
     pub up: Vectors<S>,
 }
 
 /// The chain in lanes.
-pub(super) struct Placing<'a, S: Vector> {
+pub(crate) struct Placing<'a, S: Vector> {
     plan: &'a Plan,
     roll_axis: Vectors<S>,
     pitch_axis: Vectors<S>,
@@ -181,7 +181,7 @@ pub(super) struct Placing<'a, S: Vector> {
 }
 
 /// Sine and cosine.
-pub(super) type Turned<S> = (Lanes<S>, Lanes<S>);
+pub(crate) type Turned<S> = (Lanes<S>, Lanes<S>);
 
 impl<'a, S: Vector> Placing<'a, S> {
     #[inline(always)]
@@ -269,11 +269,11 @@ impl<'a, S: Vector> Placing<'a, S> {
 }
 
 /// The system whose solution is Newton's step: a row of slopes for every wheel, and on its right what is missing.
-pub(super) type Rows<S> = [([Lanes<S>; MAX_STATE], Lanes<S>); MAX_WHEELS];
+pub(crate) type Rows<S> = [([Lanes<S>; MAX_STATE], Lanes<S>); MAX_WHEELS];
 
 /// Solves by elimination with row exchanges, lane by lane. Where it is singular the numbers are not finite, or huge.
 #[inline(always)]
-pub(super) fn solve<S: Vector>(simd: S, plan: &Plan, rows: &mut Rows<S>) -> [Lanes<S>; MAX_STATE] {
+pub(crate) fn solve<S: Vector>(simd: S, plan: &Plan, rows: &mut Rows<S>) -> [Lanes<S>; MAX_STATE] {
     let mut left = (1_u32 << plan.wheels.len()) - 1;
     let mut pivots = [0; MAX_STATE];
     for (step, (column, wheels)) in plan.columns.iter().enumerate() {

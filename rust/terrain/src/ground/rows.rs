@@ -3,9 +3,9 @@
 use super::batch;
 use super::settler::Settler;
 use super::stand::Stand;
-use crate::batch::machine::workers::each;
-use crate::error::{Error, finite};
 use crate::suspension::MAX_WHEELS;
+use six_wheel_numerics::error::{Error, finite};
+use six_wheel_numerics::threads::workers::each;
 
 /// Poses from which it is worth to start a thread: some ten microseconds each.
 const WORTH_A_THREAD: usize = 64;

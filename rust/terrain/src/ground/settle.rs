@@ -4,8 +4,8 @@ use super::newton::{Attempt, Hold};
 use super::settler::{Settled, Settler, Status};
 use super::stops::Stops;
 use super::touch::Touches;
-use crate::error::{Error, finite};
 use crate::suspension::{MAX_FREE, MAX_STATE, PlanPose, State};
+use six_wheel_numerics::error::{Error, finite};
 
 impl<'a> Settler<'a> {
     /// Where the chain settles at a pose with these steering angles (none of them if all are 0). Fails where a
@@ -22,7 +22,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The same, from a state that may be the answer.
-    pub(super) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Settled<'a> {
+    pub(crate) fn settle_near(&self, pose: PlanPose, steering: &[f64], near: Option<State>) -> Settled<'a> {
         if self.chain.wheels().len() > self.chain.state_count() {
             // More wheels than can touch: which ones do is a question like that of stops.
             let start = self.guess(pose, steering, [0.0; MAX_STATE], &Hold::NONE);
@@ -100,7 +100,7 @@ impl<'a> Settler<'a> {
 
     /// Why a chain does not stand near a state.
     fn reason(&self, pose: PlanPose, steering: &[f64], near: &State) -> Status {
-        let part = super::rim::Part::Whole;
+        let part = crate::ground::rims::rim::Part::Whole;
         self.touches(pose, near, steering, part, None).map_or(Status::NotConverged, |touches| reason_of(&touches))
     }
 

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use super::touch::Touches;
-use crate::batch::Level;
 use crate::suspension::{Chain, MAX_FREE, State};
 use crate::terrain::Terrain;
+use six_wheel_numerics::simd::level::Level;
 
 /// What came of settling a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,10 +4,10 @@ use std::mem::offset_of;
 
 use nalgebra::Vector3;
 
-use super::rim::Minimum;
 use super::settler::{Settled, Status};
+use crate::ground::rims::rim::Minimum;
 use crate::suspension::{Chain, MAX_FREE, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
 
 /// What a settled pose is, without the chain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,8 @@ pub struct Contact {
 }
 
 /// Numbers of a contact, and of a stand.
-pub(crate) const CONTACT: usize = 6;
-pub(crate) const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
+pub const CONTACT: usize = 6;
+pub const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
 
 impl Contact {
     /// No contact.
@@ -97,7 +97,7 @@ impl Stand {
     }
 
     /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
-    pub(crate) fn numbers(&self) -> &[f64; NUMBERS] {
+    pub fn numbers(&self) -> &[f64; NUMBERS] {
         const {
             assert!(offset_of!(Self, wheels) == offset_of!(Self, state) + size_of::<State>());
             assert!(size_of::<Contact>() == CONTACT * size_of::<f64>());

@@ -42,7 +42,7 @@ enum Hanging {
 }
 
 /// A way to stand with joints at stops or wheels in the air.
-pub(crate) struct Standing<'a> {
+pub struct Standing<'a> {
     pub attempt: Attempt<'a>,
     pub hold: Hold,
     pub stops: Stops,
@@ -89,7 +89,7 @@ impl<'a> Settler<'a> {
     }
 
     /// Stands with as many joints at stops and wheels in the air as it takes, near a state.
-    pub(crate) fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<Standing<'a>> {
+    pub fn stand(&self, pose: PlanPose, steering: &[f64], near: &State, first: Stops) -> Option<Standing<'a>> {
         let mut found: Option<Standing<'a>> = None;
         // A joint may be past its stop only for another one that is: some of them first. Elsewhere, and with wheels
         // in the air that no stop lets hang, only where loads have to decide and do not like what was found.

@@ -2,14 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::circle::Circle;
-use super::circles::RIMS;
-use super::rim::{Minimum, Part, Rim, upper_half_matters, walk};
-use super::rims;
-use crate::batch::Level;
+use crate::ground::rims::circle::Circle;
+use crate::ground::rims::circles::RIMS;
+use crate::ground::rims::lanes as rims;
+use crate::ground::rims::rim::{Minimum, Part, Rim, upper_half_matters, walk};
 use crate::suspension::{Chain, MAX_STATE, MAX_WHEELS, Placed, PlanPose, State, WheelFrame};
 use crate::terrain::Terrain;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::level::Level;
 
 /// Straight below a wheel.
 const BELOW: Direction = Direction { sin: 0.0, cos: 1.0 };
@@ -88,7 +88,7 @@ impl Touch {
 
 impl<'a> Touches<'a> {
     /// Room for a chain over the ground.
-    pub(crate) fn nowhere(chain: &'a Chain) -> Self {
+    pub fn nowhere(chain: &'a Chain) -> Self {
         let frame =
             WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
         let touch = Touch { frame, rim: Rim::NOTHING, gap: f64::NAN, point: frame.centre, gradient: [f64::NAN; 2] };
@@ -98,7 +98,7 @@ impl<'a> Touches<'a> {
     /// Puts the chain at a pose, a state and steering angles over the ground. Contacts are looked for from those of a state
     /// nearby, if there is one. None, and nothing that makes sense, where a differential does not reach.
     #[allow(clippy::too_many_arguments)] // one caller, which names them
-    pub(crate) fn put(
+    pub fn put(
         &mut self,
         ground: &Terrain,
         chain: &Chain,

@@ -12,8 +12,8 @@ use std::borrow::Cow;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use super::dimensions::{Differential, JointRange};
-use crate::error::{Error, finite, positive};
-use crate::steering::SteeringRange;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::{Error, finite, positive};
 
 /// Largest number of free angles.
 pub const MAX_FREE: usize = 3;
@@ -210,7 +210,7 @@ impl Chain {
     }
 
     /// Room for the chain in the world.
-    pub(crate) fn nowhere(&self) -> Placed<'_> {
+    pub fn nowhere(&self) -> Placed<'_> {
         Placed {
             chain: self,
             origin: Vector3::zeros(),
@@ -303,7 +303,7 @@ pub type PointSlopes = [Vector3<f64>; 3 + MAX_STATE];
 
 impl Placed<'_> {
     /// See [`Chain::place`].
-    pub(crate) fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
+    pub fn put(&mut self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<()> {
         let [z, roll, pitch, ref joints @ ..] = *state;
         let heading = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.yaw).into_inner();
         let tilt = Rotation3::from_euler_angles(roll, pitch, 0.0).into_inner();
@@ -339,7 +339,7 @@ impl Placed<'_> {
     }
 
     /// Steers, with the joints where they are: what no steering joint carries stays. None where a differential does not reach.
-    pub(crate) fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
+    pub fn steer(&mut self, joints: &[f64], steering: &[f64]) -> Option<()> {
         let mut moved = 0_u32;
         for (k, part) in self.chain.parts.iter().enumerate() {
             let steers = matches!(part.turning, Turning::Steering(_));

@@ -1,7 +1,7 @@
 //! What a rocker-bogie is made of: lengths, which wheels steer, how far joints turn, what couples the rockers.
 
-use crate::error::{Error, finite, number, numbers, positive};
-use crate::steering::SteeringRange;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::{Error, finite, number, numbers, positive};
 
 /// Which wheels steer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,27 +8,27 @@ mod plan;
 
 use pulp::Simd;
 
-pub(crate) use self::plan::Plan;
+pub use self::plan::Plan;
 use self::plan::{MOST_PARTS, Wheel};
 use super::chain::{MAX_FREE, MAX_WHEELS};
 use super::dimensions::Differential;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::polynomials::direction;
-use crate::batch::machine::vector::Vector;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::polynomials::direction;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// A vector in every lane.
-pub(crate) type Vectors<S> = [Lanes<S>; 3];
+pub type Vectors<S> = [Lanes<S>; 3];
 
 /// Sine and cosine.
-pub(crate) type Turned<S> = (Lanes<S>, Lanes<S>);
+pub type Turned<S> = (Lanes<S>, Lanes<S>);
 
 /// Lanes of the widest level.
-pub(crate) const MOST: usize = 8;
+pub const MOST: usize = 8;
 
 /// A number of as many rovers as there are lanes at most.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(crate) struct Column(pub [f64; MOST]);
+pub struct Column(pub [f64; MOST]);
 
 impl Column {
     pub const ZERO: Self = Self([0.0; MOST]);
@@ -47,10 +47,10 @@ impl Column {
 }
 
 /// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
-pub(crate) const LARGEST_TURN: f64 = 600.0;
+pub const LARGEST_TURN: f64 = 600.0;
 
 #[inline(always)]
-pub(crate) fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
+pub fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
     Lanes::splat(simd, value)
 }
 
@@ -60,46 +60,46 @@ fn triple<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> Vectors<S> {
 }
 
 #[inline(always)]
-pub(crate) fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
+pub fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
 #[inline(always)]
-pub(crate) fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[1].mul_add(b[2], -(a[2] * b[1])), a[2].mul_add(b[0], -(a[0] * b[2])), a[0].mul_add(b[1], -(a[1] * b[0]))]
 }
 
 #[inline(always)]
-pub(crate) fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `a + length * b`.
 #[inline(always)]
-pub(crate) fn along<S: Simd>(a: Vectors<S>, length: Lanes<S>, b: Vectors<S>) -> Vectors<S> {
+pub fn along<S: Simd>(a: Vectors<S>, length: Lanes<S>, b: Vectors<S>) -> Vectors<S> {
     [b[0].mul_add(length, a[0]), b[1].mul_add(length, a[1]), b[2].mul_add(length, a[2])]
 }
 
 #[inline(always)]
-pub(crate) fn scaled<S: Simd>(a: Vectors<S>, by: Lanes<S>) -> Vectors<S> {
+pub fn scaled<S: Simd>(a: Vectors<S>, by: Lanes<S>) -> Vectors<S> {
     [a[0] * by, a[1] * by, a[2] * by]
 }
 
 #[inline(always)]
-pub(crate) fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// A vector in axes that are turned like this about the upward one.
 #[inline(always)]
-pub(crate) fn from_turned<S: Simd>((s, c): Turned<S>, [x, y, up]: Vectors<S>) -> Vectors<S> {
+pub fn from_turned<S: Simd>((s, c): Turned<S>, [x, y, up]: Vectors<S>) -> Vectors<S> {
     [x.mul_add(c, y * s), y.mul_add(c, -(x * s)), up]
 }
 
 /// A part in lanes, or the body: how far it is turned in its plane, x and z (0) or y and z (1), with z towards x or y, and a
 /// point of it [m].
 #[derive(Clone, Copy)]
-pub(crate) struct Limb<S: Simd> {
+pub struct Limb<S: Simd> {
     plane: usize,
     turned: Turned<S>,
     origin: Vectors<S>,
@@ -142,7 +142,7 @@ impl<S: Simd> Limb<S> {
 }
 
 /// The chain in lanes, in the axes of the body.
-pub(crate) struct Placing<'a, S: Simd> {
+pub struct Placing<'a, S: Simd> {
     plan: &'a Plan,
     /// The body, and every part.
     limbs: [Limb<S>; MOST_PARTS + 1],

@@ -3,7 +3,7 @@
 use nalgebra::{IsometryMatrix3, Matrix3, Point3, Rotation3, Translation3, Vector3};
 
 use super::dimensions::Dimensions;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
 
 /// Number of frames of the chain.
 pub const FRAMES: usize = 15;
@@ -182,8 +182,8 @@ impl<'a> Posture<'a> {
 
 #[cfg(test)]
 mod tests {
-    use crate::error::Error;
     use crate::suspension::RockerBogie;
+    use six_wheel_numerics::error::Error;
 
     use super::*;
 

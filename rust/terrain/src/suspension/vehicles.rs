@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use super::WHEELS;
 use super::chain::{Chain, Joint, MAX_PARTS, MAX_WHEELS, Mount, Part, Turning};
 use super::dimensions::{Dimensions, JointRange};
-use crate::error::{Error, finite, positive};
-use crate::steering::SteeringRange;
+use six_wheel_kinematics::steering::SteeringRange;
+use six_wheel_numerics::error::{Error, finite, positive};
 
 /// Six wheels on three bogies, as on ExoMars: left and right each carry a front and a middle wheel and turn about
 /// +y; the one behind lies across, carries the rear wheels and turns about +x. The left-hand side at joint

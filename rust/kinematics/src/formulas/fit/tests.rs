@@ -1,12 +1,13 @@
 //! Registers against the plain core.
 
 use crate::admissible::tests::Numbers;
-use crate::batch::machine::table::row_mut;
-use crate::batch::{self, Log};
-use crate::error::Error;
+use crate::batch;
 use crate::estimate::{Method, Unseen};
 use crate::geometry::Twist;
 use crate::rover::{Inputs, Rover};
+use crate::table::Log;
+use crate::table::row_mut;
+use six_wheel_numerics::error::Error;
 
 /// What a batch finds.
 struct Found {

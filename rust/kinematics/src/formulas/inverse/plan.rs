@@ -2,37 +2,37 @@
 
 use pulp::Simd;
 
-use crate::batch::formulas::choice::Asked;
-use crate::batch::formulas::cone::Cone;
-use crate::batch::formulas::steered::{EITHER, ONLY, Reach, Steered};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::weave::Column;
-use crate::error::Error;
+use crate::formulas::choice::Asked;
+use crate::formulas::cone::Cone;
+use crate::formulas::steered::{EITHER, ONLY, Reach, Steered};
 use crate::geometry::Twist;
 use crate::rover_data::{Inputs, Mount, RoverData};
 use crate::wheels::Wheel;
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::weave::Column;
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Part {
+pub enum Part {
     Fixed([f64; 3]),
     Castor(Steered),
     Steered(Steered),
 }
 
 /// What the kernel needs to know of a rover.
-pub(crate) struct Plan<'a> {
-    pub(super) rover: &'a RoverData,
-    pub(super) cone: &'a Cone,
+pub struct Plan<'a> {
+    pub rover: &'a RoverData,
+    pub cone: &'a Cone,
     /// Every wheel with one over its radius.
     pub parts: Vec<(Part, f64)>,
-    pub(super) joints: usize,
+    pub joints: usize,
     pub banks: Vec<[f64; 3]>,
     /// Whether every wheel can be steered without a second thought, but for resting ones and such.
-    pub(super) is_simple: bool,
+    pub(crate) is_simple: bool,
     /// Whether there is only one way of making a motion, wherever the wheels are, unless they rest.
-    pub(super) is_inner: bool,
+    pub(crate) is_inner: bool,
     /// Whether some wheels may have to ask the others which of two ways to go.
-    pub(super) asks: bool,
+    pub(crate) asks: bool,
 }
 
 impl<'a> Plan<'a> {
@@ -69,7 +69,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Row by row; `row` is the first of the twists among those of the inputs, `first` among those of the batch.
-    pub(super) fn check_rows(
+    pub(crate) fn check_rows(
         &self,
         twists: &[[f64; 3]],
         inputs: Inputs<'_>,
@@ -86,7 +86,7 @@ impl<'a> Plan<'a> {
 
     /// Whether the plain core would surely let a twist pass.
     #[inline(always)]
-    pub(super) fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rates: &[Column], k: usize) -> Mask<S> {
+    pub(crate) fn passes<S: Simd>(&self, simd: S, twist: [Lanes<S>; 3], rates: &[Column], k: usize) -> Mask<S> {
         let mut passes = self.cone.judge(simd, twist).yes;
         if self.cone.is_whole {
             return passes;
@@ -114,6 +114,6 @@ impl<'a> Plan<'a> {
 }
 
 /// The rows of a block out of those of a batch.
-pub(super) fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[f64] {
+pub(crate) fn block(values: Option<&[f64]>, width: usize, first: usize, count: usize) -> &[f64] {
     values.map_or(&[], |values| &values[first * width..(first + count) * width])
 }

@@ -3,23 +3,23 @@
 use pulp::Simd;
 
 use super::plan::{Part, Plan, block};
-use crate::batch::formulas::choice::Asked;
-use crate::batch::formulas::cone::dot;
-use crate::batch::formulas::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
-use crate::batch::formulas::usual::usual;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::stream::{Output, fetch_ahead};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column, unweave, weave};
+use crate::formulas::choice::Asked;
+use crate::formulas::cone::dot;
+use crate::formulas::steered::{CLOSE, EITHER, NEARER, ONLY, Steer, Steered, absolute, load};
+use crate::formulas::usual::usual;
 use crate::geometry::Twist;
 use crate::rover_data::Inputs;
 use crate::wheels::REST;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::stream::{Output, fetch_ahead};
+use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave};
 
 /// Blocks after one that needed the whole formula, until the usual one is tried again.
 const TRIES: usize = 8;
 
-pub(super) struct Solve<'a> {
+pub(crate) struct Solve<'a> {
     pub plan: &'a Plan<'a>,
     pub twists: &'a [[f64; 3]],
     pub inputs: Inputs<'a>,

@@ -2,19 +2,21 @@
 
 use crate::admissible::Keep;
 use crate::admissible::tests::Numbers;
-use crate::batch::{self, Level, Workers};
-use crate::error::Error;
+use crate::batch;
 use crate::rover::{Inputs, Rover};
 use crate::steering::SteeringRange;
 use crate::wheels::{Pivot, Wheel};
+use six_wheel_numerics::error::Error;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::threads::workers::Workers;
 
 /// Twists the rover can make: some as they are, most at an end of a range, some at rest, some straight.
 fn possible(rover: &Rover, numbers: &mut Numbers, count: usize) -> Vec<[f64; 3]> {
     let mut twist = |k: usize| {
         let wanted = numbers.twist();
         let wanted = match k % 7 {
-            0 => crate::Twist { vy: 0.0, ..wanted },
-            1 => crate::Twist { omega: 0.0, ..wanted },
+            0 => crate::geometry::Twist { vy: 0.0, ..wanted },
+            1 => crate::geometry::Twist { omega: 0.0, ..wanted },
             _ => wanted,
         };
         match rover.project(wanted, [Keep::Curvature, Keep::Nearest][k % 2]) {

@@ -1,25 +1,26 @@
 //! Rows of robust fits on their way, and the constants of the rover that their rounds need.
 
-use crate::batch::formulas::readings::{self, Kept, Rows, products};
-use crate::batch::machine::weave::{BLOCK, Column};
+use crate::formulas::readings;
+use crate::formulas::readings::{Kept, Rows, products};
 use crate::rover_data::RoverData;
+use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Lanes at most.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// Wheels at most: their registers are sorted by comparing neighbours.
-pub(in crate::batch::formulas) const MOST: usize = 8;
+pub(crate) const MOST: usize = 8;
 
 /// What the kernel needs to know of a rover.
-pub(in crate::batch::formulas) struct Plan {
-    pub(super) wheels: Vec<Wheel>,
+pub(crate) struct Plan {
+    pub(crate) wheels: Vec<Wheel>,
 }
 
 /// A wheel with the sums of the products of its rows, for the unknowns about the centre and for the twist itself.
-pub(super) struct Wheel {
-    pub(super) rows: Rows,
-    pub(super) normal: [f64; 6],
-    pub(super) raw: [f64; 6],
+pub(crate) struct Wheel {
+    pub(crate) rows: Rows,
+    pub(crate) normal: [f64; 6],
+    pub(crate) raw: [f64; 6],
 }
 
 impl Plan {
@@ -36,15 +37,15 @@ impl Plan {
 }
 
 /// Rows on their way: those of a block, or those of many blocks that take long.
-pub(in crate::batch::formulas) struct Block<'a> {
+pub(crate) struct Block<'a> {
     pub kept: Kept<'a>,
     pub weights: &'a mut [Column],
     /// Squared noise at least, and square of the scale of the last round [m²/s²].
-    pub(super) least: Column,
-    pub(super) scale: Column,
+    pub(crate) least: Column,
+    pub(crate) scale: Column,
     /// The ones that have not settled.
-    pub(super) active: [usize; BLOCK],
+    pub(crate) active: [usize; BLOCK],
     pub left: usize,
     /// Rounds that are left to them.
-    pub(super) rounds: usize,
+    pub(crate) rounds: usize,
 }

@@ -1,11 +1,11 @@
 //! A register of rows in its rounds: weights by residuals, and the least squares with them.
 
 use super::block::{Block, LANES, MOST, Plan};
-use crate::batch::formulas::readings::solve;
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{BLOCK, Column};
 use crate::estimate::{MEDIANS, SETTLED};
+use crate::formulas::readings::solve;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// Change of the weights from which on Newton's method is tried, and its rounds at most.
 const NEAR: f64 = 0.1;
@@ -29,7 +29,7 @@ macro_rules! order {
 
 /// A register of rows in its rounds.
 #[derive(Clone, Copy)]
-pub(super) struct Rounds<S: Vector> {
+pub(crate) struct Rounds<S: Vector> {
     seen: [[Lanes<S>; 2]; MOST],
     /// About the centre of the pivots, the last one a speed.
     unknowns: [Lanes<S>; 3],

@@ -7,7 +7,7 @@ use pulp::Simd;
 use super::{Lanes, Mask};
 
 /// What a polynomial needs of its variable: a register, or several in lockstep.
-pub(crate) trait Numbers<S: Simd>:
+pub trait Numbers<S: Simd>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// Where one of them is true.
@@ -77,7 +77,7 @@ impl<S: Simd> Numbers<S> for Lanes<S> {
 
 /// Several registers in lockstep: while one result is on its way, the processor works on the others.
 #[derive(Clone, Copy)]
-pub(crate) struct Lockstep<T, const N: usize>(pub [T; N]);
+pub struct Lockstep<T, const N: usize>(pub [T; N]);
 
 macro_rules! lockstep {
     ($trait: ident, $method: ident) => {

@@ -1,8 +1,8 @@
 //! Rows of a log taken apart: what wheels and joints did in every step.
 
 use super::{Block, Room, Rows};
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::unweave;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::unweave;
 
 /// What wheels and joints did in every step, by columns.
 #[inline(always)]

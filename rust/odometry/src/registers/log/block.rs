@@ -3,15 +3,15 @@
 use std::ops::Range;
 
 use super::room::Room;
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::Kernel;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::{Column, weave};
-use crate::odometry::recording::TrackRows;
-use crate::odometry::registers::wheels::InLanes;
-use crate::odometry::settings::Settings;
-use crate::odometry::spread::Spread;
-use crate::odometry::uncertainty::rounded;
+use crate::recording::TrackRows;
+use crate::registers::wheels::InLanes;
+use crate::settings::Settings;
+use crate::spread::Spread;
+use crate::uncertainty::rounded;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::Kernel;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::{Column, weave};
 
 /// Rows of a log, with the one before them.
 #[derive(Clone, Copy)]
@@ -29,7 +29,7 @@ pub(crate) struct Block {
     pub dt: Column,
     /// 1 where a wheel slid further than the noise explains.
     pub slips: Column,
-    /// What a gyroscope says of every step: [`Turned`](crate::odometry::uncertainty::Turned), where it has a say.
+    /// What a gyroscope says of every step: [`Turned`](crate::uncertainty::Turned), where it has a say.
     pub says: Column,
     pub turn: Column,
     pub bias: Column,

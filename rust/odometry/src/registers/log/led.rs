@@ -1,8 +1,8 @@
 //! Columns of a block that begin with the row before it.
 
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::vector::Vector;
-use crate::batch::machine::weave::BLOCK;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::vector::Vector;
+use six_wheel_numerics::weave::BLOCK;
 
 /// Room before a column, of which the last place is used: what belongs to the row before the first.
 pub(crate) const LEAD: usize = 8;

@@ -1,14 +1,14 @@
 //! What a block of a log needs as much of as the rover has wheels and joints.
 
 use super::led::{LEAD, Led};
-use crate::batch::machine::level::Level;
-use crate::batch::machine::weave::{BLOCK, Column};
-use crate::batch::one_row::inverse::GROUP;
-use crate::odometry::registers::plan::{Plan, Room as Place};
+use crate::registers::plan::{Plan, Room as Place};
+use six_wheel_kinematics::one_row::inverse::GROUP;
+use six_wheel_numerics::simd::level::Level;
+use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
 /// it in `ends`, which comes from the state.
-pub(crate) struct Room {
+pub struct Room {
     pub(crate) level: Level,
     /// Row by row: what is taken apart into columns next.
     pub(crate) flat: Vec<f64>,

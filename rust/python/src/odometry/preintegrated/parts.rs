@@ -3,9 +3,9 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use six_wheel_core::estimate::sensitivity::Quantity;
-use six_wheel_core::odometry::preintegrated::space::Motion3;
-use six_wheel_core::odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
+use six_wheel_kinematics::estimate::sensitivity::Quantity;
+use six_wheel_odometry::preintegrated::space::Motion3;
+use six_wheel_odometry::preintegrated::{Column, DIMENSIONS, PLANE, Replayed};
 
 use super::{Core, Matrix, Named, Preintegrated};
 use crate::convert::{Rows, Scalars, compute, numbers, raise, refuse};

@@ -1,8 +1,8 @@
 //! What `Odometry3` is told: attitudes, poses and covariances in space.
 
 use pyo3::prelude::*;
-use six_wheel_core::odometry::preintegrated::space::Motion3;
-use six_wheel_core::odometry::spatial::{Attitude, Pose3, attitude};
+use six_wheel_ground_motion::spatial::{Attitude, Pose3, attitude};
+use six_wheel_odometry::preintegrated::space::Motion3;
 
 use crate::convert::{Rows, Scalars, raise, refuse, shape_text};
 

@@ -3,10 +3,10 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use six_wheel_core::estimate::worst_wheel;
-use six_wheel_core::odometry::Odometry3;
-use six_wheel_core::odometry::spatial::Pose3;
-use six_wheel_core::suspension::MAX_WHEELS;
+use six_wheel_ground_motion::spatial::Odometry3;
+use six_wheel_ground_motion::spatial::Pose3;
+use six_wheel_kinematics::estimate::worst_wheel;
+use six_wheel_terrain::suspension::MAX_WHEELS;
 
 use super::super::state::Short;
 use crate::suspension::Suspension;

@@ -3,7 +3,7 @@
 //! Directions are pairs `(sin t, cos t)`; no angle is computed.
 
 use crate::terrain::Cell;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
 
 /// Grid lines that half a circle may cross and still be cut on the stack.
 const MOST_CUTS: usize = 96;
@@ -20,13 +20,13 @@ pub(crate) struct Circle {
 }
 
 /// Columns and rows of a point of the rim.
-pub(super) fn point(circle: &Circle, Direction { sin, cos }: Direction) -> [f64; 2] {
+pub(crate) fn point(circle: &Circle, Direction { sin, cos }: Direction) -> [f64; 2] {
     [0, 1].map(|k| circle.centre[k] + circle.forward[k] * sin - circle.up[k] * cos)
 }
 
 /// The gap over one cell: `constant + p sin t + q cos t + r cos 2t + s sin 2t`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Gap {
+pub(crate) struct Gap {
     constant: f64,
     p: f64,
     q: f64,
@@ -37,7 +37,7 @@ pub(super) struct Gap {
 }
 
 /// Value, first and second derivative of a gap.
-pub(super) type Jet = [f64; 3];
+pub(crate) type Jet = [f64; 3];
 
 impl Gap {
     pub fn new(cell: &Cell, circle: &Circle, [column, row]: [f64; 2]) -> Self {
@@ -70,7 +70,7 @@ impl Gap {
 }
 
 /// Where half a circle is cut, in the order of growing sines.
-pub(super) struct Cuts {
+pub(crate) struct Cuts {
     pub cuts: [Direction; MOST_CUTS],
     pub count: usize,
 }
@@ -119,7 +119,7 @@ impl Cuts {
 }
 
 /// A direction turned on by an angle below one radian.
-pub(super) fn turned(from: Direction, angle: f64) -> Direction {
+pub(crate) fn turned(from: Direction, angle: f64) -> Direction {
     // Polynomials, put back on the circle: as good as sine and cosine where angles are small.
     let square = angle * angle;
     let sin = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0));
@@ -133,17 +133,17 @@ fn normalized(at: Direction) -> Direction {
 }
 
 /// Sine of the angle from one direction to another.
-pub(super) fn cross(from: Direction, to: Direction) -> f64 {
+pub(crate) fn cross(from: Direction, to: Direction) -> f64 {
     to.sin * from.cos - to.cos * from.sin
 }
 
 /// A direction between two less than a quarter turn apart, at about this share of the way.
-pub(super) fn between(from: Direction, to: Direction, share: f64) -> Direction {
+pub(crate) fn between(from: Direction, to: Direction, share: f64) -> Direction {
     normalized(Direction { sin: from.sin + share * (to.sin - from.sin), cos: from.cos + share * (to.cos - from.cos) })
 }
 
 /// A direction well inside the arc from one direction to another, up to half a turn on.
-pub(super) fn inside(from: Direction, to: Direction) -> Direction {
+pub(crate) fn inside(from: Direction, to: Direction) -> Direction {
     if from.sin * to.sin + from.cos * to.cos >= 0.0 {
         return between(from, to, 0.5);
     }
@@ -152,12 +152,12 @@ pub(super) fn inside(from: Direction, to: Direction) -> Direction {
 }
 
 /// At least the angle between two directions up to half a radian apart: the chord is shorter by less than this.
-pub(super) fn angle(from: Direction, to: Direction) -> f64 {
+pub(crate) fn angle(from: Direction, to: Direction) -> f64 {
     let chord = length([to.sin - from.sin, to.cos - from.cos]);
     chord * (1.0 + 0.05 * chord * chord)
 }
 
 /// Length of a vector none of whose numbers is huge.
-pub(super) fn length([x, y]: [f64; 2]) -> f64 {
+pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }

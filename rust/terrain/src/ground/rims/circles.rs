@@ -1,9 +1,9 @@
 //! Circles in lanes, and the cells below them.
 
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::polynomials::ROUND;
-use crate::batch::machine::vector::Vector;
 use crate::terrain::{Heights, Terrain};
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::polynomials::ROUND;
+use six_wheel_numerics::simd::vector::Vector;
 
 /// An expression for 0 and 1. A closure would not get the instructions of the level.
 macro_rules! both {
@@ -20,17 +20,17 @@ macro_rules! both {
         ]
     };
 }
-pub(super) use both;
+pub(crate) use both;
 
 /// Circles that are walked together.
 pub(crate) const RIMS: usize = 8;
 
 /// Larger than any gap [m].
-pub(super) const FAR: f64 = 1e30;
+pub(crate) const FAR: f64 = 1e30;
 
 /// The numbers of the lanes.
 #[inline(always)]
-pub(super) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
+pub(crate) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
     let mut values = [0.0; RIMS];
     lanes.store(S::as_mut_simd_f64s(&mut values).0, 0);
     values
@@ -38,7 +38,7 @@ pub(super) fn spread<S: Vector>(lanes: Lanes<S>) -> [f64; RIMS] {
 
 /// Largest whole numbers not above these, up to 2^50.
 #[inline(always)]
-pub(super) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let round = Lanes::splat(simd, ROUND);
     let near = (x + round) - round;
     x.below(near).select(near - Lanes::splat(simd, 1.0), near)
@@ -46,7 +46,7 @@ pub(super) fn floor<S: Vector>(simd: S, x: Lanes<S>) -> Lanes<S> {
 
 /// Cells of the lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Cells<S: Vector> {
+pub(crate) struct Cells<S: Vector> {
     pub h00: Lanes<S>,
     pub along: Lanes<S>,
     pub across: Lanes<S>,
@@ -55,7 +55,7 @@ pub(super) struct Cells<S: Vector> {
 
 /// The cells with these lowest columns and rows; NaN off the map.
 #[inline(always)]
-pub(super) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row: Lanes<S>) -> Cells<S> {
+pub(crate) fn cells<S: Vector>(simd: S, ground: &Terrain, column: Lanes<S>, row: Lanes<S>) -> Cells<S> {
     let [rows, columns] = ground.shape();
     let zero = Lanes::splat(simd, 0.0);
     let last = [Lanes::splat(simd, columns as f64 - 2.0), Lanes::splat(simd, rows as f64 - 2.0)];
@@ -91,7 +91,7 @@ fn singles<S: Vector>(simd: S, ground: &Terrain, place: Lanes<S>) -> [Lanes<S>; 
 
 /// The circles of the lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Rims<S: Vector> {
+pub(crate) struct Rims<S: Vector> {
     pub centre: [Lanes<S>; 3],
     pub forward: [Lanes<S>; 3],
     pub up: [Lanes<S>; 3],
@@ -99,7 +99,7 @@ pub(super) struct Rims<S: Vector> {
 
 /// A point of every rim: where it is and how it moves along the rim.
 #[derive(Clone, Copy)]
-pub(super) struct Point<S: Vector> {
+pub(crate) struct Point<S: Vector> {
     pub sin: Lanes<S>,
     pub cos: Lanes<S>,
     /// From the centre.
@@ -110,7 +110,7 @@ pub(super) struct Point<S: Vector> {
 
 /// Gap, its first three derivatives along the rim, and the slope of the ground.
 #[derive(Clone, Copy)]
-pub(super) struct Jet<S: Vector> {
+pub(crate) struct Jet<S: Vector> {
     pub gap: Lanes<S>,
     pub rise: Lanes<S>,
     pub curvature: Lanes<S>,
@@ -120,7 +120,7 @@ pub(super) struct Jet<S: Vector> {
 
 impl<S: Vector> Rims<S> {
     #[inline(always)]
-    pub(super) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
+    pub(crate) fn point(&self, sin: Lanes<S>, cos: Lanes<S>) -> Point<S> {
         let [mut spoke, mut tangent] = [self.centre; 2];
         for k in 0..3 {
             spoke[k] = self.forward[k] * sin - self.up[k] * cos;
@@ -131,7 +131,7 @@ impl<S: Vector> Rims<S> {
 
     /// The gap over a cell whose lowest corner is so far from the centre.
     #[inline(always)]
-    pub(super) fn jet(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> Jet<S> {
+    pub(crate) fn jet(&self, cell: &Cells<S>, from: [Lanes<S>; 2], at: &Point<S>) -> Jet<S> {
         let (a, b) = (from[0] + at.spoke[0], from[1] + at.spoke[1]);
         let across = cell.twist.mul_add(a, cell.across);
         let along = cell.twist.mul_add(b, cell.along);

@@ -9,11 +9,11 @@ use super::circle::Circle;
 use super::circles::{RIMS, Rims, both, spread};
 use super::rim::Minimum;
 use super::search::{Stretch, TIE, search};
-use crate::batch::machine::lanes::Lanes;
-use crate::batch::machine::level::{Kernel, Level};
-use crate::batch::machine::vector::Vector;
 use crate::terrain::Terrain;
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
+use six_wheel_numerics::simd::lanes::Lanes;
+use six_wheel_numerics::simd::level::{Kernel, Level};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// The least gap of every circle; None in doubt.
 pub(crate) fn walk(level: Level, ground: &Terrain, circles: &[Circle; RIMS], count: usize) -> [Option<Minimum>; RIMS] {
@@ -89,8 +89,8 @@ mod tests {
 
     use super::super::circles::FAR;
     use super::*;
-    use crate::error::Error;
     use crate::terrain::Heights;
+    use six_wheel_numerics::error::Error;
 
     /// The gap that a stretch of one rim has, on every lane.
     struct Look<'a>(&'a Terrain, Circle, [f64; 2]);

@@ -10,7 +10,7 @@
 
 use super::circle::{Circle, Cuts, Gap, Jet, angle, between, cross, inside, length, point, turned};
 use crate::terrain::{Cell, Terrain};
-use crate::wheels::Direction;
+use six_wheel_kinematics::wheels::Direction;
 
 /// Arcs are cut to this length [rad], and what then remains is at most [`REST`]: bounds by second derivatives
 /// stay tight.
@@ -58,7 +58,7 @@ impl Rim {
         Self { least: None, next: None, unknown: false, outside: false, bound: f64::INFINITY };
 
     /// One minimum over ground that is known all along.
-    pub(crate) fn of(minimum: Minimum) -> Self {
+    pub fn of(minimum: Minimum) -> Self {
         Self { least: Some(minimum), bound: minimum.gap, ..Self::NOTHING }
     }
 
@@ -80,7 +80,7 @@ impl Rim {
 
 /// Which part of the rim to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub enum Part {
     /// The half with contact angles up to a quarter turn: all that ordinary ground can touch.
     Lower,
     /// The lower half, and the upper one if the ground beside it may be that high, or is not known.

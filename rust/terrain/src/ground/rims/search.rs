@@ -1,12 +1,12 @@
-//! The least gap of rims along a stretch of them, in lanes: see [`super::rims`].
+//! The least gap of rims along a stretch of them, in lanes: see [`crate::ground::rims::lanes`].
 
 use super::circles::{FAR, Jet, Point, Rims, both, cells, floor};
-use crate::batch::machine::lanes::{Lanes, Mask};
-use crate::batch::machine::vector::Vector;
 use crate::terrain::Terrain;
+use six_wheel_numerics::simd::lanes::{Lanes, Mask};
+use six_wheel_numerics::simd::vector::Vector;
 
 /// Minima nearer to each other than this are for the plain walk to tell apart [m].
-pub(super) const TIE: f64 = 2e-7;
+pub(crate) const TIE: f64 = 2e-7;
 
 /// Arcs shorter than this are points [rad].
 const POINT: f64 = 1e-14;
@@ -19,7 +19,7 @@ const STEPS: usize = 96;
 
 /// A part of the lower halves, and how sure the answer has to be.
 #[derive(Clone, Copy)]
-pub(super) struct Stretch<S: Vector> {
+pub(crate) struct Stretch<S: Vector> {
     /// Sine and cosine of the contact angle where it begins.
     pub start: [Lanes<S>; 2],
     /// The same where it ends.
@@ -39,7 +39,7 @@ impl<S: Vector> Stretch<S> {
 
 /// The least gap of every rim along a stretch.
 #[derive(Clone, Copy)]
-pub(super) struct Found<S: Vector> {
+pub(crate) struct Found<S: Vector> {
     /// The gap [m]; [`FAR`] where there is no minimum in the stretch.
     pub gap: Lanes<S>,
     /// Sine and cosine of its contact angle.
@@ -96,7 +96,7 @@ fn crossing<S: Vector>(
 
 /// Walks along a stretch of every rim.
 #[inline(always)]
-pub(super) fn search<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, stretch: &Stretch<S>) -> Found<S> {
+pub(crate) fn search<S: Vector>(simd: S, ground: &Terrain, rims: &Rims<S>, stretch: &Stretch<S>) -> Found<S> {
     let (zero, unit, far) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0), Lanes::splat(simd, FAR));
     let mut size = [zero; 3];
     for (k, size) in size.iter_mut().enumerate() {

@@ -8,7 +8,7 @@ pub(super) const MOST_PARTS: usize = 2 * MAX_FREE;
 
 /// A part with a free angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Part {
+pub struct Part {
     /// Place of the parent among the limbs: 0 is the body.
     pub parent: usize,
     pub origin: [f64; 3],
@@ -21,7 +21,7 @@ pub(crate) struct Part {
 
 /// A wheel on its part.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Wheel {
+pub struct Wheel {
     pub limb: usize,
     /// Where it is steered about, and its centre from there [m].
     pub pivot: [f64; 3],
@@ -39,7 +39,7 @@ type Knuckle = ([f64; 3], usize);
 
 /// What lanes need to know of a chain.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Plan {
+pub struct Plan {
     pub parts: Vec<Part>,
     pub wheels: Vec<Wheel>,
     joints: usize,
