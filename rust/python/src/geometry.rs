@@ -9,7 +9,6 @@ use six_wheel_kinematics::geometry as core;
 use six_wheel_kinematics::geometry::Steps;
 use six_wheel_kinematics::table::Table;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_planner;
 use six_wheel_planner::Present;
 
 use crate::batch::{any_workers, workers};
@@ -172,7 +171,7 @@ pub fn rollout<'py>(
     let (core, starts, count) = (&rover.get().core, course.starts(), course.count);
     let (controls, target) = (flat.as_chunks().0, poses.triples());
     compute(py, controls.len(), || {
-        planner::rollout(core, limits, controls, count, dt, starts, present, target, workers)
+        six_wheel_planner::rollout(core, limits, controls, count, dt, starts, present, target, workers)
     })
     .map_err(|error| raise(error, &[]))?;
     poses.finish_any()

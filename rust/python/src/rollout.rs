@@ -3,9 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
-use six_wheel_kinematics::batch;
 use six_wheel_numerics::threads::workers::Workers;
-use six_wheel_planner::Costs;
+use six_wheel_planner::{Costs, rollout_cost};
 
 use crate::batch::workers;
 use crate::convert::{Output, Precision, Rows, compute, refuse};
@@ -100,7 +99,7 @@ impl Rover {
         let (count, target) = (course.count, poses.triples());
         let previous = previous.as_ref().map(Rows::flat);
         compute(py, rows, || {
-            batch::rollout_cost(&self.core, controls, count, steps, starts, previous, target, targets, workers)
+            rollout_cost(&self.core, controls, count, steps, starts, previous, target, targets, workers)
         })
         .map_err(|error| course.raise(error))?;
         let mut arrays = vec![poses.finish_any()?.into_any()];
