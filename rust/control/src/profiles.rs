@@ -32,7 +32,7 @@ pub type Derivatives = [f64; 4];
 
 /// A stretch of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// When it starts [s].
     pub start: f64,
     /// Value and derivatives there.
@@ -41,7 +41,7 @@ pub struct Piece {
 
 /// The course of one axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// At least one, in the order of their starts, the first of which is 0.
     pub pieces: Vec<Piece>,
     /// When the axis arrives [s].
@@ -121,7 +121,7 @@ impl Axis {
 }
 
 impl Profile {
-    pub fn new(axes: Vec<Axis>) -> Self {
+    pub(crate) fn new(axes: Vec<Axis>) -> Self {
         let duration = axes.iter().fold(0.0, |longest, axis| axis.duration.max(longest));
         Self { axes, duration }
     }

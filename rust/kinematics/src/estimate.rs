@@ -88,13 +88,18 @@ pub struct Fit {
 /// Both rows of one wheel with their right-hand sides.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
+    /// Rolling row.
     pub rolling: Vector3<f64>,
+    /// Side-slip row.
     pub side_slip: Vector3<f64>,
+    /// Right-hand side of the rolling row [m/s].
     pub rolled: f64,
+    /// Right-hand side of the side-slip row [m/s].
     pub slipped: f64,
 }
 
 impl Reading {
+    /// Rows of a wheel that measures nothing.
     pub const NONE: Self = Self {
         rolling: Vector3::new(0.0, 0.0, 0.0),
         side_slip: Vector3::new(0.0, 0.0, 0.0),
@@ -257,6 +262,7 @@ impl RoverData {
         Vector3::new(row.x, row.y, moment / self.size)
     }
 
+    /// Normal equations about the centre of the pivots, every wheel by its weight.
     pub fn normal(&self, readings: &[Reading], weight: impl Fn(usize) -> f64) -> Matrix3<f64> {
         let mut normal = Matrix3::zeros();
         for (i, reading) in readings.iter().enumerate() {

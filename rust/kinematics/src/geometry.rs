@@ -228,15 +228,19 @@ impl<'a> Steps<'a> {
 /// A sum that carries its own rounding error along (Kahan's sum in Knuth's form, without a branch).
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
+    /// Leading part.
     pub sum: f64,
+    /// Rounding error of the leading part.
     pub lost: f64,
 }
 
 impl Sum {
+    /// A sum of one term.
     pub fn new(start: f64) -> Self {
         Self { sum: start, lost: 0.0 }
     }
 
+    /// Adds a term.
     #[inline(always)]
     pub fn add(&mut self, term: f64) {
         let total = self.sum + term;
@@ -245,6 +249,7 @@ impl Sum {
         self.sum = total;
     }
 
+    /// The sum, rounded once.
     #[inline(always)]
     pub fn value(self) -> f64 {
         self.sum + self.lost
@@ -257,7 +262,9 @@ pub(crate) const TAU_REST: f64 = 2.449_293_598_294_706_4e-16;
 /// A pose on its way along a log.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
+    /// East or forward [m].
     pub x: Sum,
+    /// North or left [m].
     pub y: Sum,
     /// With all its turns, as it is written.
     pub yaw: Sum,
@@ -266,6 +273,7 @@ pub struct Walk {
 }
 
 impl Walk {
+    /// Starts at a pose [m, m, rad].
     pub fn new([x, y, yaw]: [f64; 3]) -> Self {
         let mut heading = Sum::new(yaw);
         unwind(&mut heading);

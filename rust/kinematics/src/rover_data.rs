@@ -49,7 +49,9 @@ pub enum Mount {
 pub struct RoverData {
     wheels: Vec<Wheel>,
     steered: Vec<usize>,
+    /// Constants of every wheel, by its kind.
     pub mounts: Vec<Mount>,
+    /// Groups of fixed wheels with parallel axles.
     pub banks: Vec<Bank>,
     /// Mean of the pivots, about which the twist is estimated.
     pub centre: Vector2<f64>,

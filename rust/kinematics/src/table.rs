@@ -212,6 +212,7 @@ impl<'a> Inputs<'a> {
 }
 
 impl<'a> Log<'a> {
+    /// The readings of these rows.
     pub fn rows(&self, rover: &RoverData, rows: Range<usize>) -> Self {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         let of = |values: &'a [f64], width| &values[rows.start * width..rows.end * width];
@@ -222,6 +223,7 @@ impl<'a> Log<'a> {
         }
     }
 
+    /// The readings of one row.
     pub fn row(&self, rover: &RoverData, k: usize) -> Measured<'a> {
         let (joints, wheels) = (rover.steered().len(), rover.wheels().len());
         Measured {

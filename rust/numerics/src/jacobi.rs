@@ -27,6 +27,7 @@ pub struct Jacobi<const R: usize, const C: usize> {
 }
 
 impl<const R: usize, const C: usize> Jacobi<R, C> {
+    /// Singular value decomposition of a matrix.
     pub fn new(matrix: &SMatrix<f64, R, C>) -> Self {
         let mut columns = *matrix;
         let mut turn = SMatrix::<f64, C, C>::identity();

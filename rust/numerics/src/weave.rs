@@ -29,6 +29,7 @@ impl Column {
         Lanes::load(simd, S::as_simd_f64s(&self.0).0, k)
     }
 
+    /// Writes register `k` of it.
     #[inline(always)]
     pub fn store<S: Simd>(&mut self, k: usize, lanes: Lanes<S>) {
         lanes.store(S::as_mut_simd_f64s(&mut self.0).0, k);

@@ -3,7 +3,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// How numbers are added, multiplied and divided: the same operations in the same order, whatever the numbers are.
-pub trait Arithmetic: Copy {
+pub(crate) trait Arithmetic: Copy {
     type Number: Copy
         + Add<Output = Self::Number>
         + Sub<Output = Self::Number>

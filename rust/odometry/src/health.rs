@@ -73,11 +73,14 @@ impl BitOrAssign for Health {
 
 /// Why a sample is refused.
 pub struct Refusal {
+    /// The reason as a flag.
     pub flag: Health,
+    /// The reason in words.
     pub error: Error,
 }
 
 impl Refusal {
+    /// A refusal with its reason.
     pub fn new(flag: Health, error: Error) -> Self {
         Self { flag, error }
     }

@@ -10,7 +10,7 @@ pub const ROUNDING: f64 = 1e-9;
 
 /// What is known of one step.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'a> {
+pub(crate) struct Motion<'a> {
     /// Steering angles at its start and end [rad].
     pub steering: [&'a [f64]; 2],
     /// What every wheel turned [rad].
@@ -27,7 +27,7 @@ pub struct Motion<'a> {
 
 /// How wheels and a gyroscope share a step: `displacement' = displacement + gain (turn - displacement.z)`.
 #[derive(Clone, Copy, Debug)]
-pub struct Fusion {
+pub(crate) struct Fusion {
     /// By the turn of the gyroscope.
     pub gain: Vector3<f64>,
     /// By the displacement of the wheels.

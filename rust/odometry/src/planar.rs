@@ -29,7 +29,7 @@ use six_wheel_numerics::error::{Error, number, numbers};
 
 /// The sample from which the next one counts.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub(crate) struct Reference {
     /// Whether there is one.
     pub(crate) known: bool,
     pub(crate) stamp: f64,
@@ -44,19 +44,19 @@ pub struct Reference {
 /// Dead reckoning of one rover: its pose, its motion, and how far they may be off.
 #[derive(Clone, Debug)]
 pub struct Odometry {
-    pub rover: Rover,
-    pub settings: Settings,
-    pub reference: Reference,
-    pub state: State,
-    pub residual: Vec<f64>,
-    pub health: Health,
-    pub work: Workspace,
+    pub(crate) rover: Rover,
+    pub(crate) settings: Settings,
+    pub(crate) reference: Reference,
+    pub(crate) state: State,
+    pub(crate) residual: Vec<f64>,
+    pub(crate) health: Health,
+    pub(crate) work: Workspace,
     /// How a usual step is made by registers, where it is.
-    pub plan: Option<Plan>,
-    pub turned: Vec<f64>,
-    pub angles: Vec<f64>,
-    pub history: History,
-    pub suspect: Suspect,
+    pub(crate) plan: Option<Plan>,
+    pub(crate) turned: Vec<f64>,
+    pub(crate) angles: Vec<f64>,
+    pub(crate) history: History,
+    pub(crate) suspect: Suspect,
 }
 
 impl Odometry {

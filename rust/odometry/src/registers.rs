@@ -41,7 +41,7 @@ impl Plan {
 
 /// What a step starts from, and what is known of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub(crate) struct Given<'a> {
     /// Readings of the wheels at its start and end.
     pub wheels: [&'a [f64]; 2],
     /// Readings of the steering joints at its start and end.
@@ -56,7 +56,7 @@ pub struct Given<'a> {
 
 /// Where the results of a step go.
 #[derive(Debug)]
-pub struct Targets<'a> {
+pub(crate) struct Targets<'a> {
     /// Steering angles at the end [rad].
     pub angles: &'a mut [f64],
     /// Speed at which each contact slid [m/s].

@@ -92,8 +92,10 @@ impl Default for Settings {
 
 /// How a step is worked out.
 #[derive(Clone, Copy, Debug)]
-pub struct Rules {
+pub(crate) struct Rules {
+    /// Noise of readings and slip.
     pub noise: Noise,
+    /// Weighing of the wheels.
     pub method: Method,
     /// Whether disagreement of the wheels beyond the noise counts as more noise.
     pub inflate: bool,
@@ -102,7 +104,7 @@ pub struct Rules {
 }
 
 impl Settings {
-    pub fn check(&self, rover: &Rover) -> Result<(), Error> {
+    pub(crate) fn check(&self, rover: &Rover) -> Result<(), Error> {
         self.check_for(rover.wheels().len(), rover.steered().len())?;
         if self.method == Method::MiddleWheels && rover.steered().len() == rover.wheels().len() {
             let rule = "be another one for a rover without unsteered wheels";
@@ -203,10 +205,12 @@ impl Settings {
         self.slip_threshold.or(self.noise.is_guess().then_some(GUESSED_SLIP))
     }
 
+    /// The encoder of a wheel.
     pub fn wheel_encoder(&self, wheel: usize) -> Encoder {
         pick(&self.wheel_encoders, wheel)
     }
 
+    /// The encoder of a steering joint.
     pub fn steering_encoder(&self, joint: usize) -> Encoder {
         pick(&self.steering_encoders, joint)
     }

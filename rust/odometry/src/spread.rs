@@ -12,7 +12,7 @@ use six_wheel_numerics::jacobi::Jacobi;
 
 /// A symmetric matrix; a covariance as long as only squares are added and images taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread<T = f64> {
+pub(crate) struct Spread<T = f64> {
     xx: T,
     xy: T,
     xz: T,

@@ -8,7 +8,7 @@ use six_wheel_numerics::error::{Error, HUGE, finite, numbers};
 
 /// What changes from sample to sample and is taken back when a late pose comes.
 #[derive(Clone, Debug)]
-pub struct State {
+pub(crate) struct State {
     pub walk: Walk,
     pub twist: Twist,
     pub velocity: Option<Twist>,

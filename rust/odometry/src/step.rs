@@ -21,7 +21,7 @@ use six_wheel_numerics::error::{Error, HUGE, numbers};
 
 /// Memory of a step, so that none is asked for while driving.
 #[derive(Clone, Debug)]
-pub struct Workspace {
+pub(crate) struct Workspace {
     readings: Vec<Reading>,
     /// Inverse of the normal equations, where it is the same for all readings.
     inverse: Option<Matrix3<f64>>,

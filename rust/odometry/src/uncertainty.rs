@@ -38,7 +38,7 @@ pub(crate) fn rounded<F: Arithmetic>(by: F, mut covariance: Spread<F::Number>) -
 
 /// How the end of a step answers to its start and to its displacement in body axes.
 #[derive(Clone, Copy, Debug)]
-pub struct StepJacobian<T = f64> {
+pub(crate) struct StepJacobian<T = f64> {
     /// Way in world axes [m]: a turn at the start swings it.
     pub shift: [T; 2],
     /// By the displacement; an error of it leaves the yaw as it is, so the third row is 0, 0, 1.
@@ -85,7 +85,7 @@ fn carry([x, y]: [f64; 2], error: &Vector3<f64>) -> Vector3<f64> {
 
 /// What one displacement in body axes may be off by.
 #[derive(Clone, Debug, Default)]
-pub struct StepNoise {
+pub(crate) struct StepNoise {
     /// Covariance of all that errs in this step alone.
     pub own: Spread,
     /// The same of readings that other steps share, as if those at its two ends erred on their own.
@@ -132,7 +132,7 @@ impl StepNoise {
 
 /// Zero of a yaw sensor, learnt from its first reading.
 #[derive(Clone, Copy, Debug)]
-pub struct YawOffset {
+pub(crate) struct YawOffset {
     /// Reading where the pose's yaw is zero [rad].
     pub value: f64,
     /// Its variance.
@@ -143,7 +143,7 @@ pub struct YawOffset {
 
 /// Bias of a gyroscope, as far as it is known.
 #[derive(Clone, Copy, Debug)]
-pub struct Bias {
+pub(crate) struct Bias {
     /// Its value [rad/s].
     pub value: f64,
     /// Its variance.
@@ -174,14 +174,14 @@ impl Bias {
 
 /// What one deviation of the dimensions makes of a pose, and of the zero of a yaw sensor that was read there.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lasting {
+pub(crate) struct Lasting {
     pub pose: Vector3<f64>,
     pub yaw_zero: f64,
 }
 
 /// Error of a pose in world axes: x [m], y [m], yaw [rad].
 #[derive(Clone, Debug)]
-pub struct Uncertainty {
+pub(crate) struct Uncertainty {
     pub settled: Spread,
     pub carried: Vec<[f64; 3]>,
     pub lasting: Vec<Lasting>,

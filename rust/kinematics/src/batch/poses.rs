@@ -23,9 +23,13 @@ const GROUP: usize = 8;
 /// Logs of `count` steps each, and what they begin with: one start for every log, or one for all.
 #[derive(Clone, Copy)]
 pub struct Journey<'a> {
+    /// Twists, row after row.
     pub twists: Table<'a>,
+    /// Steps of a log.
     pub count: usize,
+    /// Durations of the steps [s].
     pub steps: Durations<'a>,
+    /// First poses.
     pub starts: &'a [[f64; 3]],
     /// The longest step [s].
     pub longest: f64,
@@ -40,7 +44,9 @@ pub struct Journey<'a> {
 /// Memory of one thread for what has to be read.
 #[derive(Default)]
 pub struct Buffers {
+    /// Twists that were read.
     pub twists: Vec<f64>,
+    /// Durations that were read [s].
     pub steps: Vec<f64>,
 }
 
@@ -59,6 +65,7 @@ impl<'a> Journey<'a> {
         })
     }
 
+    /// First pose of a log.
     pub fn start(&self, log: usize) -> [f64; 3] {
         let one = self.starts.len() == 1;
         self.starts[if one { 0 } else { log }]

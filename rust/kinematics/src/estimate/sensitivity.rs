@@ -111,11 +111,15 @@ impl Change {
 /// The twist of one instant with all that its derivatives need.
 #[derive(Debug)]
 pub struct Linearised<'a> {
+    /// The rover.
     pub rover: &'a RoverData,
+    /// Rows of its wheels.
     pub readings: &'a [Reading],
+    /// Readings of the instant.
     pub measured: Measured<'a>,
     /// Inverse of the normal equations about the centre of the pivots.
     pub solution: Matrix3<f64>,
+    /// The twist that fits them.
     pub twist: Vector3<f64>,
     /// Say of each wheel.
     pub weights: Option<&'a [f64]>,

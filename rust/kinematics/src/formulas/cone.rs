@@ -49,7 +49,9 @@ struct Wedge {
 /// What is sure of each lane; neither where the plain core has to decide.
 #[derive(Clone, Copy)]
 pub struct Verdict<S: Simd> {
+    /// Lanes with a twist that is surely possible.
     pub yes: Mask<S>,
+    /// Lanes with a twist that is surely impossible.
     pub no: Mask<S>,
 }
 

@@ -37,6 +37,7 @@ pub struct Reach {
     /// Two half planes `across * y < along * x` of the pivot's velocity.
     upper: [f64; 2],
     lower: [f64; 2],
+    /// True where both ends of the range are equally far.
     pub symmetric: bool,
     /// Whether it is a quarter turn to either side at most.
     pub folded: bool,
@@ -94,21 +95,26 @@ impl Reach {
 /// A steered wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct Steered {
+    /// Pivot, forward [m].
     pub x: f64,
+    /// Pivot, to the left [m].
     pub y: f64,
     /// `None` where it is straight ahead.
     pub heading: Option<Direction>,
+    /// Range of the steering angle [rad].
     pub range: SteeringRange,
     /// Of the lower and the upper end of the range.
     pub ends: [Direction; 2],
     /// Contact to the left of the steering axis, and behind it [m].
     pub scrub: f64,
+    /// Contact behind the steering axis [m].
     pub trail: f64,
     /// Of a wheel without scrub and trail that can point straight ahead.
     pub reach: Option<Reach>,
 }
 
 impl Steered {
+    /// Nothing for a fixed wheel.
     pub fn new(wheel: &Wheel, mount: Mount) -> Option<Self> {
         let (range, heading) = match mount {
             Mount::Steered(range, heading) => (range, heading),

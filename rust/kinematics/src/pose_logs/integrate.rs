@@ -60,9 +60,13 @@ pub(crate) fn place(level: Level, logs: Logs<'_>, poses: &mut [[f64; 3]], past: 
     level.run(Place { logs, poses, past });
 }
 
+/// The kernel of poses along whole logs, one log in every lane.
 pub struct Place<'a> {
+    /// Logs that have been checked.
     pub logs: Logs<'a>,
+    /// Their starts, and one pose after every step.
     pub poses: &'a mut [[f64; 3]],
+    /// True where poses are written past the caches.
     pub past: bool,
 }
 

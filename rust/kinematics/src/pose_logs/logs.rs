@@ -7,9 +7,13 @@ use six_wheel_numerics::simd::vector::Vector;
 /// Logs of `count` steps each that have been checked, with one start for every log or one for all.
 #[derive(Clone, Copy)]
 pub struct Logs<'a> {
+    /// Twists, log after log.
     pub twists: &'a [[f64; 3]],
+    /// Steps of a log.
     pub count: usize,
+    /// Durations of the steps [s].
     pub steps: Steps<'a>,
+    /// First poses.
     pub starts: &'a [[f64; 3]],
 }
 

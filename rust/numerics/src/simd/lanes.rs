@@ -39,6 +39,7 @@ impl<S: Simd> Lanes<S> {
         Self { simd, values: column[k] }
     }
 
+    /// Writes register `k` of a column.
     #[inline(always)]
     pub fn store(self, column: &mut [S::f64s], k: usize) {
         column[k] = self.values;
@@ -61,16 +62,19 @@ impl<S: Simd> Lanes<S> {
         self.with(self.simd.mul_add_f64s(self.values, factor.values, term.values))
     }
 
+    /// `self / divisor`
     #[inline(always)]
     pub fn quotient(self, divisor: Self) -> Self {
         self.with(self.simd.div_f64s(self.values, divisor.values))
     }
 
+    /// Square root.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         self.with(self.simd.sqrt_f64s(self.values))
     }
 
+    /// Absolute value.
     #[inline(always)]
     pub fn abs(self) -> Self {
         // Every bit but the sign. pulp's own may be left to call.

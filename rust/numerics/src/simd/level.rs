@@ -106,6 +106,7 @@ impl Level {
 
 /// What is compiled once for every level.
 pub trait Kernel {
+    /// Result of the kernel.
     type Output;
 
     /// Has to be `#[inline(always)]`, with everything it calls that works on registers.

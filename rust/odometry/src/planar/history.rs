@@ -37,7 +37,7 @@ const FEW: usize = 1024;
 
 /// A ring of samples. Its memory for the first [`FEW`] is taken at the start, and grows as more have to be kept.
 #[derive(Clone, Debug)]
-pub struct History {
+pub(crate) struct History {
     /// Entry `k` at place `k % entries.len()`, those from `first` to `next`.
     pub(crate) entries: Vec<Entry>,
     pub(crate) corrections: Vec<Correction>,

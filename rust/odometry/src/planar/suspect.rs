@@ -15,6 +15,7 @@ use crate::settings::Readings;
 ///   good row after a good row pays one comparison.
 #[derive(Clone, Debug)]
 pub struct Suspect {
+    /// The reason for which the last row was left out.
     pub flag: Health,
     /// [s]
     pub stamp: f64,
@@ -28,6 +29,7 @@ pub struct Suspect {
 }
 
 impl Suspect {
+    /// No row was left out yet.
     pub fn new(wheels: usize, joints: usize) -> Self {
         Self {
             flag: Health::GOOD,
@@ -39,6 +41,7 @@ impl Suspect {
         }
     }
 
+    /// Forgets the rows left out: one was taken in.
     #[inline]
     pub fn clear(&mut self) {
         if self.marked {

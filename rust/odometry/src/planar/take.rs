@@ -19,7 +19,7 @@ impl Odometry {
     }
 
     #[inline]
-    pub fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
+    pub(crate) fn take(&mut self, sample: Sample<'_>) -> Result<Health, Refusal> {
         self.history.make_room(sample.stamp).map_err(|error| Refusal::new(Health::GOOD, error))?;
         match self.step(&sample) {
             Some((slips, gyro_turn)) => Ok(self.conclude(&sample, Health::SLIP.when(slips), gyro_turn)),
@@ -131,7 +131,7 @@ impl Odometry {
     }
 
     /// What wheels and joints turned since the reference. Whether a counter started over.
-    pub fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
+    pub(crate) fn difference(&mut self, sample: &Sample<'_>, dt: f64) -> bool {
         let mut wrapped = false;
         let pairs = self.reference.wheels.iter().zip(sample.wheels);
         for (i, ((before, after), turned)) in pairs.zip(&mut self.turned).enumerate() {
@@ -190,7 +190,7 @@ impl Odometry {
     /// Whether wheels and gyroscope agree that the rover stands: no wheel rolls, and what the gyroscope reads may well be
     /// its bias.
     #[inline]
-    pub fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
+    pub(crate) fn stands(&self, rate: f64, bias: Option<Bias>, dt: f64, turned: impl Iterator<Item = f64>) -> bool {
         let (Some(known), Some(bias)) = (self.settings.gyroscope, bias) else {
             return false;
         };

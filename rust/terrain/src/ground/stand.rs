@@ -42,6 +42,7 @@ pub struct Contact {
 
 /// Numbers of a contact, and of a stand.
 pub const CONTACT: usize = 6;
+/// Numbers of a settled pose: its state and its contacts.
 pub const NUMBERS: usize = MAX_STATE + CONTACT * MAX_WHEELS;
 
 impl Contact {

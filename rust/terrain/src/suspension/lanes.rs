@@ -31,13 +31,16 @@ pub const MOST: usize = 8;
 pub struct Column(pub [f64; MOST]);
 
 impl Column {
+    /// All zero.
     pub const ZERO: Self = Self([0.0; MOST]);
 
+    /// The number of as many rovers as there are lanes.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S) -> Lanes<S> {
         Lanes::load(simd, S::as_simd_f64s(&self.0[..S::F64_LANES]).0, 0)
     }
 
+    /// The lanes as a column, zero beyond them.
     #[inline(always)]
     pub fn of<S: Simd>(lanes: Lanes<S>) -> Self {
         let mut column = Self::ZERO;
@@ -49,6 +52,7 @@ impl Column {
 /// Angles [rad] beyond which a lane is left to the plain way: a joint that has turned a hundred times.
 pub const LARGEST_TURN: f64 = 600.0;
 
+/// The same number in every lane.
 #[inline(always)]
 pub fn all<S: Simd>(simd: S, value: f64) -> Lanes<S> {
     Lanes::splat(simd, value)
@@ -59,16 +63,19 @@ fn triple<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> Vectors<S> {
     [all(simd, x), all(simd, y), all(simd, z)]
 }
 
+/// Scalar product.
 #[inline(always)]
 pub fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Lanes<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
+/// Vector product.
 #[inline(always)]
 pub fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[1].mul_add(b[2], -(a[2] * b[1])), a[2].mul_add(b[0], -(a[0] * b[2])), a[0].mul_add(b[1], -(a[1] * b[0]))]
 }
 
+/// `a - b`
 #[inline(always)]
 pub fn less<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -80,11 +87,13 @@ pub fn along<S: Simd>(a: Vectors<S>, length: Lanes<S>, b: Vectors<S>) -> Vectors
     [b[0].mul_add(length, a[0]), b[1].mul_add(length, a[1]), b[2].mul_add(length, a[2])]
 }
 
+/// `a` times a number.
 #[inline(always)]
 pub fn scaled<S: Simd>(a: Vectors<S>, by: Lanes<S>) -> Vectors<S> {
     [a[0] * by, a[1] * by, a[2] * by]
 }
 
+/// `a + b`
 #[inline(always)]
 pub fn sum<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]

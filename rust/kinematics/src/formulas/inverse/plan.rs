@@ -12,20 +12,28 @@ use six_wheel_numerics::error::Error;
 use six_wheel_numerics::simd::lanes::{Lanes, Mask};
 use six_wheel_numerics::weave::Column;
 
+/// Constants of one wheel, by its kind.
 #[derive(Clone, Copy, Debug)]
 pub enum Part {
+    /// Rolling row of a fixed wheel.
     Fixed([f64; 3]),
+    /// A castor.
     Castor(Steered),
+    /// A steered wheel.
     Steered(Steered),
 }
 
 /// What the kernel needs to know of a rover.
 pub struct Plan<'a> {
+    /// The rover.
     pub rover: &'a RoverData,
+    /// Its admissible twists.
     pub cone: &'a Cone,
     /// Every wheel with one over its radius.
     pub parts: Vec<(Part, f64)>,
+    /// Number of its steering joints.
     pub joints: usize,
+    /// Side-slip rows of its axle groups.
     pub banks: Vec<[f64; 3]>,
     /// Whether every wheel can be steered without a second thought, but for resting ones and such.
     pub(crate) is_simple: bool,

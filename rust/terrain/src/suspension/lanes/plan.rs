@@ -40,7 +40,9 @@ type Knuckle = ([f64; 3], usize);
 /// What lanes need to know of a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// Links of the chain.
     pub parts: Vec<Part>,
+    /// Wheels of the chain.
     pub wheels: Vec<Wheel>,
     joints: usize,
     /// The free angles, those first that move few wheels.
@@ -120,18 +122,22 @@ impl Plan {
         Some(plan)
     }
 
+    /// Number of wheels.
     pub fn wheels(&self) -> usize {
         self.wheels.len()
     }
 
+    /// Number of joints.
     pub fn joints(&self) -> usize {
         self.joints
     }
 
+    /// Radius of a wheel [m].
     pub fn radius(&self, wheel: usize) -> f64 {
         self.wheels[wheel].radius
     }
 
+    /// Steering joint of a wheel.
     pub fn steering(&self, wheel: usize) -> Option<usize> {
         self.wheels[wheel].steering
     }
