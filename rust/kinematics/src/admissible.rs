@@ -45,6 +45,7 @@ impl RoverData {
     }
 
     /// Whether the rover can make a twist. Fails if it is not finite.
+    #[inline]
     pub fn admissible(&self, twist: Twist) -> Result<bool, Error> {
         let fastest = self.check_speeds(twist, None)?;
         Ok(self.obstacle(twist, None, SLIP_TOLERANCE * fastest).is_none())

@@ -108,6 +108,7 @@ impl Reading {
     };
 
     /// Length of the two residuals: how fast the contact slides under this twist [m/s].
+    #[inline]
     pub fn residual(&self, twist: &Vector3<f64>) -> f64 {
         let along = self.rolling.dot(twist) - self.rolled;
         let across = self.side_slip.dot(twist) - self.slipped;
@@ -128,6 +129,7 @@ pub struct Measured<'a> {
 
 impl Measured<'_> {
     /// Whether every wheel has a reading.
+    #[inline]
     pub fn is_complete(&self) -> bool {
         self.speeds.iter().all(|speed| !speed.is_nan())
     }
@@ -135,6 +137,7 @@ impl Measured<'_> {
 
 impl RoverData {
     /// The twist that fits the readings of all wheels best, in the sense of least squares.
+    #[inline]
     pub fn forward(&self, measured: Measured<'_>, unseen: Unseen) -> Result<Twist, Error> {
         self.check_readings(measured)?;
         let mut readings = [Reading::NONE; MAX_WHEELS];
@@ -257,6 +260,7 @@ impl RoverData {
 
     /// A row for the unknowns about the centre of the pivots, scaled by their spread: the normal equations
     /// are then close to a multiple of the identity and lose no digits.
+    #[inline]
     pub fn shifted(&self, row: &Vector3<f64>) -> Vector3<f64> {
         let moment = row.z + row.x * self.centre.y - row.y * self.centre.x;
         Vector3::new(row.x, row.y, moment / self.size)
@@ -302,6 +306,7 @@ impl RoverData {
     }
 
     /// The twist whose unknowns about the centre of the pivots these are.
+    #[inline]
     pub fn unshifted(&self, centred: &Vector3<f64>) -> Vector3<f64> {
         let omega = centred.z / self.size;
         Vector3::new(centred.x + omega * self.centre.y, centred.y - omega * self.centre.x, omega)

@@ -67,6 +67,7 @@ impl From<Pose> for [f64; 3] {
 }
 
 /// sin(x) / x. The quotient of two equally rounded numbers: only x = 0 itself needs a word.
+#[inline]
 pub fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
@@ -103,23 +104,27 @@ impl Twist {
     pub const ZERO: Self = Self { vx: 0.0, vy: 0.0, omega: 0.0 };
 
     /// Linear part [m/s].
+    #[inline]
     pub fn linear(self) -> Vector2<f64> {
         Vector2::new(self.vx, self.vy)
     }
 
     /// Velocity of a point of the body [m/s].
+    #[inline]
     pub fn at(self, x: f64, y: f64) -> Vector2<f64> {
         Vector2::new(self.vx - self.omega * y, self.vy + self.omega * x)
     }
 
     /// The same motion of the body, given as the velocity of this point instead of the origin's.
     #[must_use]
+    #[inline]
     pub fn about(self, [x, y]: [f64; 2]) -> Self {
         let at_origin = self.at(-x, -y);
         Self { vx: at_origin.x, vy: at_origin.y, omega: self.omega }
     }
 
     /// `start_from_end`: where holding this twist for `dt` [s] takes the body frame.
+    #[inline]
     pub fn exp(self, dt: f64) -> Pose {
         let yaw = self.omega * dt;
         // The chord leaves at half the turn. Nothing cancels as yaw → 0, unlike (1 − cos yaw)/yaw.
@@ -131,6 +136,7 @@ impl Twist {
     ///
     /// Driving straight it lies at infinity: the component across the motion is infinite, a component
     /// without motion across it is 0. At rest there is none: NaN.
+    #[inline]
     pub fn icr(self) -> [f64; 2] {
         let quotient = |numerator: f64| match (self.omega == 0.0, numerator == 0.0) {
             (false, _) => numerator / self.omega,
@@ -147,6 +153,7 @@ impl Twist {
 
 impl Pose {
     /// The twist that reaches this pose in `dt` [s] along one arc, turning the short way round.
+    #[inline]
     pub fn log(self, dt: f64) -> Twist {
         let yaw = wrap_angle(self.yaw);
         let chord = Vector2::new(self.x, self.y);
@@ -156,6 +163,7 @@ impl Pose {
 
     /// `a_from_c = a_from_b * b_from_c`; yaws add up, turns included.
     #[must_use]
+    #[inline]
     pub fn compose(self, next: Self) -> Self {
         let shift = Rotation2::new(self.yaw) * Vector2::new(next.x, next.y);
         Self { x: self.x + shift.x, y: self.y + shift.y, yaw: self.yaw + next.yaw }
@@ -163,6 +171,7 @@ impl Pose {
 
     /// `self_from_next`: the pose of `next` seen from this one.
     #[must_use]
+    #[inline]
     pub fn between(self, next: Self) -> Self {
         let shift = Rotation2::new(-self.yaw) * Vector2::new(next.x - self.x, next.y - self.y);
         Self { x: shift.x, y: shift.y, yaw: next.yaw - self.yaw }
@@ -180,6 +189,7 @@ pub enum Steps<'a> {
 
 impl<'a> Steps<'a> {
     /// Duration of step `k`.
+    #[inline]
     pub fn get(&self, k: usize) -> f64 {
         match self {
             Self::Constant(dt) => *dt,
@@ -188,6 +198,7 @@ impl<'a> Steps<'a> {
     }
 
     /// Those of some of the steps.
+    #[inline]
     pub fn of(self, steps: Range<usize>) -> Self {
         match self {
             Self::Constant(dt) => Self::Constant(dt),
@@ -197,6 +208,7 @@ impl<'a> Steps<'a> {
 
     /// Fails unless there are `count` finite durations, of which none is negative: recordings hold the same stamp
     /// twice, and in no time nothing moves.
+    #[inline]
     pub fn check(&self, count: usize) -> Result<(), Error> {
         self.check_each(count, |dt| dt >= 0.0, "be finite and not negative")
     }
@@ -236,6 +248,7 @@ pub struct Sum {
 
 impl Sum {
     /// A sum of one term.
+    #[inline]
     pub fn new(start: f64) -> Self {
         Self { sum: start, lost: 0.0 }
     }
@@ -274,6 +287,7 @@ pub struct Walk {
 
 impl Walk {
     /// Starts at a pose [m, m, rad].
+    #[inline]
     pub fn new([x, y, yaw]: [f64; 3]) -> Self {
         let mut heading = Sum::new(yaw);
         unwind(&mut heading);
@@ -298,6 +312,7 @@ impl Walk {
     }
 
     /// Holds a twist for a while; the pose after it.
+    #[inline]
     pub fn step(&mut self, twist: [f64; 3], dt: f64) -> [f64; 3] {
         let step = Twist::from(twist).exp(dt);
         let shift = Rotation2::new(self.heading.value()) * Vector2::new(step.x, step.y);
@@ -307,6 +322,7 @@ impl Walk {
     }
 
     /// Goes on along a log that has been checked; the pose after every step.
+    #[inline]
     pub fn follow(&mut self, twists: &[[f64; 3]], steps: Steps<'_>, poses: &mut [[f64; 3]]) {
         for (k, (twist, pose)) in twists.iter().zip(poses).enumerate() {
             *pose = self.step(*twist, steps.get(k));
@@ -334,12 +350,14 @@ fn unwind(angle: &mut Sum) {
 pub(crate) struct Bound(f64);
 
 impl Bound {
+    #[inline]
     pub fn new(start: [f64; 3]) -> Result<Self, Error> {
         finite("start", &start)?;
         Ok(Self(start.iter().map(|value| value.abs()).fold(0.0, f64::max)))
     }
 
     /// Goes on along the log; rows of errors count from here.
+    #[inline]
     pub fn extend(&mut self, twists: &[[f64; 3]], steps: Steps<'_>) -> Result<(), Error> {
         for (k, twist) in twists.iter().enumerate() {
             finite("twists", twist).map_err(|error| error.at_row(k))?;

@@ -109,6 +109,7 @@ impl Rover {
     /// Wheels on two sides, none of them steered: differential, skid-steered or tracked drive.
     ///
     /// `radii` left and right; `per_side` wheels spread over `wheelbase`, front to rear.
+    #[inline]
     pub fn differential(
         track_width: f64,
         radii: [f64; 2],

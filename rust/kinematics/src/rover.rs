@@ -121,6 +121,7 @@ impl Rover {
     }
 
     /// The nearest twist the rover can make, preserving what `keep` says; an admissible one is unchanged.
+    #[inline]
     pub fn project(&self, twist: Twist, keep: Keep) -> Result<Twist, Error> {
         self.project_by(|| self.faces(), twist, keep)
     }

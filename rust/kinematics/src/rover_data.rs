@@ -102,16 +102,19 @@ impl RoverData {
     }
 
     /// The wheels, in the order of every array.
+    #[inline]
     pub fn wheels(&self) -> &[Wheel] {
         &self.wheels
     }
 
     /// Indices of the steered wheels, in the order of the steering arrays.
+    #[inline]
     pub fn steered(&self) -> &[usize] {
         &self.steered
     }
 
     /// The lines on which the fixed wheels allow the centre of rotation.
+    #[inline]
     pub fn banks(&self) -> &[Bank] {
         &self.banks
     }
@@ -175,6 +178,7 @@ pub struct Inputs<'a> {
 
 impl Inputs<'_> {
     /// Fails unless every value is finite.
+    #[inline]
     pub fn check(&self) -> Result<(), Error> {
         finite("previous", self.previous.unwrap_or_default())?;
         finite("previous_speeds", self.previous_speeds.unwrap_or_default())?;

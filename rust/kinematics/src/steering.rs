@@ -32,6 +32,7 @@ impl SteeringRange {
     pub(crate) const WHOLE_TURN: Self = Self { lower: -PI, upper: PI };
 
     /// From `-limit` to `limit`. Fails unless the limit is finite and positive.
+    #[inline]
     pub fn symmetric(limit: f64) -> Result<Self, Error> {
         positive("steering_limit", limit)?;
         Ok(Self { lower: -limit, upper: limit })
@@ -47,11 +48,13 @@ impl SteeringRange {
     }
 
     /// Whether a wheel can roll in every direction, forwards or backwards.
+    #[inline]
     pub fn is_full(self) -> bool {
         self.upper - self.lower >= PI
     }
 
     /// The angle, or the end of the range that is nearer.
+    #[inline]
     pub fn clip(self, angle: f64) -> f64 {
         angle.clamp(self.lower, self.upper)
     }
@@ -117,6 +120,7 @@ pub(crate) struct Choice {
 
 impl Choice {
     /// The ways of a wheel whose pivot moves: angle and speed along the heading for each.
+    #[inline]
     pub fn new(range: SteeringRange, previous: f64, [forwards, backwards]: [WheelCommand; 2]) -> Self {
         let side = |command: WheelCommand| {
             let angle = range.nearest_turn(command.angle, previous);
@@ -131,12 +135,14 @@ impl Choice {
     }
 
     /// The way of a wheel whose pivot rests: none but to stay.
+    #[inline]
     pub fn stay(command: WheelCommand) -> Self {
         let side = Side { command, overshoot: 0.0, turn: 0.0 };
         Self { forwards: side, backwards: Side { overshoot: f64::INFINITY, ..side } }
     }
 
     /// The way inside the range, the nearer one if both are, forwards if both are equally near.
+    #[inline]
     pub fn nearest(&self) -> Way {
         let key = |side: &Side| (side.overshoot, side.turn);
         if key(&self.backwards) < key(&self.forwards) { Way::Backwards } else { Way::Forwards }
@@ -150,6 +156,7 @@ impl Choice {
     }
 
     /// Angle and speed of one way.
+    #[inline]
     pub fn command(&self, way: Way) -> WheelCommand {
         match way {
             Way::Forwards => self.forwards.command,

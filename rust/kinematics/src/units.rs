@@ -33,6 +33,7 @@ pub struct Question {
 }
 
 /// Everything that is odd about the dimensions of a rover.
+#[inline]
 pub fn dimensions(rover: &RoverData) -> Vec<Question> {
     let wheels = rover.wheels();
     let one_each = [lengths(wheels), exchanged(wheels), range(rover)];

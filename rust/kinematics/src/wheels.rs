@@ -111,6 +111,7 @@ impl Wheel {
 
     /// The same wheel on a steering axis.
     #[must_use]
+    #[inline]
     pub fn steered(mut self, range: SteeringRange) -> Self {
         self.pivot = Pivot::Steered(range);
         self
@@ -124,6 +125,7 @@ impl Wheel {
     }
 
     /// Where it can steer, if it can.
+    #[inline]
     pub fn steering(&self) -> Option<SteeringRange> {
         match self.pivot {
             Pivot::Steered(range) => Some(range),
@@ -178,6 +180,7 @@ impl Wheel {
     }
 
     /// Whether a steering angle is a fixed offset of the contact: neither scrub nor trail.
+    #[inline]
     pub fn is_centred(&self) -> bool {
         self.scrub == 0.0 && self.trail == 0.0
     }
@@ -185,6 +188,7 @@ impl Wheel {
     /// The wheel equation with the wheel rolling in `direction` (body axes).
     ///
     /// Rollers give way across their axes: what is left of both rows is the one along them.
+    #[inline]
     pub fn rows(&self, direction: Direction) -> Rows {
         let Rows { rolling, side_slip } = self.bare_rows(direction);
         match self.passed_on() {
@@ -194,6 +198,7 @@ impl Wheel {
     }
 
     /// What rollers pass on along the wheel of a metre across it; nothing where there are none.
+    #[inline]
     pub fn passed_on(&self) -> Option<f64> {
         self.roller_angle.map(|angle| angle.cos() / angle.sin())
     }
@@ -247,6 +252,7 @@ impl Wheel {
     }
 
     /// How a castor rolls once it has swung in behind its pivot.
+    #[inline]
     pub fn castor(&self, heading: Direction, twist: Twist) -> WheelCommand {
         let choice = self.choice(SteeringRange::WHOLE_TURN, heading, twist, 0.0, 0.0);
         // The contact ends up behind the pivot, whichever way the heading counts.
@@ -254,6 +260,7 @@ impl Wheel {
     }
 
     /// Speed at which the contact slides sideways at this angle [m/s].
+    #[inline]
     pub fn side_slip(&self, angle: f64, twist: Twist, steering_rate: f64) -> f64 {
         let rows = self.rows(Direction::from(self.heading + angle));
         rows.side_slip.dot(&Vector3::from(twist)) - self.trail * steering_rate

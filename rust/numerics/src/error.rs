@@ -39,6 +39,7 @@ impl Error {
 
     /// The same failure, of another kind.
     #[must_use]
+    #[inline]
     pub fn of_kind(mut self, kind: ErrorKind) -> Self {
         self.kind = kind;
         self
@@ -46,6 +47,7 @@ impl Error {
 
     /// The same failure, found in this row of a batch.
     #[must_use]
+    #[inline]
     pub fn at_row(mut self, row: usize) -> Self {
         self.row = Some(row);
         self
@@ -53,6 +55,7 @@ impl Error {
 
     /// The same failure, found in rows that begin with this row of a batch.
     #[must_use]
+    #[inline]
     pub fn below(mut self, first: usize) -> Self {
         self.row = self.row.map(|row| first + row);
         self

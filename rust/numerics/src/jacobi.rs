@@ -54,6 +54,7 @@ impl<const R: usize, const C: usize> Jacobi<R, C> {
     }
 
     /// Number of singular values above a bound.
+    #[inline]
     pub fn rank(&self, bound: f64) -> usize {
         self.values.iter().filter(|value| **value > bound).count()
     }

@@ -66,6 +66,7 @@ pub fn back<const R: usize, const W: usize, const C: usize, const K: usize>(
 
 /// The shortest least-squares solution of three unknowns, from the triangle of their columns and the right-hand
 /// side: directions that the rows say nothing of stay 0.
+#[inline]
 pub fn shortest(triangle: [[f64; 4]; 3]) -> [f64; 3] {
     let matrix = SMatrix::<f64, 3, 3>::from_fn(|i, j| triangle[i][j]);
     let wanted = SVector::<f64, 3>::from_fn(|i, _| triangle[i][3]);

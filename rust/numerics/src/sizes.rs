@@ -11,6 +11,7 @@ const LANES: usize = 8;
 const ABREAST: usize = 4;
 
 /// Sum of the absolute values. NaN if one is NaN.
+#[inline]
 pub fn sum_of_sizes(level: Level, values: &[f64]) -> f64 {
     level.run(SumOfSizes(values)).unwrap_or(f64::NAN)
 }
@@ -39,11 +40,13 @@ impl Kernel for SumOfSizes<'_> {
 }
 
 /// Whether every number is finite.
+#[inline]
 pub fn are_finite(values: &[f64]) -> bool {
     Level::best().run_any(Extremes(values)).is_some()
 }
 
 /// The longest of some durations, 0 of none; nothing unless all are finite and positive.
+#[inline]
 pub fn longest(dts: &[f64]) -> Option<f64> {
     let [least, most] = Level::best().run_any(Extremes(dts))?;
     (least > 0.0).then_some(most)

@@ -14,6 +14,7 @@ const LARGE: usize = (32 << 20) / size_of::<f64>();
 const AHEAD: usize = 4;
 
 /// Whether an output of so many numbers is written past the caches.
+#[inline]
 pub fn is_large(numbers: usize) -> bool {
     numbers > LARGE
 }

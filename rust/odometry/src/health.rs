@@ -42,6 +42,7 @@ impl Health {
     const LEFT_OUT: Self = Self(16 | 32 | 64 | 128 | 256 | 1024 | 4096);
 
     /// Whether the sample was left out.
+    #[inline]
     pub fn is_left_out(self) -> bool {
         self.0 & Self::LEFT_OUT.0 != 0
     }
@@ -52,6 +53,7 @@ impl Health {
     }
 
     /// The flag, if it applies.
+    #[inline]
     pub fn when(self, applies: bool) -> Self {
         if applies { self } else { Self::GOOD }
     }
@@ -81,6 +83,7 @@ pub struct Refusal {
 
 impl Refusal {
     /// A refusal with its reason.
+    #[inline]
     pub fn new(flag: Health, error: Error) -> Self {
         Self { flag, error }
     }

@@ -94,37 +94,44 @@ impl Odometry {
     }
 
     /// The rover.
+    #[inline]
     pub fn rover(&self) -> &Rover {
         &self.rover
     }
 
     /// How it works.
+    #[inline]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
     /// Where the rover is.
+    #[inline]
     pub fn pose(&self) -> Pose {
         self.state.pose()
     }
 
     /// Mean twist over the last step, in body axes.
+    #[inline]
     pub fn twist(&self) -> Twist {
         self.state.twist
     }
 
     /// The twist through a first-order filter with the time constant `smoothing`, which starts with the first step.
+    #[inline]
     pub fn velocity(&self) -> Twist {
         self.state.velocity.unwrap_or_default()
     }
 
     /// Covariance of the pose in world axes, x [m], y [m], yaw [rad]: symmetric, without negative variances.
+    #[inline]
     pub fn covariance(&self) -> [[f64; 3]; 3] {
         self.state.uncertainty.reported().matrix().into()
     }
 
     /// Covariance of the twist over the last step, in body axes. Where no step has been made since the first sample, a
     /// command or a pose from outside, nothing is known of the twist: variances are infinite.
+    #[inline]
     pub fn twist_covariance(&self) -> [[f64; 3]; 3] {
         let [_, upper] = self.upper_halves();
         Spread::from(upper).matrix().into()
@@ -154,21 +161,25 @@ impl Odometry {
     }
 
     /// Speed at which each wheel's contact slid over the last step [m/s].
+    #[inline]
     pub fn residual(&self) -> &[f64] {
         &self.residual
     }
 
     /// Say of each wheel over the last step, 0 to 1.
+    #[inline]
     pub fn weights(&self) -> &[f64] {
         &self.work.weights
     }
 
     /// What there is to say about the last sample.
+    #[inline]
     pub fn health(&self) -> Health {
         self.health
     }
 
     /// When the last sample was taken, or until when the last command was held [s]; None before the first one.
+    #[inline]
     pub fn stamp(&self) -> Option<f64> {
         match self.reference.known {
             true => Some(self.reference.stamp),
@@ -183,6 +194,7 @@ impl Odometry {
     }
 
     /// Goes on from this pose; the readings count on from the last sample.
+    #[inline]
     pub fn set_pose(&mut self, pose: Pose, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
         if covariance.iter().any(|value| !value.is_finite()) {

@@ -117,6 +117,7 @@ impl Preintegrated {
     }
 
     /// The rover.
+    #[inline]
     pub fn rover(&self) -> &Rover {
         self.odometry.rover()
     }
@@ -127,16 +128,19 @@ impl Preintegrated {
     }
 
     /// Number of samples.
+    #[inline]
     pub fn len(&self) -> usize {
         self.samples.stamps.len()
     }
 
     /// Whether there is none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.samples.stamps.is_empty()
     }
 
     /// When it begins and ends [s]; None without a sample.
+    #[inline]
     pub fn span(&self) -> Option<[f64; 2]> {
         let stamps = &self.samples.stamps;
         let (first, last) = (*stamps.first()?, *stamps.last()?);
@@ -150,6 +154,7 @@ impl Preintegrated {
 
     /// Takes in a sample, with the attitude `world_from_body` as a quaternion x, y, z, w in space. On failure nothing
     /// has changed.
+    #[inline]
     pub fn add(&mut self, sample: Sample<'_>, attitude: Option<[f64; 4]>) -> Result<(), Error> {
         if self.ends < 1.0 {
             let rule = "belong to a motion that ends with a sample";
@@ -278,6 +283,7 @@ impl Preintegrated {
     }
 
     /// The parts before and after an instant. Within a step the rover is on its arc.
+    #[inline]
     pub fn split(&self, stamp: f64) -> Result<[Self; 2], Error> {
         let Some([begin, end]) = self.span() else {
             let rule = "lie within the samples";
@@ -348,11 +354,13 @@ impl Preintegrated {
     }
 
     /// The motion in the plane with its full turns; None where it has to be worked out by [`Self::replay`].
+    #[inline]
     pub fn pose(&self) -> Option<Pose> {
         self.is_plain().then(|| self.odometry.pose())
     }
 
     /// Covariance in the plane, in coordinates; None where it has to be worked out by [`Self::replay`].
+    #[inline]
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
         self.is_plain().then(|| self.odometry.covariance())
     }
@@ -360,6 +368,7 @@ impl Preintegrated {
 
 impl Residual {
     /// How two poses contradict a motion that is changed by `exp(change)` at its end.
+    #[inline]
     pub fn of(motion: &Motion3, change: &Vector6<f64>, [first, second]: [&Motion3; 2]) -> Self {
         let seen = first.inverse().compose(second);
         let left = motion.inverse().compose(&seen);

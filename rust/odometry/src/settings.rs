@@ -206,11 +206,13 @@ impl Settings {
     }
 
     /// The encoder of a wheel.
+    #[inline]
     pub fn wheel_encoder(&self, wheel: usize) -> Encoder {
         pick(&self.wheel_encoders, wheel)
     }
 
     /// The encoder of a steering joint.
+    #[inline]
     pub fn steering_encoder(&self, joint: usize) -> Encoder {
         pick(&self.steering_encoders, joint)
     }

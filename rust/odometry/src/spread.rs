@@ -39,10 +39,12 @@ impl<T> From<Spread<T>> for [T; 6] {
 
 impl Spread {
     /// The upper half of a matrix.
+    #[inline]
     pub fn of(matrix: &Matrix3<f64>) -> Self {
         Self { xx: matrix.m11, xy: matrix.m12, xz: matrix.m13, yy: matrix.m22, yz: matrix.m23, zz: matrix.m33 }
     }
 
+    #[inline]
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::new(
             self.xx, self.xy, self.xz, //
@@ -141,6 +143,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Spread<T> {
         *self = self.and(*other);
     }
 
+    #[inline]
     pub fn trace(&self) -> T {
         self.xx + self.yy + self.zz
     }

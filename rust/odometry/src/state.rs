@@ -16,6 +16,7 @@ pub(crate) struct State {
 }
 
 impl State {
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         self.walk = other.walk;
         self.twist = other.twist;
@@ -23,6 +24,7 @@ impl State {
         self.uncertainty.copy_from(&other.uncertainty);
     }
 
+    #[inline]
     pub fn pose(&self) -> Pose {
         Pose { x: self.walk.x.value(), y: self.walk.y.value(), yaw: self.walk.yaw.value() }
     }
@@ -52,6 +54,7 @@ impl State {
     }
 
     /// Moves the pose by a correction.
+    #[inline]
     pub fn shift(&mut self, by: &Vector3<f64>) {
         self.walk.shift(by.x, by.y);
         self.walk.turn(by.z);
@@ -69,6 +72,7 @@ pub fn check_pose(pose: &[f64]) -> Result<(), Error> {
 }
 
 /// A variance from outside: one that sums of squares cannot be made of says nothing, like an infinite one.
+#[inline]
 pub fn read_variance(value: f64) -> f64 {
     if value < HUGE { value } else { value * f64::INFINITY }
 }

@@ -64,6 +64,7 @@ impl<T: Copy + Add<Output = T> + Mul<Output = T>> StepJacobian<T> {
 
 impl StepJacobian {
     /// The whole matrix by the displacement.
+    #[inline]
     pub fn matrix(&self) -> Matrix3<f64> {
         let [[a, b, c], [d, e, f]] = self.by_displacement;
         Matrix3::new(a, b, c, d, e, f, 0.0, 0.0, 1.0)
@@ -100,11 +101,13 @@ pub(crate) struct StepNoise {
 
 impl StepNoise {
     /// Covariance of the displacement, as if the readings at both ends erred on their own.
+    #[inline]
     pub fn total(&self) -> Spread {
         self.own.and(self.ends)
     }
 
     /// No noise: a step in which nothing moved.
+    #[inline]
     pub fn clear(&mut self) {
         (self.own, self.ends) = (Spread::default(), Spread::default());
         self.old.fill(Vector3::zeros());
@@ -237,6 +240,7 @@ impl Uncertainty {
     }
 
     /// Covariance of the pose.
+    #[inline]
     pub fn covariance(&self) -> Spread {
         let mut covariance = self.settled.and(self.open);
         for lasting in &self.lasting {
@@ -246,6 +250,7 @@ impl Uncertainty {
     }
 
     /// The same without a negative variance in any direction, rounding or not.
+    #[inline]
     pub fn reported(&self) -> Spread {
         let covariance = rounded(Apart, self.covariance());
         if covariance.may_be_negative() {

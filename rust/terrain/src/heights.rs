@@ -13,6 +13,7 @@ pub enum Heights {
 
 impl Heights {
     /// Number of heights.
+    #[inline]
     pub fn len(&self) -> usize {
         match self {
             Self::Single(heights) => heights.len(),
@@ -21,6 +22,7 @@ impl Heights {
     }
 
     /// Whether there are none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -43,6 +43,7 @@ pub(crate) struct Boxes<S: Vector> {
 
 impl Pyramid {
     /// Takes memory for `8 LEVELS` bytes per cell, which may not be there, and a few milliseconds per 10^5 cells.
+    #[inline]
     pub fn new(
         heights: &Heights,
         [rows, columns]: [usize; 2],

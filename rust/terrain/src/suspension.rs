@@ -80,6 +80,7 @@ pub struct SteeringCommand {
 
 impl RockerBogie {
     /// A rover with this suspension. Fails if a dimension makes no sense.
+    #[inline]
     pub fn new(dimensions: Dimensions) -> Result<Self, Error> {
         Ok(Self { chain: Chain::rocker_bogie(&dimensions)?, links: dimensions.links(), dimensions })
     }
@@ -152,11 +153,13 @@ impl RockerBogie {
     }
 
     /// What it was made of.
+    #[inline]
     pub fn dimensions(&self) -> &Dimensions {
         &self.dimensions
     }
 
     /// The same suspension as parts, joints and wheels.
+    #[inline]
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
@@ -210,6 +213,7 @@ impl RockerBogie {
 
     /// The wheel equation of [`Self::planar`] for a forward speed [m/s] of the rover's origin and a yaw
     /// rate [rad/s], turning where the unsteered wheels scrub least.
+    #[inline]
     pub fn steer(
         &self,
         speed: f64,

@@ -134,6 +134,7 @@ impl PartialEq for Terrain {
 impl Terrain {
     /// A grid of `columns` heights per row. Fails unless there are at least two rows and columns, every height
     /// is finite or NaN, and the place makes sense.
+    #[inline]
     pub fn new(
         heights: Heights,
         columns: usize,
@@ -226,6 +227,7 @@ impl Terrain {
     }
 
     /// Where node (0, 0) lies [m].
+    #[inline]
     pub fn origin(&self) -> [f64; 2] {
         self.origin
     }
@@ -236,6 +238,7 @@ impl Terrain {
     }
 
     /// Cosine and sine of [`Self::orientation`].
+    #[inline]
     pub fn turn(&self) -> Direction {
         self.turn
     }
@@ -288,6 +291,7 @@ impl Terrain {
     }
 
     /// Whether a point of the world lies on the map, its rim included.
+    #[inline]
     pub fn contains(&self, x: f64, y: f64) -> bool {
         let [u, v] = self.grid_from_world(x, y);
         self.on_grid(u, v)
@@ -336,6 +340,7 @@ impl Terrain {
 }
 
 /// Unit normal, upwards, of ground with this gradient.
+#[inline]
 pub fn normal([x, y]: [f64; 2]) -> Vector3<f64> {
     // A gradient may be so steep that its square has no double: scale first.
     let scale = x.abs().max(y.abs()).max(1.0);

@@ -97,6 +97,7 @@ impl Faces {
     }
 
     /// In the order in which the first of equally near ones counts.
+    #[inline]
     pub fn of(&self, keep: Keep) -> &[Face] {
         &self.kept[keep as usize]
     }

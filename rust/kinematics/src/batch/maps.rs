@@ -8,6 +8,7 @@ use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::threads::workers::Workers;
 
 /// A map of every row: of one row of numbers, or of two where it takes two, and how long it lasts [s].
+#[inline]
 pub fn map(
     map: Map,
     first: &[[f64; 3]],

@@ -52,6 +52,7 @@ pub struct Buffers {
 
 impl<'a> Journey<'a> {
     /// Fails where a duration is not one.
+    #[inline]
     pub fn new(twists: Table<'a>, count: usize, steps: Durations<'a>, starts: &'a [[f64; 3]]) -> Result<Self, Error> {
         Ok(Self {
             twists,
@@ -66,17 +67,20 @@ impl<'a> Journey<'a> {
     }
 
     /// First pose of a log.
+    #[inline]
     pub fn start(&self, log: usize) -> [f64; 3] {
         let one = self.starts.len() == 1;
         self.starts[if one { 0 } else { log }]
     }
 
     /// Whether so many logs are worked on side by side. It depends on nothing else, so that no result does.
+    #[inline]
     pub fn is_side_by_side(&self, level: Level, logs: usize) -> bool {
         level != Level::Plain && logs >= GROUP && self.count <= SHORT_LOG
     }
 
     /// So many logs are read at a time.
+    #[inline]
     pub fn block(&self) -> usize {
         (BLOCK_ROWS / self.count.max(1)).next_multiple_of(GROUP).max(GROUP)
     }
@@ -178,6 +182,7 @@ impl<'a> Journey<'a> {
     }
 
     /// The poses of one log, block by block, checked first unless that has been done.
+    #[inline]
     pub fn follow(
         &self,
         level: Level,

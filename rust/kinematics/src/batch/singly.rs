@@ -67,6 +67,7 @@ pub fn fit(
 
 /// The twist of every row of a log and its derivatives. A target takes `3 x wheels` numbers per row, or `3 x
 /// steered wheels` for quantities of the steering.
+#[inline]
 pub fn sensitivity(
     rover: &Rover,
     log: Log<'_>,

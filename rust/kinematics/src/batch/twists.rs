@@ -10,6 +10,7 @@ use six_wheel_numerics::sizes::sum_of_sizes;
 use six_wheel_numerics::threads::workers::Workers;
 
 /// Whether the rover can make each twist. Fails where one is not finite.
+#[inline]
 pub fn admissible(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], workers: Workers) -> Result<(), Error> {
     let share = workers.share(twists.len());
     let jobs = twists.chunks(share).zip(answers.chunks_mut(share));
@@ -32,6 +33,7 @@ fn admissible_rows(rover: &Rover, twists: &[[f64; 3]], answers: &mut [bool], wor
 }
 
 /// [`Rover::project`] of every twist.
+#[inline]
 pub fn project(
     rover: &Rover,
     twists: &[[f64; 3]],

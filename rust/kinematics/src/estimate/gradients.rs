@@ -44,6 +44,7 @@ impl Gradients {
     }
 
     /// Those of a wheel, of steering that rests or is `turning`.
+    #[inline]
     pub fn of(&self, wheel: usize, turning: bool) -> &[Sum; 3] {
         &self.0[usize::from(turning)][wheel]
     }

@@ -127,16 +127,19 @@ pub struct Linearised<'a> {
 
 impl Linearised<'_> {
     /// The twist.
+    #[inline]
     pub fn twist(&self) -> Twist {
         self.twist.into()
     }
 
     /// Which of the steered wheels one is.
+    #[inline]
     pub fn joint(&self, wheel: usize) -> Option<usize> {
         self.rover.steered().iter().position(|&k| k == wheel)
     }
 
     /// Derivative of the twist with respect to a quantity of one wheel.
+    #[inline]
     pub fn derivative(&self, wheel: usize, quantity: Quantity) -> Vector3<f64> {
         self.solve(self.gradient(wheel, quantity))
     }

@@ -17,6 +17,7 @@ use six_wheel_numerics::weave::{BLOCK, Column, unweave, weave, with_columns};
 
 impl Plan<'_> {
     /// Fails at the first row that cannot be read.
+    #[inline]
     pub fn check(&self, level: Level, log: Log<'_>, rows: Range<usize>, unseen: Unseen) -> Result<(), Error> {
         let joints = if self.solution.is_none() { self.joints } else { 0 };
         with_columns(joints, |steering| {
@@ -26,6 +27,7 @@ impl Plan<'_> {
     }
 
     /// Solves rows that have been checked; `past` the caches, if what is written does not fit in.
+    #[inline]
     pub fn solve(
         &self,
         level: Level,

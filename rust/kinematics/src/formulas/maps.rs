@@ -27,6 +27,7 @@ pub enum Map {
 
 impl Map {
     /// One row by the plain core.
+    #[inline]
     pub fn of(self, first: [f64; 3], second: [f64; 3], dt: f64) -> [f64; 3] {
         match self {
             Self::Exp => Twist::from(first).exp(dt).into(),

@@ -67,6 +67,7 @@ impl Rows {
     }
 
     /// What it adds to the normal equations, whichever way it points: the moments of one with scrub or trail follow that.
+    #[inline]
     pub fn normal(&self) -> [f64; 6] {
         let [mut along, mut across] = self.rows;
         if matches!(self.kind, Kind::Steered(_, Some(_))) {
@@ -140,6 +141,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Columns of the rates, where they matter.
+    #[inline]
     pub fn rates(&self, log: Log<'_>) -> usize {
         match (self.solution, log.steering_rates) {
             (None, Some(_)) => self.joints,
@@ -162,6 +164,7 @@ pub(crate) struct Kept<'a> {
 
 impl<'a> Kept<'a> {
     /// Nothing yet; no readings are kept of wheels without a place for them.
+    #[inline]
     pub fn new(seen: &'a mut [[Column; 2]]) -> Self {
         Self { seen, unknowns: [Column::ZERO; 3], rolling: Column::ZERO, doubts: Column::ZERO }
     }

@@ -34,6 +34,7 @@ const SWEEPS: usize = 8;
 
 impl<'a> Block<'a> {
     /// No rows yet.
+    #[inline]
     pub fn new(seen: &'a mut [[Column; 2]], weights: &'a mut [Column]) -> Self {
         Self {
             kept: Kept::new(seen),
@@ -95,6 +96,7 @@ impl<'a> Block<'a> {
     }
 
     /// The row of the block that is the `k`th of those left.
+    #[inline]
     pub fn row(&self, k: usize) -> usize {
         self.active[k]
     }

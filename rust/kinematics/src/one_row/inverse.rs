@@ -36,11 +36,13 @@ pub type Eight = [f64; GROUP];
 
 /// The level of one row. Registers of eight are no faster: steered wheels are mostly four, and a row of four
 /// angles fills a register of four without masks.
+#[inline]
 pub fn level() -> Option<Level> {
     [Level::Avx2, Level::Neon].into_iter().find(|level| level.is_here())
 }
 
 /// The order of the lanes: wheels by index, the steered ones first.
+#[inline]
 pub fn order(rover: &RoverData) -> Vec<usize> {
     let others = (0..rover.wheels().len()).filter(|i| !rover.steered().contains(i));
     rover.steered().iter().copied().chain(others).collect()

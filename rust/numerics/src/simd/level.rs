@@ -39,11 +39,13 @@ impl Level {
     }
 
     /// Whether this machine has it.
+    #[inline]
     pub fn is_here(self) -> bool {
         self == Self::Plain || self.run(Nothing).is_some()
     }
 
     /// The levels this machine has, best last.
+    #[inline]
     pub fn available() -> Vec<Self> {
         LEVELS.into_iter().filter(|level| level.is_here()).collect()
     }
@@ -59,6 +61,7 @@ impl Level {
     }
 
     /// The best level this machine has.
+    #[inline]
     pub fn best() -> Self {
         let best = LEVELS.into_iter().rev().find(|level| level.is_here());
         best.unwrap_or(Self::Plain)

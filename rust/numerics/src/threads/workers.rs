@@ -34,6 +34,7 @@ impl Workers {
     pub const PLAIN: Self = Self { level: Level::Plain, threads: 1, fresh: false };
 
     /// The same without instructions that the machine does not have.
+    #[inline]
     pub fn here(self) -> Self {
         if self.level.is_here() {
             return self;

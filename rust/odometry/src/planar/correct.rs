@@ -30,6 +30,7 @@ impl Odometry {
     /// A pose from outside at some instant of the last `lag` seconds, with its covariance in world axes, infinite
     /// variances where it says nothing. Between two samples the rover is taken to be on the arc of the step; after
     /// the last one it is taken to have gone on as before.
+    #[inline]
     pub fn correct(&mut self, pose: Pose, stamp: f64, covariance: [[f64; 3]; 3]) -> Result<(), Error> {
         let covariance = check_covariance(covariance)?;
         check_pose(&<[f64; 3]>::from(pose))?;

@@ -80,6 +80,7 @@ impl History {
         }
     }
 
+    #[inline]
     pub fn clear(&mut self) {
         self.first = self.next;
         self.corrections.clear();

@@ -74,6 +74,7 @@ impl Odometry {
     }
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
+    #[inline]
     pub fn room(&self) -> Option<Room> {
         let plan = self.plan.as_ref().filter(|_| self.settings.lag == 0.0)?;
         Room::new(plan)

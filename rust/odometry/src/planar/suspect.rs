@@ -52,11 +52,13 @@ impl Suspect {
     }
 
     /// Increment of a wheel in the rows left out since the last good one, as its encoder counts.
+    #[inline]
     pub fn owed(&self, wheel: usize) -> f64 {
         self.owed[wheel]
     }
 
     /// Whether a row at odds with the good ones may go on from the one that was left out before it for the same reason.
+    #[inline]
     pub fn precedes(&self, flag: Health, stamp: f64) -> bool {
         (flag == Health::BACKWARDS || flag == Health::JUMP) && self.flag == flag && stamp > self.stamp
     }

@@ -14,6 +14,7 @@ use six_wheel_numerics::error::{Error, number, numbers};
 
 impl Odometry {
     /// Takes in a sample. On failure nothing has changed.
+    #[inline]
     pub fn update(&mut self, sample: Sample<'_>) -> Result<Health, Error> {
         self.take(sample).map_err(|refusal| refusal.error)
     }

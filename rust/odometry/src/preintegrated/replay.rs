@@ -50,6 +50,7 @@ impl Replayed {
     }
 
     /// Derivative by one thing; zero if the motion does not answer to it.
+    #[inline]
     pub fn by(&self, wanted: Column) -> Vector6<f64> {
         let found = self.columns.iter().find(|(column, _)| *column == wanted);
         found.map_or_else(Vector6::zeros, |(_, by)| *by)

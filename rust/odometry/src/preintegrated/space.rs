@@ -26,6 +26,7 @@ pub struct Motion3 {
 
 impl Motion3 {
     /// None.
+    #[inline]
     pub fn identity() -> Self {
         Self { rotation: UnitQuaternion::identity(), translation: Vector3::zeros() }
     }
@@ -36,6 +37,7 @@ impl Motion3 {
     }
 
     /// Where holding this tangent for one unit of time leads.
+    #[inline]
     pub fn exp(tangent: &Vector6<f64>) -> Self {
         let (way, turn) = split(tangent);
         Self { rotation: UnitQuaternion::from_scaled_axis(turn), translation: left_jacobian_of_turn(&turn) * way }
@@ -51,6 +53,7 @@ impl Motion3 {
 
     /// `a_from_c = a_from_b * b_from_c`
     #[must_use]
+    #[inline]
     pub fn compose(&self, next: &Self) -> Self {
         let mut rotation = self.rotation * next.rotation;
         rotation.renormalize_fast();
@@ -59,6 +62,7 @@ impl Motion3 {
 
     /// `b_from_a`
     #[must_use]
+    #[inline]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self { rotation, translation: -(rotation * self.translation) }
@@ -93,6 +97,7 @@ impl Motion3 {
     }
 
     /// The homogeneous matrix.
+    #[inline]
     pub fn matrix(&self) -> [[f64; 4]; 4] {
         let turn = self.rotation.to_rotation_matrix();
         let mut matrix = [[0.0; 4]; 4];

@@ -50,11 +50,13 @@ impl Deviations {
     }
 
     /// Number of errors.
+    #[inline]
     pub fn len(&self) -> usize {
         self.count
     }
 
     /// Whether there is none: all is known.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }

@@ -45,6 +45,7 @@ impl Encoder {
     }
 
     /// Angle of the joint per count [rad].
+    #[inline]
     pub fn angle_per_count(&self) -> f64 {
         self.resolution.map_or(1.0, |resolution| TAU / resolution) / self.gear
     }

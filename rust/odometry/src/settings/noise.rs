@@ -70,6 +70,7 @@ impl Noise {
     }
 
     /// How many independent errors of readings a step holds for one: their variances are multiplied by this.
+    #[inline]
     pub fn sharing(&self, dt: f64) -> f64 {
         self.period.map_or(1.0, |period| period / dt)
     }

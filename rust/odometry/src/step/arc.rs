@@ -8,6 +8,7 @@ use six_wheel_kinematics::geometry::sinc;
 pub(crate) const SMALL_TURN: f64 = 0.25;
 
 /// Chord of an arc that turns by `angle`, as a share of its length.
+#[inline]
 pub fn chord(angle: f64) -> f64 {
     let half = angle / 2.0;
     if half.abs() > SMALL_TURN {

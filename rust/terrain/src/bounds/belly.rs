@@ -39,6 +39,7 @@ pub struct Belly {
 
 impl Belly {
     /// Fails unless it is a rectangle.
+    #[inline]
     pub fn new(x: [f64; 2], half_width: f64, z: f64) -> Result<Self, Error> {
         let all = [x[0], x[1], half_width, z];
         let is = all.iter().all(|value| value.is_finite()) && x[0] < x[1] && half_width > 0.0;
@@ -66,6 +67,7 @@ impl Belly {
     }
 
     /// [`Self::clearance`] of a chain that stands.
+    #[inline]
     pub fn above(&self, ground: &Terrain, placed: &Placed<'_>) -> Option<f64> {
         self.clearance(ground, placed.origin, &placed.rotation)
     }

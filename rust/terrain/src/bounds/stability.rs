@@ -121,6 +121,7 @@ pub fn joint_margins(chain: &Chain, stand: &Stand) -> impl Iterator<Item = f64> 
 }
 
 /// Angle between the body's z axis and the vertical [rad].
+#[inline]
 pub fn tilt(placed: &Placed<'_>) -> f64 {
     let up = placed.rotation.column(2);
     up.x.hypot(up.y).atan2(up.z)

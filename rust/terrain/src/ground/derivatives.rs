@@ -43,6 +43,7 @@ fn answer<const N: usize>(
 }
 
 /// Derivatives of a settled state by x, y and yaw. None where the state is not determined.
+#[inline]
 pub fn by_pose(chain: &Chain, placed: &Placed<'_>, stand: &Stand) -> Option<[[f64; 3]; MAX_STATE]> {
     answer(chain, placed, stand, |wheel, point, contact| gap_slopes(placed, wheel, point, contact.gradient).0)
 }

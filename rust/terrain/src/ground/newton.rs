@@ -32,6 +32,7 @@ impl Hold {
     pub const NONE: Self = Self { joints: [None; MAX_FREE], hanging: 0 };
 
     /// Whether a wheel touches.
+    #[inline]
     pub fn touches(&self, wheel: usize) -> bool {
         self.hanging >> wheel & 1 == 0
     }
@@ -48,11 +49,13 @@ pub(crate) struct System<const RIGHT: usize> {
 }
 
 impl<const RIGHT: usize> System<RIGHT> {
+    #[inline]
     pub fn empty() -> Self {
         Self { rows: [[0.0; MAX_STATE]; MAX_WHEELS], right: [[0.0; RIGHT]; MAX_WHEELS], count: 0 }
     }
 
     /// Adds an equation.
+    #[inline]
     pub fn push(&mut self, row: [f64; MAX_STATE], right: [f64; RIGHT]) {
         self.rows[self.count] = row;
         self.right[self.count] = right;
@@ -61,6 +64,7 @@ impl<const RIGHT: usize> System<RIGHT> {
 
     /// Solves by elimination with row exchanges: the solutions in place of the right-hand sides. None if it is
     /// singular.
+    #[inline]
     pub fn solve(mut self) -> Option<[[f64; RIGHT]; MAX_WHEELS]> {
         let n = self.count;
         for k in 0..n {

@@ -111,10 +111,12 @@ impl Plan {
         Some(plan)
     }
 
+    #[inline]
     pub fn wheels(&self) -> usize {
         self.wheels.len()
     }
 
+    #[inline]
     pub fn radius(&self, wheel: usize) -> f64 {
         self.wheels[wheel].radius
     }

@@ -17,6 +17,7 @@ impl<'a> Settler<'a> {
     }
 
     /// The same for numbers known to be finite.
+    #[inline]
     pub fn settle_finite(&self, pose: PlanPose, steering: &[f64]) -> Settled<'a> {
         self.settle_near(pose, steering, None)
     }

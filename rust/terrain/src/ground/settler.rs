@@ -41,6 +41,7 @@ impl Status {
     }
 
     /// As it is told: what tips over has not converged.
+    #[inline]
     pub fn told(self) -> Self {
         match self {
             Self::TipsOver => Self::NotConverged,
@@ -60,6 +61,7 @@ impl Status {
     }
 
     /// Whether the state is one that the rover stands in.
+    #[inline]
     pub fn stands(self) -> bool {
         matches!(self, Self::Settled | Self::AtStop)
     }
@@ -95,6 +97,7 @@ pub struct Settled<'a> {
 
 impl<'a> Settler<'a> {
     /// A chain with its weight where [`Chain::balance`] says.
+    #[inline]
     pub fn new(ground: &'a Terrain, chain: &'a Chain) -> Self {
         Self { ground, chain, balance: chain.balance(), level: Level::best() }
     }

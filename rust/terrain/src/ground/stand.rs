@@ -51,11 +51,13 @@ impl Contact {
         Self { gap: f64::NAN, at: Direction { sin: f64::NAN, cos: f64::NAN }, gradient: [f64::NAN; 2], next: f64::NAN };
 
     /// The vector whose product with the velocity of the contact point is the rate of the gap.
+    #[inline]
     pub fn upwards(&self) -> Vector3<f64> {
         Vector3::new(-self.gradient[0], -self.gradient[1], 1.0)
     }
 
     /// Contact angle [rad].
+    #[inline]
     pub fn angle(&self) -> f64 {
         self.at.sin.atan2(self.at.cos)
     }
@@ -98,6 +100,7 @@ impl Stand {
     }
 
     /// The state, then of every wheel gap, sine and cosine of the contact angle, gradient and next angle.
+    #[inline]
     pub fn numbers(&self) -> &[f64; NUMBERS] {
         const {
             assert!(offset_of!(Self, wheels) == offset_of!(Self, state) + size_of::<State>());
@@ -109,6 +112,7 @@ impl Stand {
     }
 
     /// Whether a wheel touches the ground.
+    #[inline]
     pub fn touches(&self, wheel: usize) -> bool {
         self.hanging >> wheel & 1 == 0
     }
@@ -122,6 +126,7 @@ impl Stand {
     }
 
     /// Where a wheel touches [m], on its rim.
+    #[inline]
     pub fn point(&self, chain: &Chain, placed: &Placed<'_>, wheel: usize) -> Vector3<f64> {
         rim_point(chain, placed, wheel, self.wheels[wheel].at)
     }

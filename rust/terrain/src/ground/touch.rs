@@ -75,6 +75,7 @@ impl Touch {
     }
 
     /// Point and gradient of a minimum [m].
+    #[inline]
     pub fn contact(&self, ground: &Terrain, radius: f64, minimum: &Minimum) -> (Vector3<f64>, [f64; 2]) {
         let WheelFrame { centre, forward, up, .. } = self.frame;
         let [dx, dy] = ground.spacing();
@@ -88,6 +89,7 @@ impl Touch {
 
 impl<'a> Touches<'a> {
     /// Room for a chain over the ground.
+    #[inline]
     pub fn nowhere(chain: &'a Chain) -> Self {
         let frame =
             WheelFrame { centre: Vector3::zeros(), forward: Vector3::x(), axle: Vector3::y(), up: Vector3::z() };
@@ -182,6 +184,7 @@ impl<'a> Touches<'a> {
     }
 
     /// [`gap_slopes`] of a wheel.
+    #[inline]
     pub fn slopes(&self, wheel: usize) -> ([f64; 3], [f64; MAX_STATE]) {
         let touch = &self.wheels[wheel];
         gap_slopes(&self.placed, wheel, touch.point, touch.gradient)

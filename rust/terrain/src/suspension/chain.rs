@@ -152,21 +152,25 @@ impl Chain {
     }
 
     /// The parts, parents before children.
+    #[inline]
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
     /// The wheels, front to rear, left before right.
+    #[inline]
     pub fn wheels(&self) -> &[Mount] {
         &self.wheels
     }
 
     /// The free angles.
+    #[inline]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
     /// How far each steering joint turns.
+    #[inline]
     pub fn steering(&self) -> &[SteeringRange] {
         &self.steering
     }
@@ -183,6 +187,7 @@ impl Chain {
     }
 
     /// Name of the first wheel that a steering joint turns.
+    #[inline]
     pub fn steered_name(&self, joint: usize) -> &str {
         let turns = |wheel: &usize| self.steering_joint(*wheel) == Some(joint);
         let found = (0..self.wheels.len()).find(turns);
@@ -190,6 +195,7 @@ impl Chain {
     }
 
     /// The joint that steers a wheel.
+    #[inline]
     pub fn steering_joint(&self, wheel: usize) -> Option<usize> {
         self.carriers(wheel).find_map(|part| match self.parts[part].turning {
             Turning::Steering(joint) => Some(joint),
@@ -204,6 +210,7 @@ impl Chain {
 
     /// Puts the chain where a pose, a state and steering angles (all 0 if there are none) say. None where a
     /// differential does not reach.
+    #[inline]
     pub fn place(&self, pose: PlanPose, state: &State, steering: &[f64]) -> Option<Placed<'_>> {
         let mut placed = self.nowhere();
         placed.put(pose, state, steering).map(|()| placed)
@@ -368,6 +375,7 @@ impl Placed<'_> {
     }
 
     /// Rotation and origin of a part.
+    #[inline]
     pub fn part(&self, part: usize) -> (Matrix3<f64>, Vector3<f64>) {
         self.carrier(Some(part))
     }

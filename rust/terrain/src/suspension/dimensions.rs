@@ -16,6 +16,7 @@ pub enum Steered {
 
 impl Steered {
     /// Indices of the steered wheels.
+    #[inline]
     pub fn wheels(self) -> &'static [usize] {
         match self {
             Self::Front => &[0, 1],
@@ -25,6 +26,7 @@ impl Steered {
     }
 
     /// The name by which [`str::parse`] finds it.
+    #[inline]
     pub fn name(self) -> &'static str {
         match self {
             Self::Front => "front",
@@ -91,6 +93,7 @@ pub enum Differential {
 impl Differential {
     /// Angle of the right rocker about +y at this angle of the left one, and its derivative; None where the
     /// linkage does not reach.
+    #[inline]
     pub fn right(self, left: f64) -> Option<[f64; 2]> {
         let Self::Bar { half_length: b, lever: h, rod: l } = self else {
             return Some([-left, -1.0]);

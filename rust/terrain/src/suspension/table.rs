@@ -145,6 +145,7 @@ impl<'a> Posture<'a> {
     }
 
     /// `rover_from_wheel`: origin in the wheel's centre, x where it rolls, y along its axle.
+    #[inline]
     pub fn wheel(&self, wheel: usize) -> &IsometryMatrix3<f64> {
         &self.frames[A1 + wheel]
     }
@@ -170,6 +171,7 @@ impl<'a> Posture<'a> {
     }
 
     /// Derivative of a wheel's centre in the rover's frame by every joint angle [m/rad].
+    #[inline]
     pub fn jacobian(&self, wheel: usize) -> [Vector3<f64>; MAX_JOINTS] {
         let centre = self.wheel_centre(wheel);
         let mut columns = [Vector3::zeros(); MAX_JOINTS];

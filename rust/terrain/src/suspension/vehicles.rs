@@ -162,6 +162,7 @@ impl Chain {
     }
 
     /// Three to six wheels on the body itself; of these, three touch. Centres `[x, y, z]` [m].
+    #[inline]
     pub fn rigid(wheels: &[(&str, [f64; 3], Option<SteeringRange>)], wheel_radius: f64) -> Result<Self, Error> {
         positive("wheel_radius", wheel_radius)?;
         let (mut parts, mut mounts, mut ranges) = (Vec::new(), Vec::new(), Vec::new());

@@ -99,6 +99,7 @@ pub(crate) fn at<const N: usize>(columns: &[Column; N], row: usize) -> [f64; N] 
 
 impl Block {
     /// The rows that were made, where they belong.
+    #[inline]
     pub fn write(&mut self, room: &Room, rows: Range<usize>, wheels: usize, track: &mut TrackRows<'_>) {
         let write = Write { block: self, room, rows, wheels, track };
         room.level.run(write);

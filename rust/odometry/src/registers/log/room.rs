@@ -58,11 +58,13 @@ impl Room {
     }
 
     /// Most rows of a block.
+    #[inline]
     pub fn rows(&self) -> usize {
         BLOCK
     }
 
     /// Angles of the joints after a step [rad].
+    #[inline]
     pub fn angles(&self, row: usize) -> &[f64] {
         let joints = self.ends.len();
         &self.angles[row * joints..(row + 1) * joints]

@@ -40,6 +40,7 @@ pub(crate) struct Gap {
 pub(crate) type Jet = [f64; 3];
 
 impl Gap {
+    #[inline]
     pub fn new(cell: &Cell, circle: &Circle, [column, row]: [f64; 2]) -> Self {
         let ([x, y, z], [hx, hy, hz], [ux, uy, uz]) = (circle.centre, circle.forward, circle.up);
         let (a, b) = (x - column, y - row);

@@ -58,6 +58,7 @@ impl Rim {
         Self { least: None, next: None, unknown: false, outside: false, bound: f64::INFINITY };
 
     /// One minimum over ground that is known all along.
+    #[inline]
     pub fn of(minimum: Minimum) -> Self {
         Self { least: Some(minimum), bound: minimum.gap, ..Self::NOTHING }
     }

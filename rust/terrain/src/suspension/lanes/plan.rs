@@ -123,37 +123,44 @@ impl Plan {
     }
 
     /// Number of wheels.
+    #[inline]
     pub fn wheels(&self) -> usize {
         self.wheels.len()
     }
 
     /// Number of joints.
+    #[inline]
     pub fn joints(&self) -> usize {
         self.joints
     }
 
     /// Radius of a wheel [m].
+    #[inline]
     pub fn radius(&self, wheel: usize) -> f64 {
         self.wheels[wheel].radius
     }
 
     /// Steering joint of a wheel.
+    #[inline]
     pub fn steering(&self, wheel: usize) -> Option<usize> {
         self.wheels[wheel].steering
     }
 
     /// Bits of the free angles that move a wheel.
+    #[inline]
     pub fn moved(&self, wheel: usize) -> u32 {
         self.wheels[wheel].moved
     }
 
     /// The free angles, those first that move few wheels.
+    #[inline]
     pub fn order(&self) -> &[usize] {
         &self.order
     }
 
     /// How fast a wheel rises over level ground, all angles 0, with the free angles in their order, then with the body's vz, wx
     /// and wy.
+    #[inline]
     pub fn rise(&self, wheel: usize) -> [f64; MAX_FREE + 3] {
         let Wheel { pivot, offset, .. } = &self.wheels[wheel];
         let movers = &self.wheels[wheel].movers;
@@ -172,6 +179,7 @@ impl Plan {
     }
 
     /// Bits of those rates that move a wheel, in the same order.
+    #[inline]
     pub fn parts_in(&self, wheel: usize) -> u32 {
         let mut bits = 0b111 << self.joints;
         for (k, joint) in self.order.iter().enumerate() {
@@ -181,12 +189,14 @@ impl Plan {
     }
 
     /// The centre of a wheel from its steering axis, ahead and to the left where that is straight [m].
+    #[inline]
     pub fn offset(&self, wheel: usize) -> [f64; 2] {
         let [ahead, left, _] = self.wheels[wheel].offset;
         [ahead, left]
     }
 
     /// Whether the centres of a joint's wheels lie about its axis: then they go on average where the axis does.
+    #[inline]
     pub fn is_centred(&self, joint: usize) -> bool {
         self.centred >> joint & 1 == 1
     }
