@@ -1,4 +1,4 @@
-//! `six_wheel._core`: the Python face of `six-wheel-core`. Shapes, names and errors; no mathematics.
+//! `six_wheel._core`: the Python face of the crates of six_wheel. Shapes, names and errors; no mathematics.
 
 mod admissible;
 mod batch;

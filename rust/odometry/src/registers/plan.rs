@@ -23,7 +23,7 @@ pub(crate) type Triple = [Eight; 3];
 /// measure nothing. A plan exists only where the solution of the least squares is a constant of the rover, so `shares`
 /// are constants too. `rooms` are written by every step before they are read and mean nothing between steps.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     pub(crate) level: Level,
     pub(crate) groups: Vec<Group>,
     /// One per group.
