@@ -18,7 +18,7 @@ impl Odometry {
     /// A usual sample by registers. Whether a wheel slips, and what a gyroscope turned; nothing, and nothing has changed,
     /// where the sample is none, the rover stands, or it may have to be refused.
     #[inline]
-    pub fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
+    pub(crate) fn step(&mut self, sample: &Sample<'_>) -> Option<(bool, Option<f64>)> {
         let reference = &self.reference;
         self.plan.as_ref()?;
         let dt = sample.stamp - reference.stamp;
@@ -75,7 +75,7 @@ impl Odometry {
 
     /// Memory to take in a log by registers of samples; nothing where that cannot be.
     #[inline]
-    pub fn room(&self) -> Option<Room> {
+    pub(crate) fn room(&self) -> Option<Room> {
         let plan = self.plan.as_ref().filter(|_| self.settings.lag == 0.0)?;
         Room::new(plan)
     }

@@ -12,7 +12,7 @@ pub(crate) const SURELY: f64 = 1.0 - 1e-9;
 
 /// What the settings say of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Terms<T> {
+pub(crate) struct Terms<T> {
     /// Duration [s].
     pub dt: T,
     /// Variance of what a wheel rolled, but for slip [m²].

@@ -6,7 +6,7 @@ use crate::spread::Spread;
 
 /// What a gyroscope says of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Turned<T> {
+pub(crate) struct Turned<T> {
     /// 1, or 0 where it says nothing: then its gain is 0, which changes nothing.
     pub says: T,
     /// What it turned, its bias taken off [rad].

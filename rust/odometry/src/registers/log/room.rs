@@ -8,7 +8,7 @@ use six_wheel_numerics::weave::{BLOCK, Column};
 
 /// What a block needs as much of as the rover has wheels. Written by every block before it is read, but for the row before
 /// it in `ends`, which comes from the state.
-pub struct Room {
+pub(crate) struct Room {
     pub(crate) level: Level,
     /// Row by row: what is taken apart into columns next.
     pub(crate) flat: Vec<f64>,
